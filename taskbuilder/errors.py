@@ -1,0 +1,118 @@
+"""Findings (what is wrong with a file, and where) and the errors that carry them.
+
+A finding is data: checks return them, reports print them. An error is what Python code that
+uses the library sees; the ones a user can cause carry the findings that explain them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True, order=True)
+class Location:
+    """A place in a file. Lines and columns count from 1; 0 means the file as a whole."""
+
+    file: Path
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        name = display_path(self.file)
+        if not self.line:
+            return name
+        return f"{name}:{self.line}:{self.column}" if self.column else f"{name}:{self.line}"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong, where it is, and what would be right.
+
+    Attributes:
+        code: Stable code such as ``TB102``; each has an entry in the documentation.
+        message: What is wrong, then, after a semicolon, what would be right.
+        path: Dotted path in the file (``scene.robots.left.model``), or "" where none applies.
+        location: File, line and column, or None for a finding that belongs to no file.
+        excerpt: Source line to show below the finding, or "".
+    """
+
+    code: str
+    message: str
+    path: str = ""
+    location: Location | None = None
+    severity: Severity = "error"
+    excerpt: str = ""
+
+    def __str__(self) -> str:
+        where = f"{self.location}: " if self.location else ""
+        subject = f"{self.path}: " if self.path else ""
+        line = f"{where}{self.severity}[{self.code}] {subject}{self.message}"
+        return f"{line}\n    {self.excerpt}" if self.excerpt else line
+
+    def at(self, location: Location | None) -> Finding:
+        """The same finding, placed elsewhere."""
+        return replace(self, location=location)
+
+
+def in_reading_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Findings sorted by file and line, without repetitions."""
+    nowhere = Location(Path())
+    unique = dict.fromkeys(findings)
+    return tuple(sorted(unique, key=lambda f: (f.location or nowhere, f.code, f.path, f.message)))
+
+
+def display_path(path: Path) -> str:
+    """The path as a person would write it: relative to the working directory when inside it."""
+    try:
+        return str(path.relative_to(Path.cwd()))
+    except (ValueError, OSError):
+        return str(path)
+
+
+class TaskbuilderError(Exception):
+    """Base of every error that taskbuilder raises on purpose."""
+
+
+class FileError(TaskbuilderError):
+    """A task, robot or asset file is wrong; ``findings`` say how.
+
+    Attributes:
+        findings: Every finding of the file, in reading order; at least one is an error.
+    """
+
+    def __init__(self, findings: Iterable[Finding]) -> None:
+        self.findings = in_reading_order(findings)
+        super().__init__("\n".join(map(str, self.findings)))
+
+
+class UnknownNameError(TaskbuilderError):
+    """A task, robot, camera or option was asked for by a name that does not exist."""
+
+
+class UsageError(TaskbuilderError):
+    """A call or command line that cannot be carried out as asked."""
+
+
+class SimulationError(TaskbuilderError):
+    """The physics engine refused something or lost its state."""
+
+
+class ExplosionError(SimulationError):
+    """The simulation diverged: a non-finite or absurd state. The world must be built anew."""
+
+
+class PlacementError(TaskbuilderError):
+    """Objects could not be placed without overlap.
+
+    Attributes:
+        findings: One finding for each thing that did not fit.
+    """
+
+    def __init__(self, findings: Iterable[Finding]) -> None:
+        self.findings = in_reading_order(findings)
+        super().__init__("\n".join(map(str, self.findings)))
