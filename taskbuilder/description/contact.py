@@ -1,0 +1,85 @@
+"""Conditions on contact: held, released, touching, resting on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
+
+from taskbuilder.description.node import BodyName, Condition, RobotName
+from taskbuilder.description.view import WorldView
+from taskbuilder.spec.names import SceneNames
+
+_CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has less
+
+
+@dataclass(frozen=True)
+class Held(Condition):
+    """Fingers of a robot press on a body from both sides.
+
+    ``by`` is a robot, several that must all hold at once, or None for any robot.
+    """
+
+    body: BodyName
+    _: KW_ONLY
+    by: RobotName | tuple[RobotName, ...] | None = None
+
+    def holds(self, world: WorldView) -> bool:
+        if self.by is None:
+            return any(world.held(self.body, robot) for robot in world.robot_names)
+        robots = (self.by,) if isinstance(self.by, str) else self.by
+        return all(world.held(self.body, robot) for robot in robots)
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if self.by == ():
+            yield "by is empty; name a robot, or leave by out for any"
+
+
+@dataclass(frozen=True)
+class Released(Condition):
+    """No finger touches a body: none of one robot's, or none at all."""
+
+    body: BodyName
+    _: KW_ONLY
+    by: RobotName | None = None
+
+    def holds(self, world: WorldView) -> bool:
+        robots = world.robot_names if self.by is None else (self.by,)
+        return not any(world.fingers_touch(self.body, robot) for robot in robots)
+
+
+@dataclass(frozen=True)
+class EmptyHanded(Condition):
+    """A robot holds no object."""
+
+    robot: RobotName
+
+    def holds(self, world: WorldView) -> bool:
+        return not any(world.held(name, self.robot) for name in world.object_names)
+
+
+@dataclass(frozen=True)
+class Contact(Condition):
+    """Two bodies touch, or a robot touches a body."""
+
+    first: BodyName
+    second: BodyName | None = None
+    _: KW_ONLY
+    robot: RobotName | None = None
+
+    def holds(self, world: WorldView) -> bool:
+        return world.touching(self.first, self.second or self.robot or "")
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if (self.second is None) == (self.robot is None):
+            yield 'touches what? write Contact("a", "b") or Contact("a", robot="left")'
+
+
+@dataclass(frozen=True)
+class On(Condition):
+    """One body carries at least part of another's weight."""
+
+    body: BodyName
+    below: BodyName
+
+    def holds(self, world: WorldView) -> bool:
+        return world.support(self.body, self.below) > _CARRIES

@@ -1,0 +1,131 @@
+"""A task's description, and the referee that applies it to a world step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from taskbuilder.description.logic import Never
+from taskbuilder.description.measures import Measure
+from taskbuilder.description.node import Condition, Memory, Node, walk
+from taskbuilder.description.rewards import Term
+from taskbuilder.description.view import WorldView
+
+
+class Description:
+    """What counts as success and what is paid; one subclass in the file beside a task's YAML.
+
+    Attributes:
+        success: When the task is done. Required.
+        failure: When it can no longer be done.
+        stages: Milestones by name, in the order in which they come.
+        reward: The terms that are paid at every control step. Required.
+        progress: How far the task is, for training signals; never part of the reward.
+    """
+
+    success: ClassVar[Condition]
+    failure: ClassVar[Condition] = Never()
+    stages: ClassVar[Mapping[str, Condition]] = {}
+    reward: ClassVar[tuple[Term, ...]]
+    progress: ClassVar[Measure | None] = None
+
+    @classmethod
+    def conditions(cls) -> dict[str, Condition]:
+        """Every condition that has a name: success, failure, stages and other attributes."""
+        attributes = {
+            name: value
+            for base in reversed(cls.__mro__)
+            for name, value in vars(base).items()
+            if isinstance(value, Condition) and name not in ("success", "failure")
+        }
+        return {"success": cls.success, "failure": cls.failure, **cls.stages, **attributes}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What the referee says of one control step.
+
+    Attributes:
+        success: The success condition holds now.
+        failure: The failure condition holds now.
+        stage: How many stages have been reached so far: the last one ever to hold counts.
+        progress: The description's progress, or 0.0.
+        conditions: Value of every named condition.
+        terms: Pay of every reward term by label, in the description's order.
+        local: Each agent's own pay plus its even share of what is common.
+        team: The sum of the agents' pay, in their order.
+    """
+
+    success: bool
+    failure: bool
+    stage: int
+    progress: float
+    conditions: Mapping[str, bool]
+    terms: Mapping[str, float]
+    local: Mapping[str, float]
+    team: float
+
+
+class Referee:
+    """Applies a description to a world; remembers what the description needs, in one value.
+
+    Every distinct expression of the description is evaluated once after reset and once after each
+    control step, parts first, never short-circuited. `memory` is immutable: keep it beside a
+    snapshot of the physics and set it back to continue from there.
+    """
+
+    def __init__(self, description: type[Description], agents: Sequence[str]) -> None:
+        self.description = description
+        self.agents = tuple(agents)
+        self._named = description.conditions()
+        progress = (description.progress,) if description.progress is not None else ()
+        roots: tuple[Node, ...] = (*self._named.values(), *description.reward, *progress)
+        self._nodes = tuple(walk(roots))
+        self._index = {node: index for index, node in enumerate(self._nodes)}
+        self._parts = tuple(tuple(self._index[part] for part in node.parts) for node in self._nodes)
+        self.memory: tuple[tuple[Memory, ...], int] = ((), 0)
+
+    def start(self, world: WorldView) -> Outcome:
+        """Forget the last episode and judge the world as it stands after reset."""
+        self.memory = (tuple(node.start(world) for node in self._nodes), 0)
+        return self.judge(world)
+
+    def judge(self, world: WorldView) -> Outcome:
+        """Judge the world after a control step."""
+        memories, stage = self.memory
+        values: list[Any] = []
+        remembered = []
+        for node, parts, memory in zip(self._nodes, self._parts, memories, strict=True):
+            value, kept = node.update(world, tuple(values[part] for part in parts), memory)
+            values.append(value)
+            remembered.append(kept)
+        for number, reached in enumerate(self.description.stages.values(), start=1):
+            stage = max(stage, number) if values[self._index[reached]] else stage
+        self.memory = (tuple(remembered), stage)
+        return self._outcome(values, stage)
+
+    def _outcome(self, values: list[Any], stage: int) -> Outcome:
+        conditions = {name: values[self._index[node]] for name, node in self._named.items()}
+        local = dict.fromkeys(self.agents, 0.0)
+        common = 0.0
+        terms = {}
+        for term in self.description.reward:
+            pay = terms[term.label] = values[self._index[term]]
+            if term.agent is None:
+                common += pay
+            else:
+                local[term.agent] += pay
+        share = common / len(local)
+        local = {agent: own + share for agent, own in local.items()}
+        progress = self.description.progress
+        return Outcome(
+            success=conditions["success"],
+            failure=conditions["failure"],
+            stage=stage,
+            progress=values[self._index[progress]] if progress is not None else 0.0,
+            conditions=conditions,
+            terms=terms,
+            local=local,
+            team=sum(local.values()),
+        )

@@ -1,0 +1,120 @@
+"""Conditions over conditions: counting, and order and duration in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from taskbuilder.description.node import Condition, Memory, Node, Parts, Step
+from taskbuilder.description.view import WorldView
+from taskbuilder.spec.names import SceneNames
+
+_TIME_SLACK = 1e-9  # seconds; times are sums of control steps
+
+
+@dataclass(frozen=True)
+class Never(Condition):
+    """Always false."""
+
+    def holds(self, world: WorldView) -> bool:
+        return False
+
+
+@dataclass(frozen=True, init=False)
+class AtLeast(Condition):
+    """At least ``count`` of several conditions."""
+
+    count: int
+    of: tuple[Condition, ...]
+
+    def __init__(self, count: int, *of: Condition) -> None:
+        object.__setattr__(self, "count", count)
+        object.__setattr__(self, "of", of)
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The conditions, in order."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return sum(parts) >= self.count, memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not 1 <= self.count <= len(self.of):
+            yield f"count is {self.count}; from 1 to the {len(self.of)} conditions given"
+
+
+@dataclass(frozen=True, init=False)
+class Then(Condition):
+    """Conditions that come true one after the other; true from the last one on.
+
+    Each must hold at the same control step as the one before it came true, or at a later one;
+    none needs to go on holding.
+    """
+
+    of: tuple[Condition, ...]
+
+    def __init__(self, *of: Condition) -> None:
+        object.__setattr__(self, "of", of)
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The conditions, in order."""
+        return self.of
+
+    def start(self, world: WorldView) -> Memory:
+        """How many have come true."""
+        return 0
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        while memory < len(parts) and parts[memory]:
+            memory += 1
+        return memory == len(parts), memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.of:
+            yield "lists no condition; give at least one"
+
+
+@dataclass(frozen=True)
+class Sustained(Condition):
+    """A condition that has held at every control step for some time."""
+
+    of: Condition
+    seconds: float
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The one condition."""
+        return (self.of,)
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        """The memory is the time since which the condition holds."""
+        if not parts[0]:
+            return False, None
+        since = world.time if memory is None else memory
+        return world.time - since >= self.seconds - _TIME_SLACK, since
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.seconds > 0:
+            yield f"seconds is {self.seconds}; more than 0"
+
+
+@dataclass(frozen=True)
+class Once(Condition):
+    """A condition that holds now or has held before in this episode."""
+
+    of: Condition
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The one condition."""
+        return (self.of,)
+
+    def start(self, world: WorldView) -> Memory:
+        """Whether it has held."""
+        return False
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        held = memory or parts[0]
+        return held, held

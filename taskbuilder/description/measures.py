@@ -1,0 +1,186 @@
+"""Measures: numbers read off the world, for potentials, progress and pay.
+
+They add and multiply with each other and with plain numbers: ``0.5 * (3 + Height("cube"))``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+from taskbuilder.description.node import Call, Condition, FrameName, Memory, Node, Parts, Step
+from taskbuilder.description.view import WorldView
+from taskbuilder.spec.names import Kind, SceneNames
+
+
+class Measure(Node):
+    """A number read off the world. Make your own by `measure`, or as a frozen dataclass."""
+
+    def value(self, world: WorldView) -> float:
+        """The number now."""
+        raise NotImplementedError
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return float(self.value(world)), memory
+
+    def __add__(self, other: Measure | float) -> Measure:
+        return Sum((self, as_measure(other)))
+
+    def __radd__(self, other: float) -> Measure:
+        return Sum((as_measure(other), self))
+
+    def __sub__(self, other: Measure | float) -> Measure:
+        return Sum((self, Product((Constant(-1.0), as_measure(other)))))
+
+    def __mul__(self, other: Measure | float) -> Measure:
+        return Product((self, as_measure(other)))
+
+    def __rmul__(self, other: float) -> Measure:
+        return Product((as_measure(other), self))
+
+
+def as_measure(value: Measure | float) -> Measure:
+    """A measure as it is, a number as a measure that never changes."""
+    return value if isinstance(value, Measure) else Constant(float(value))
+
+
+@dataclass(frozen=True)
+class Constant(Measure):
+    """A number."""
+
+    number: float
+
+    def value(self, world: WorldView) -> float:
+        return self.number
+
+
+@dataclass(frozen=True)
+class Sum(Measure):
+    """The sum of measures; written ``a + b``."""
+
+    of: tuple[Measure, ...]
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The summands."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return sum(parts), memory
+
+
+@dataclass(frozen=True)
+class Product(Measure):
+    """The product of measures; written ``a * b``."""
+
+    of: tuple[Measure, ...]
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The factors."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return math.prod(parts), memory
+
+
+@dataclass(frozen=True)
+class Gap(Measure):
+    """The distance between two frames, in metres."""
+
+    first: FrameName
+    second: FrameName
+
+    def value(self, world: WorldView) -> float:
+        return math.dist(world.position(self.first), world.position(self.second))
+
+
+@dataclass(frozen=True)
+class Closeness(Measure):
+    """1 - tanh(d / scale) of the distance d between two frames: 1 at the same place, 0 far away."""
+
+    first: FrameName
+    second: FrameName
+    _: KW_ONLY
+    scale: float = 0.2
+
+    def value(self, world: WorldView) -> float:
+        gap = math.dist(world.position(self.first), world.position(self.second))
+        return 1.0 - math.tanh(gap / self.scale)
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.scale > 0:
+            yield f"scale is {self.scale}; metres, more than 0"
+
+
+@dataclass(frozen=True)
+class Height(Measure):
+    """How high a frame is above the world's origin, or above another frame, in metres."""
+
+    frame: FrameName
+    reference: FrameName | None = None
+
+    def value(self, world: WorldView) -> float:
+        base = world.position(self.reference)[2] if self.reference else 0.0
+        return world.position(self.frame)[2] - base
+
+
+@dataclass(frozen=True, init=False)
+class Ladder(Measure):
+    """The measure of the last rung whose condition holds, or else of the ground.
+
+    ::
+
+        progress = Ladder(
+            Closeness("left.tcp", "cube"),  # the ground: before anything holds
+            (Held("cube", by="left"), 1 + Closeness("cube", "tray")),
+            (Inside("cube", "tray"), 3),
+        )
+    """
+
+    ground: Measure
+    rungs: tuple[tuple[Condition, Measure], ...]
+
+    def __init__(self, ground: Measure | float, *rungs: tuple[Condition, Measure | float]) -> None:
+        object.__setattr__(self, "ground", as_measure(ground))
+        climbed = tuple((condition, as_measure(value)) for condition, value in rungs)
+        object.__setattr__(self, "rungs", climbed)
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The ground, then condition and measure of each rung."""
+        return (self.ground, *(node for rung in self.rungs for node in rung))
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        standing = parts[0]
+        for condition, value in zip(parts[1::2], parts[2::2], strict=True):
+            standing = value if condition else standing
+        return standing, memory
+
+
+@dataclass(frozen=True)
+class CustomMeasure(Measure):
+    """A measure made of a function by `measure`."""
+
+    call: Call[float]
+
+    def value(self, world: WorldView) -> float:
+        return self.call(world)
+
+    def references(self) -> Iterator[tuple[Kind, str]]:
+        return self.call.references()
+
+    def __repr__(self) -> str:
+        return repr(self.call)
+
+
+def measure(function: Callable[..., float]) -> Callable[..., Measure]:
+    """Make a measure of a function of the world, as `condition` makes a condition."""
+
+    def make(*args: Any, **kwargs: Any) -> Measure:
+        return CustomMeasure(Call.bind(function, args, kwargs))
+
+    make.__name__, make.__doc__ = function.__name__, function.__doc__
+    return make

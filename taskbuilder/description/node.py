@@ -1,0 +1,307 @@
+"""The building blocks of descriptions: frozen expressions over names in the scene.
+
+An expression is a value: it can be compared, hashed, printed and checked against the scene before
+anything runs. What it has to remember during an episode is kept outside it (see `Referee`), so
+that two environments never share memory.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from inspect import signature
+from itertools import islice
+from pathlib import Path
+from types import FrameType
+from typing import Annotated, Any, Generic, TypeVar, get_args, get_type_hints
+
+from taskbuilder.description.view import WorldView
+from taskbuilder.errors import Location
+from taskbuilder.spec.names import Kind, SceneNames
+
+
+@dataclass(frozen=True)
+class Refers:
+    """Marks a field or parameter whose text is a name in the scene."""
+
+    kind: Kind
+
+
+RobotName = Annotated[str, Refers("robot")]
+ObjectName = Annotated[str, Refers("object")]
+BodyName = Annotated[str, Refers("body")]
+FrameName = Annotated[str, Refers("frame")]
+SiteName = Annotated[str, Refers("site")]
+JointName = Annotated[str, Refers("joint")]
+ContainerName = Annotated[str, Refers("container")]
+
+Memory = Any
+"""What a node carries from one control step to the next; an immutable value."""
+
+Parts = tuple[Any, ...]
+"""The values of a node's parts at this control step."""
+
+Step = tuple[Any, Memory]
+"""A node's value at this control step, and its memory for the next."""
+
+
+class Node:
+    """An expression of a description; knows the place in the file where it was written.
+
+    A node is evaluated after reset and after every control step, exactly once, its parts first.
+    """
+
+    _origin: Location | None = None
+
+    def __new__(cls, *_: Any, **__: Any) -> Any:
+        node = super().__new__(cls)
+        object.__setattr__(node, "_origin", _caller())
+        return node
+
+    @property
+    def origin(self) -> Location | None:
+        """Where the node was written."""
+        return self._origin
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The nodes that this one is made of, in a fixed order."""
+        return ()
+
+    def start(self, world: WorldView) -> Memory:
+        """Memory at the beginning of an episode."""
+        return None
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        """This node's value, given those of its parts, and its memory for the next step."""
+        raise NotImplementedError
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        """What is wrong with the node's own values, beyond names and kinds."""
+        return iter(())
+
+    def references(self) -> Iterator[tuple[Kind, str]]:
+        """Every name that the node's own fields hold, with what it must stand for."""
+        if not is_dataclass(self):
+            return
+        hints = _hints(type(self))
+        for field in fields(self):
+            for kind in _kinds(hints.get(field.name)):
+                yield from ((kind, name) for name in _texts(getattr(self, field.name)))
+
+
+class Condition(Node):
+    """Something that is true or false of the world.
+
+    Compose with ``&``, ``|``, ``~`` and the conditions of `taskbuilder.description.logic`. Make
+    your own by subclassing as a frozen dataclass with a method ``holds``, or by `condition`.
+    """
+
+    def holds(self, world: WorldView) -> bool:
+        """Whether the condition is true now."""
+        raise NotImplementedError
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return self.holds(world), memory
+
+    def __and__(self, other: Condition) -> Condition:
+        return All(_flat(All, self) + _flat(All, other))
+
+    def __or__(self, other: Condition) -> Condition:
+        return Any_(_flat(Any_, self) + _flat(Any_, other))
+
+    def __invert__(self) -> Condition:
+        return Not(self)
+
+    def __bool__(self) -> bool:
+        # Python's `and`, `or` and `not` would drop an operand in silence.
+        raise TypeError("a condition has no truth of its own; combine conditions by &, | and ~")
+
+
+def _flat(sort: type[All] | type[Any_], node: Condition) -> tuple[Condition, ...]:
+    if not isinstance(node, Condition):
+        raise TypeError(f"{node!r} is no condition; combine conditions with conditions")
+    return node.of if isinstance(node, All | Any_) and type(node) is sort else (node,)
+
+
+@dataclass(frozen=True)
+class All(Condition):
+    """Every one of several conditions; written ``a & b``."""
+
+    of: tuple[Condition, ...]
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The conditions, in order."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return all(parts), memory
+
+    def __repr__(self) -> str:
+        return f"({' & '.join(map(repr, self.of))})"
+
+
+@dataclass(frozen=True)
+class Any_(Condition):  # noqa: N801  # `Any` would hide typing's
+    """At least one of several conditions; written ``a | b``."""
+
+    of: tuple[Condition, ...]
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The conditions, in order."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return any(parts), memory
+
+    def __repr__(self) -> str:
+        return f"({' | '.join(map(repr, self.of))})"
+
+
+@dataclass(frozen=True)
+class Not(Condition):
+    """The opposite of a condition; written ``~a``."""
+
+    of: Condition
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The one condition."""
+        return (self.of,)
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return not parts[0], memory
+
+    def __repr__(self) -> str:
+        return f"~{self.of!r}"
+
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Call(Generic[Result]):
+    """A function of the world with its arguments, as a value that can be compared and checked."""
+
+    function: Callable[..., Result]
+    arguments: tuple[tuple[str, Any], ...]
+
+    @classmethod
+    def bind(
+        cls, function: Callable[..., Result], args: tuple[Any, ...], kwargs: dict[str, Any]
+    ) -> Call[Result]:
+        """The call of a function with everything but its first argument, the world.
+
+        Raises:
+            TypeError: The arguments do not fit the function.
+        """
+        bound = signature(function).bind(None, *args, **kwargs)
+        bound.apply_defaults()
+        return cls(function, tuple(bound.arguments.items())[1:])
+
+    def __call__(self, world: WorldView) -> Result:
+        return self.function(world, **dict(self.arguments))
+
+    def references(self) -> Iterator[tuple[Kind, str]]:
+        """Every name among the arguments, with what it must stand for."""
+        hints = _hints(self.function)
+        for name, value in self.arguments:
+            for kind in _kinds(hints.get(name)):
+                yield from ((kind, text) for text in _texts(value))
+
+    def __repr__(self) -> str:
+        inside = ", ".join(f"{name}={value!r}" for name, value in self.arguments)
+        return f"{self.function.__name__}({inside})"
+
+
+@dataclass(frozen=True)
+class CustomCondition(Condition):
+    """A condition made of a function by `condition`."""
+
+    call: Call[bool]
+
+    def holds(self, world: WorldView) -> bool:
+        return bool(self.call(world))
+
+    def references(self) -> Iterator[tuple[Kind, str]]:
+        return self.call.references()
+
+    def __repr__(self) -> str:
+        return repr(self.call)
+
+
+def condition(function: Callable[..., bool]) -> Callable[..., Condition]:
+    """Make a condition of a function of the world.
+
+    ::
+
+        @condition
+        def higher(world: WorldView, upper: BodyName, lower: BodyName) -> bool:
+            return world.position(upper)[2] > world.position(lower)[2]
+
+
+        success = higher("cube", "tray")
+
+    Parameters annotated as `BodyName`, `RobotName` and so on are checked against the scene.
+    """
+
+    def make(*args: Any, **kwargs: Any) -> Condition:
+        return CustomCondition(Call.bind(function, args, kwargs))
+
+    make.__name__, make.__doc__ = function.__name__, function.__doc__
+    return make
+
+
+def walk(roots: tuple[Node, ...]) -> Iterator[Node]:
+    """Every distinct node below the given ones, parts before what is made of them."""
+    seen: dict[Node, None] = {}
+
+    def visit(node: Node) -> None:
+        if node in seen:
+            return
+        for part in node.parts:
+            visit(part)
+        seen[node] = None
+
+    for root in roots:
+        visit(root)
+    yield from seen
+
+
+@cache
+def _hints(thing: Any) -> dict[str, Any]:
+    return get_type_hints(thing, include_extras=True)
+
+
+def _kinds(annotation: Any) -> Iterator[Kind]:
+    """The kinds of name that an annotation mentions, however deep inside unions and tuples."""
+    for argument in get_args(annotation):
+        if isinstance(argument, Refers):
+            yield argument.kind
+        else:
+            yield from _kinds(argument)
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _texts(item)
+
+
+def _caller() -> Location | None:
+    """Where, outside this package, the expression under construction was written."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame and frame.f_globals.get("__name__", "").startswith("taskbuilder.description"):
+        frame = frame.f_back
+    if frame is None:
+        return None
+    code = frame.f_code
+    positions = next(islice(code.co_positions(), frame.f_lasti // 2, None), None)
+    line, _, column, _ = positions or (frame.f_lineno, None, None, None)
+    return Location(Path(code.co_filename), line or 0, (column or 0) + 1)

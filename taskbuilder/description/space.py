@@ -1,0 +1,241 @@
+"""Conditions on where things are, how they stand, and how they move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
+from typing import Literal
+
+from taskbuilder.description.node import (
+    BodyName,
+    Condition,
+    ContainerName,
+    FrameName,
+    JointName,
+    Memory,
+    Parts,
+    Step,
+)
+from taskbuilder.description.view import WorldView
+from taskbuilder.geometry import norm, subtract, turn_between
+from taskbuilder.spec.names import SceneNames
+
+
+@dataclass(frozen=True)
+class Near(Condition):
+    """Two frames are at most ``within`` metres apart, along the given axes of the world."""
+
+    first: FrameName
+    second: FrameName
+    _: KW_ONLY
+    within: float
+    axes: Literal["xyz", "xy", "z"] = "xyz"
+
+    def holds(self, world: WorldView) -> bool:
+        x, y, z = subtract(world.position(self.first), world.position(self.second))
+        if self.axes == "xy":
+            return math.hypot(x, y) <= self.within
+        return (abs(z) if self.axes == "z" else math.hypot(x, y, z)) <= self.within
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _positive("within", self.within, "metres")
+        if self.axes not in ("xyz", "xy", "z"):
+            yield f'axes is {self.axes!r}; "xyz", "xy" or "z"'
+
+
+@dataclass(frozen=True)
+class Inside(Condition):
+    """A body is inside a container.
+
+    In a site: the body's centre is at least ``margin`` inside the site's marker. In an object:
+    the body's outline lies within the container's, ``margin`` from it, and its lowest point is
+    below the container's rim and not below its floor, all in the container's own frame.
+    """
+
+    body: BodyName
+    container: ContainerName
+    _: KW_ONLY
+    margin: float = 0.0
+
+    def holds(self, world: WorldView) -> bool:
+        room = world.box(self.container)
+        seen_from_container = world.pose(self.container).inverse() @ world.pose(self.body)
+        outline = world.box(self.body).seen_from(seen_from_container)
+        if not world.is_solid(self.container):
+            return room.contains(outline.center, self.margin)
+        within = all(
+            outline.low[i] >= room.low[i] + self.margin
+            and outline.high[i] <= room.high[i] - self.margin
+            for i in (0, 1)
+        )
+        return within and room.low[2] <= outline.low[2] < room.high[2]
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.margin >= 0:
+            yield f"margin is {self.margin}; metres, 0 or more"
+        if self.body == self.container:
+            yield "nothing is inside itself; name a container and what is put into it"
+
+
+@dataclass(frozen=True)
+class Above(Condition):
+    """A frame is at least ``height`` metres above the world's origin, or above another frame."""
+
+    frame: FrameName
+    reference: FrameName | None = None
+    _: KW_ONLY
+    height: float
+
+    def holds(self, world: WorldView) -> bool:
+        return _height(world, self.frame, self.reference) >= self.height
+
+
+@dataclass(frozen=True)
+class Below(Condition):
+    """A frame is less than ``height`` metres above the world's origin, or above another frame."""
+
+    frame: FrameName
+    reference: FrameName | None = None
+    _: KW_ONLY
+    height: float
+
+    def holds(self, world: WorldView) -> bool:
+        return _height(world, self.frame, self.reference) < self.height
+
+
+def _height(world: WorldView, frame: str, reference: str | None) -> float:
+    return world.position(frame)[2] - (world.position(reference)[2] if reference else 0.0)
+
+
+@dataclass(frozen=True)
+class Upright(Condition):
+    """An axis of a frame points up, within some degrees."""
+
+    frame: FrameName
+    _: KW_ONLY
+    within_deg: float
+    axis: Literal["x", "y", "z"] = "z"
+
+    def holds(self, world: WorldView) -> bool:
+        up = world.pose(self.frame).axis("xyz".index(self.axis))[2]
+        return up >= math.cos(math.radians(self.within_deg))
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _positive("within_deg", self.within_deg, "degrees")
+        if self.axis not in ("x", "y", "z"):
+            yield f'axis is {self.axis!r}; "x", "y" or "z"'
+
+
+def Level(frame: FrameName, *, within_deg: float) -> Condition:  # noqa: N802  # reads as one
+    """A frame's x-y plane is horizontal, its z axis up, within some degrees."""
+    return Upright(frame, within_deg=within_deg)
+
+
+@dataclass(frozen=True)
+class Moved(Condition):
+    """A frame is at least ``by`` metres from where it was when the episode began."""
+
+    frame: FrameName
+    _: KW_ONLY
+    by: float
+
+    def start(self, world: WorldView) -> Memory:
+        """Where it was."""
+        return world.position(self.frame)
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return math.dist(world.position(self.frame), memory) >= self.by, memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _positive("by", self.by, "metres")
+
+
+@dataclass(frozen=True)
+class Turned(Condition):
+    """A frame is turned by at least ``by_deg`` from how it stood when the episode began."""
+
+    frame: FrameName
+    _: KW_ONLY
+    by_deg: float
+
+    def start(self, world: WorldView) -> Memory:
+        """How it stood."""
+        return world.pose(self.frame).quaternion
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        turn = turn_between(memory, world.pose(self.frame).quaternion)
+        return math.degrees(turn) >= self.by_deg, memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _positive("by_deg", self.by_deg, "degrees")
+
+
+@dataclass(frozen=True)
+class Stationary(Condition):
+    """A body or tcp moves slower than ``speed`` m/s and turns slower than ``turn_deg`` °/s."""
+
+    frame: FrameName
+    _: KW_ONLY
+    speed: float = 0.01
+    turn_deg: float = 10.0
+
+    def holds(self, world: WorldView) -> bool:
+        linear, angular = world.velocity(self.frame)
+        return norm(linear) < self.speed and math.degrees(norm(angular)) < self.turn_deg
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _positive("speed", self.speed, "m/s")
+        yield from _positive("turn_deg", self.turn_deg, "degrees a second")
+
+
+@dataclass(frozen=True)
+class JointPosition(Condition):
+    """A sliding joint of an articulated object is above or below some positions, in metres."""
+
+    joint: JointName
+    _: KW_ONLY
+    above: float | None = None
+    below: float | None = None
+
+    def holds(self, world: WorldView) -> bool:
+        return _between(world.joint(self.joint), self.above, self.below)
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _bounds(self.above, self.below, "above", "below")
+        if names.joint_type(self.joint) in ("revolute", "continuous"):
+            yield f'"{self.joint}" turns; use JointAngle, in degrees'
+
+
+@dataclass(frozen=True)
+class JointAngle(Condition):
+    """A turning joint of an articulated object is above or below some angles, in degrees."""
+
+    joint: JointName
+    _: KW_ONLY
+    above_deg: float | None = None
+    below_deg: float | None = None
+
+    def holds(self, world: WorldView) -> bool:
+        return _between(math.degrees(world.joint(self.joint)), self.above_deg, self.below_deg)
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _bounds(self.above_deg, self.below_deg, "above_deg", "below_deg")
+        if names.joint_type(self.joint) == "prismatic":
+            yield f'"{self.joint}" slides; use JointPosition, in metres'
+
+
+def _between(value: float, above: float | None, below: float | None) -> bool:
+    return (above is None or value >= above) and (below is None or value <= below)
+
+
+def _bounds(above: float | None, below: float | None, *names: str) -> Iterator[str]:
+    if above is None and below is None:
+        yield f"has no bound; give {' or '.join(names)}"
+    elif above is not None and below is not None and above > below:
+        yield f"can never hold: {names[0]} {above} is more than {names[1]} {below}"
+
+
+def _positive(name: str, value: float, unit: str) -> Iterator[str]:
+    if not value > 0:
+        yield f"{name} is {value}; {unit}, more than 0"

@@ -1,0 +1,58 @@
+"""What a description may see of the world: values by name, nothing to change it with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from taskbuilder.geometry import Box, Pose, Vec3
+
+
+class WorldView(Protocol):
+    """The world as conditions and rewards see it, unchanging within a control step.
+
+    Frames are named ``stick``, ``tray.left_handle``, ``goal``, ``left.tcp``; poses and velocities
+    are in the world frame, in metres, seconds and radians.
+    """
+
+    @property
+    def time(self) -> float:
+        """Seconds since the episode began."""
+
+    @property
+    def robot_names(self) -> Sequence[str]:
+        """The agents, in the order of the task file."""
+
+    @property
+    def object_names(self) -> Sequence[str]:
+        """The objects, in the order of the task file."""
+
+    def pose(self, frame: str) -> Pose:
+        """The pose of a named frame."""
+
+    def position(self, frame: str) -> Vec3:
+        """The position of a named frame."""
+
+    def velocity(self, frame: str) -> tuple[Vec3, Vec3]:
+        """Linear (m/s) and angular (rad/s) velocity of a body or of a robot's tcp."""
+
+    def box(self, body: str) -> Box:
+        """Bounding box, in its own frame, of an object, a part, or a site's marker."""
+
+    def is_solid(self, name: str) -> bool:
+        """Whether a name stands for a body, as against a site, which is only a frame."""
+
+    def held(self, body: str, robot: str) -> bool:
+        """Whether opposing fingers of a robot press on an object or part from both sides."""
+
+    def touching(self, first: str, second: str) -> bool:
+        """Whether two things touch: objects, parts, or robots (their gripper included)."""
+
+    def support(self, body: str, below: str) -> float:
+        """Upward force in newtons with which one object or part carries another."""
+
+    def fingers_touch(self, body: str, robot: str) -> bool:
+        """Whether any finger of a robot touches an object or part."""
+
+    def joint(self, name: str) -> float:
+        """Position of an articulated object's joint, in rad or m."""

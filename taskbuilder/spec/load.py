@@ -1,0 +1,239 @@
+"""Load a task file: its models, its robots and the assets it names, with every finding at once."""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from taskbuilder.assets.mesh import Mesh, read_mesh
+from taskbuilder.assets.paths import AssetError, resolve
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.errors import FileError, Finding, UnknownNameError
+from taskbuilder.spec.catalogue import Catalogue, Entry, looks_like_path
+from taskbuilder.spec.explain import parse, suggestion
+from taskbuilder.spec.names import ObjectNames, SceneNames
+from taskbuilder.spec.references import check_names, read_names
+from taskbuilder.spec.robots import RobotModel, check_joint_values, load_robot
+from taskbuilder.spec.scene import SceneSpec
+from taskbuilder.spec.source import Path_, Source, dotted, read_source
+from taskbuilder.spec.task import TaskSpec
+from taskbuilder.spec.variants import check_randomize, read_variations
+
+_MOVING = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True)
+class TaskFile:
+    """A task file that has been found right, with what it refers to.
+
+    Attributes:
+        entry: Its entry in the catalogue.
+        source: Its text's marks, for findings that turn up later.
+        spec: Its content.
+        scenes: The plain scene, then one for each variation.
+        robots: The model of each robot, by its name in the scene.
+        assets: Mesh or URDF of each object that has one, by the object's name.
+        names: Every name of the scene.
+        warnings: What is doubtful.
+    """
+
+    entry: Entry
+    source: Source
+    spec: TaskSpec
+    scenes: tuple[SceneSpec, ...]
+    robots: Mapping[str, RobotModel]
+    assets: Mapping[str, Mesh | Urdf]
+    names: SceneNames
+    warnings: tuple[Finding, ...] = ()
+
+    def locate(self, *path: str | int, key: bool = False) -> Finding:
+        """An empty finding at a place of the file, to be filled in by `dataclasses.replace`."""
+        return Finding("", "", dotted(path), self.source.locate(path, key=key))
+
+
+@dataclass
+class _Loading:
+    """A task file on its way: what has been read, and what has been found wrong."""
+
+    entry: Entry
+    source: Source
+    catalogue: Catalogue
+    findings: list[Finding] = field(default_factory=list)
+    robots: dict[str, RobotModel] = field(default_factory=dict)
+    assets: dict[str, Mesh | Urdf] = field(default_factory=dict)
+
+    @property
+    def roots(self) -> tuple[Path, ...]:
+        return (self.entry.root, *self.catalogue.folders)
+
+    def report(self, code: str, message: str, path: Path_, *, key: bool = False) -> None:
+        location = self.source.locate(path, key=key)
+        self.findings.append(Finding(code, message, dotted(path), location))
+
+
+def read_task(entry: Entry, catalogue: Catalogue) -> TaskFile:
+    """Read and check a task file and everything that it names, except its description.
+
+    Raises:
+        FileError: With every finding of the file and of the robots and assets it names.
+    """
+    loading = _Loading(entry, read_source(entry.file), catalogue)
+    spec, wrong = parse(TaskSpec, loading.source)
+    loading.findings += [*loading.source.findings, *wrong]
+    _read_robots(loading)
+    _read_assets(loading)
+    names = read_names(loading.source, _articulated(loading.assets))
+    loading.findings += check_names(loading.source, names)
+    scenes: list[SceneSpec] = []
+    if spec is not None:
+        _check_whole(loading, spec)
+        scenes, wrong_variations = read_variations(loading.source, names)
+        loading.findings += wrong_variations
+        loading.findings += check_randomize(loading.source, names, spec)
+        loading.findings += _check_instructions(loading.source, spec)
+    if spec is None or any(finding.severity == "error" for finding in loading.findings):
+        raise FileError(loading.findings)
+    return TaskFile(
+        entry,
+        loading.source,
+        spec,
+        (spec.scene, *scenes),
+        loading.robots,
+        loading.assets,
+        names,
+        tuple(loading.findings),
+    )
+
+
+def _read_robots(loading: _Loading) -> None:
+    models: dict[Path, RobotModel] = {}
+    for name, _ in loading.source.entries("scene", "robots"):
+        path = ("scene", "robots", name, "model")
+        reference = loading.source.get(*path)
+        if not isinstance(reference, str) or not reference:
+            continue
+        try:
+            if looks_like_path(reference):
+                resolve(reference, loading.entry.root, loading.roots)
+            entry = loading.catalogue.robot(reference, loading.entry.root)
+            if entry.file not in models:
+                models[entry.file] = load_robot(entry, loading.roots)
+            loading.robots[name] = models[entry.file]
+        except UnknownNameError as error:
+            loading.report("TB009", str(error), path)
+        except AssetError as error:
+            loading.report(error.code, error.message, path)
+        except FileError as error:
+            loading.findings += error.findings
+    loading.findings += [warning for model in models.values() for warning in model.warnings]
+
+
+def _read_assets(loading: _Loading) -> None:
+    readers: tuple[tuple[str, Callable[[Path], Mesh | Urdf]], ...] = (
+        ("mesh", read_mesh),
+        ("urdf", lambda file: read_urdf(file, loading.roots, trusted=loading.entry.trusted)),
+    )
+    for name, _ in loading.source.entries("scene", "objects"):
+        for key, read in readers:
+            path = ("scene", "objects", name, "shape", key)
+            reference = loading.source.get(*path)
+            if not isinstance(reference, str) or not reference:
+                continue
+            try:
+                file = resolve(reference, loading.entry.root, loading.roots)
+                loading.assets[name] = asset = read(file)
+            except AssetError as error:
+                loading.report(error.code, error.message, path)
+            except FileError as error:
+                loading.findings += error.findings
+            else:
+                loading.findings += asset.warnings if isinstance(asset, Urdf) else ()
+
+
+def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
+    return {
+        name: ObjectNames(
+            parts=tuple(link.name for link in asset.links),
+            joints={joint.name: joint.type for joint in asset.joints if joint.type in _MOVING},
+        )
+        for name, asset in assets.items()
+        if isinstance(asset, Urdf)
+    }
+
+
+def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
+    """What only shows with the robots and assets at hand."""
+    if spec.task != loading.entry.file.stem:
+        message = f'is "{spec.task}"; the file is "{loading.entry.file.name}": use one name'
+        loading.report("TB109", message, ("task",))
+    for name, robot in spec.scene.robots.items():
+        model = loading.robots.get(name)
+        joints_deg = robot.home.joints_deg if robot.home else None
+        if model is None or joints_deg is None:
+            continue
+        path: Path_ = ("scene", "robots", name, "home", "joints_deg")
+        if len(joints_deg) != len(model.arm):
+            message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
+            loading.report("TB302", message, path)
+        else:
+            loading.findings += check_joint_values(loading.source, path, model.arm, joints_deg)
+    for name in spec.scene.robots if spec.observe is not None else ():
+        if name not in (spec.observe or {}):
+            message = f'has no entry for the robot "{name}"; list what it observes, if only []'
+            loading.report("TB101", message, ("observe",), key=True)
+    for name, thing in spec.scene.objects.items():
+        asset = loading.assets.get(name)
+        if isinstance(asset, Urdf):
+            path = ("scene", "objects", name, "joints")
+            _check_object_joints(loading, path, asset, thing.joints)
+
+
+def _check_object_joints(
+    loading: _Loading, path: Path_, urdf: Urdf, joints: Mapping[str, float]
+) -> None:
+    moving = {joint.name: joint for joint in urdf.joints if joint.type in _MOVING}
+    for joint, value in joints.items():
+        place = (*path, joint)
+        if joint not in moving:
+            help_ = suggestion(joint, moving, what="joints that move")
+            loading.report("TB301", f'the URDF has no joint "{joint}"; {help_}', place, key=True)
+            continue
+        for finding in check_joint_values(loading.source, place, [moving[joint]], [value]):
+            loading.report(finding.code, finding.message, place)
+
+
+def _check_instructions(source: Source, spec: TaskSpec) -> Iterator[Finding]:
+    for index, text in enumerate(spec.instructions):
+        path: Path_ = ("instructions", index)
+        try:
+            fill(text, spec.scene)
+        except (ValueError, UnknownNameError) as error:
+            yield Finding("TB205", str(error), dotted(path), source.locate(path))
+
+
+def fill(instruction: str, scene: SceneSpec) -> str:
+    """An instruction with ``{stick.color}`` and the like filled in from a scene.
+
+    Raises:
+        UnknownNameError: The scene has no such value.
+        ValueError: The braces do not pair.
+    """
+    words = []
+    for literal, name, _, _ in string.Formatter().parse(instruction):
+        words.append(literal)
+        if name is not None:
+            words.append(_scene_value(name, scene))
+    return "".join(words)
+
+
+def _scene_value(name: str, scene: SceneSpec) -> str:
+    thing, _, key = name.partition(".")
+    things: Mapping[str, object] = {**scene.robots, **scene.objects, **scene.sites}
+    value = getattr(things.get(thing), key, None) if key and not key.startswith("_") else None
+    if not isinstance(value, str | int | float):
+        known: Sequence[str] = [f"{name}.color" for name in (*scene.objects, *scene.sites)]
+        raise UnknownNameError(f'"{{{name}}}" is no value; {suggestion(name, known, what="try")}')
+    return str(value)

@@ -1,0 +1,124 @@
+"""What the names in a task can stand for, and what to say when one stands for nothing.
+
+Robots, objects and sites share one space of names. A dotted name goes one level in:
+``left.tcp``, ``tray.left_handle`` (a part or a link), ``stick.left_end`` (a grasp point),
+``cabinet.drawer_joint`` (a joint).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from taskbuilder.spec.explain import suggestion
+
+Kind = Literal[
+    "robot", "object", "body", "surface", "site", "frame", "container", "grasp", "joint", "camera"
+]
+"""Kinds of reference.
+
+``body``: an object or one of its parts. ``surface``: the same. ``frame``: anything with a pose.
+``container``: what something can be inside of, a body or a site with a marker.
+"""
+
+ROBOT_FRAMES = ("tcp", "base")
+
+
+@dataclass(frozen=True)
+class ObjectNames:
+    """The names inside one object.
+
+    Attributes:
+        parts: Named parts of a compound, or the links of a URDF.
+        grasps: Named grasp points.
+        joints: Joints of a URDF that move, and their type.
+        unread: Its URDF could not be read, so any part or joint may be in it.
+    """
+
+    parts: tuple[str, ...] = ()
+    grasps: tuple[str, ...] = ()
+    joints: Mapping[str, str] = field(default_factory=dict)
+    unread: bool = False
+
+
+@dataclass(frozen=True)
+class SceneNames:
+    """All names of a scene. ``sites`` says of each whether it has a marker, hence a volume."""
+
+    robots: tuple[str, ...]
+    objects: Mapping[str, ObjectNames]
+    sites: Mapping[str, bool]
+    cameras: tuple[str, ...] = ()
+
+    def known(self, kind: Kind) -> tuple[str, ...]:
+        """Every reference of a kind that resolves, short names first."""
+        return tuple(dict.fromkeys(_KNOWN[kind](self)))
+
+    def problem(self, kind: Kind, name: str) -> str | None:
+        """What is wrong with a reference, or None if it resolves."""
+        known = self.known(kind)
+        if name in known or self._may_be(kind, name):
+            return None
+        if name in self.known("robot") and kind == "frame":
+            return f'"{name}" is a robot; name a frame of it: {name}.tcp or {name}.base'
+        what = "frame" if kind == "frame" else kind
+        if any(name in self.known(other) for other in _KNOWN):
+            return f'"{name}" is no {what}; {suggestion(name, known, what=f"{what}s")}'
+        owner, _, inner = name.partition(".")
+        if inner and owner in (*self.objects, *self.robots):
+            own = [other.partition(".")[2] for other in known if other.startswith(f"{owner}.")]
+            has = f"it has {', '.join(own)}" if own else f"it has no {what}s"
+            return f'"{owner}" has no {what} "{inner}"; {has}'
+        return f'the scene has no "{name}"; {suggestion(name, known, what="it has")}'
+
+    def joint_type(self, name: str) -> str | None:
+        """The type of a joint (such as "prismatic"), or None where it is not known."""
+        owner, _, joint = name.partition(".")
+        inside = self.objects.get(owner)
+        return inside.joints.get(joint) if inside else None
+
+    def _may_be(self, kind: Kind, name: str) -> bool:
+        owner, _, inner = name.partition(".")
+        inside = self.objects.get(owner)
+        lives_inside = kind in ("body", "surface", "frame", "container", "joint")
+        return bool(inner and inside and inside.unread and lives_inside)
+
+
+def _parts(names: SceneNames) -> Iterable[str]:
+    return (f"{name}.{part}" for name, inside in names.objects.items() for part in inside.parts)
+
+
+def _grasps(names: SceneNames) -> Iterable[str]:
+    return (f"{name}.{grasp}" for name, inside in names.objects.items() for grasp in inside.grasps)
+
+
+def _joints(names: SceneNames) -> Iterable[str]:
+    return (f"{name}.{joint}" for name, inside in names.objects.items() for joint in inside.joints)
+
+
+def _bodies(names: SceneNames) -> Iterable[str]:
+    return (*names.objects, *_parts(names))
+
+
+def _frames(names: SceneNames) -> Iterable[str]:
+    robots = (f"{robot}.{frame}" for robot in names.robots for frame in ROBOT_FRAMES)
+    return (*names.objects, *names.sites, *robots, *_parts(names), *_grasps(names))
+
+
+def _containers(names: SceneNames) -> Iterable[str]:
+    return (*_bodies(names), *(site for site, marked in names.sites.items() if marked))
+
+
+_KNOWN: Mapping[Kind, Callable[[SceneNames], Iterable[str]]] = {
+    "robot": lambda names: names.robots,
+    "object": lambda names: names.objects,
+    "body": _bodies,
+    "surface": _bodies,
+    "site": lambda names: names.sites,
+    "frame": _frames,
+    "container": _containers,
+    "grasp": _grasps,
+    "joint": _joints,
+    "camera": lambda names: names.cameras,
+}

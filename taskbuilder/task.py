@@ -1,0 +1,86 @@
+"""A task, whole: its file, its robots and assets, and its description."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass
+from pathlib import Path
+
+from taskbuilder.description.check import check_description
+from taskbuilder.description.description import Description
+from taskbuilder.description.load import load_description, try_import
+from taskbuilder.errors import FileError, Finding, Location
+from taskbuilder.spec.catalogue import Catalogue, Entry
+from taskbuilder.spec.load import TaskFile, read_task
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task that has been found right.
+
+    Attributes:
+        file: What its YAML file holds and names.
+        description: What counts as success and what is paid.
+        warnings: What is doubtful without keeping the task from being used.
+    """
+
+    file: TaskFile
+    description: type[Description]
+    warnings: tuple[Finding, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Its id."""
+        return self.file.entry.name
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """The robots of the scene, in file order."""
+        return tuple(self.file.spec.scene.robots)
+
+
+def load_task(
+    reference: str | Path, *, catalogue: Catalogue | None = None, guarded: bool = False
+) -> Task:
+    """Load a task by its name in the catalogue or by the path of its YAML file.
+
+    A task is code: its Python file is imported.
+
+    Args:
+        reference: ``handover``, ``namespace/name``, or a path.
+        catalogue: Where names are looked up; by default that of this installation.
+        guarded: Import a description that is not in the catalogue in a child process first, so
+            that one that hangs or dies becomes a finding.
+
+    Raises:
+        UnknownNameError: There is no task of that name.
+        FileError: The task is wrong; with every finding.
+    """
+    catalogue = catalogue or Catalogue.discover()
+    entry = catalogue.task(str(reference))
+    findings: list[Finding] = []
+    file = description = None
+    try:
+        file = read_task(entry, catalogue)
+    except FileError as error:
+        findings += error.findings
+    try:
+        if guarded and not entry.module:
+            try_import(entry)
+        description = load_description(entry)
+    except FileError as error:
+        findings += error.findings
+    if file is not None and description is not None:
+        findings += check_description(description, file.names, _where(description, entry))
+        findings += file.warnings
+        if not any(finding.severity == "error" for finding in findings):
+            return Task(file, description, tuple(findings))
+    raise FileError(findings)
+
+
+def _where(description: type[Description], entry: Entry) -> Location:
+    try:
+        _, line = inspect.getsourcelines(description)
+    except (OSError, TypeError):
+        line = 1
+    return Location(entry.description_file, line, 1)

@@ -1,0 +1,111 @@
+"""What holds for every robot of the library, whoever made its URDF."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pybullet
+import pytest
+from loaded_robot import ROBOTS, Load
+
+NAMES = sorted(path.parent.name for path in ROBOTS.glob("*/robot.yaml"))
+
+
+def test_library_has_its_robots() -> None:
+    assert {"panda", "ur5e", "xarm6"} <= set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+class TestRobot:
+    def test_file_is_named_after_its_folder(self, load: Load, name: str) -> None:
+        spec = load(name).spec
+        assert spec["robot"] == name
+        assert set(spec) == {
+            "robot",
+            "summary",
+            "urdf",
+            "arm",
+            "tcp",
+            "home_deg",
+            "gripper",
+        }
+
+    def test_names_exist_in_the_urdf(self, load: Load, name: str) -> None:
+        robot = load(name)
+        gripper = robot.spec["gripper"]
+        assert set(robot.spec["arm"]) | set(gripper["joints"]) <= set(robot.joints)
+        assert {robot.spec["tcp"]["link"], *itertools.chain(*gripper["fingers"])} <= set(
+            robot.links
+        )
+
+    def test_all_moving_joints_are_driven(self, load: Load, name: str) -> None:
+        robot = load(name)
+        moving = {
+            joint
+            for joint, index in robot.joints.items()
+            if pybullet.getJointInfo(robot.body, index, physicsClientId=robot.client)[2]
+            != pybullet.JOINT_FIXED
+        }
+        assert moving == set(robot.spec["arm"]) | set(robot.spec["gripper"]["joints"])
+
+    def test_home_and_gripper_lie_within_limits(self, load: Load, name: str) -> None:
+        robot = load(name)
+        home = np.radians(robot.spec["home_deg"]).tolist()
+        used = list(zip(robot.spec["arm"], home, strict=True))
+        for joint, ends in robot.spec["gripper"]["joints"].items():
+            used += [(joint, ends["open"]), (joint, ends["closed"])]
+        for joint, position in used:
+            info = pybullet.getJointInfo(
+                robot.body, robot.joints[joint], physicsClientId=robot.client
+            )
+            assert info[8] - 1e-6 <= position <= info[9] + 1e-6, joint
+
+    def test_tcp_is_in_front_of_the_base_and_points_down(self, load: Load, name: str) -> None:
+        position, rotation = load(name).tcp_pose()
+        assert position[0] > 0.25
+        assert abs(position[1]) < 0.2
+        assert position[2] > 0.1
+        # x forward, y to the right, z down: the same for every robot.
+        np.testing.assert_allclose(rotation, np.diag([1.0, -1.0, -1.0]), atol=1e-4)
+
+    def test_fingers_close_along_y_towards_the_tcp(self, load: Load, name: str) -> None:
+        robot = load(name)
+        opened = robot.finger_centers()
+        robot.move_gripper("closed")
+        closed = robot.finger_centers()
+        sides = [np.sign(center[1]) for center in opened]
+        assert sorted(sides) == [-1.0, 1.0]
+        stroke = robot.spec["gripper"]["stroke"]
+        for side, before, after in zip(sides, opened, closed, strict=True):
+            travel = side * (before[1] - after[1])
+            assert travel == pytest.approx(stroke / 2, abs=0.002)
+            assert abs(before[0]) < 0.002
+            assert side * after[1] > 0
+
+    def test_fingers_mirror_each_other(self, load: Load, name: str) -> None:
+        robot = load(name)
+        for key in ("open", "closed"):
+            robot.move_gripper(key)
+            one, other = robot.finger_centers()
+            np.testing.assert_allclose(one * [1.0, -1.0, 1.0], other, atol=1e-3)
+
+    def test_pads_surround_the_tcp(self, load: Load, name: str) -> None:
+        robot = load(name)
+        # Between the pads at half their way: a ray along y through the tcp meets both fingers.
+        for joint, ends in robot.spec["gripper"]["joints"].items():
+            pybullet.resetJointState(
+                robot.body,
+                robot.joints[joint],
+                (ends["open"] + ends["closed"]) / 2,
+                physicsClientId=robot.client,
+            )
+        pybullet.performCollisionDetection(physicsClientId=robot.client)
+        position, rotation = robot.tcp_pose()
+        hit = []
+        for side in (1.0, -1.0):
+            end = position + side * 0.06 * rotation[:, 1]
+            ray = pybullet.rayTest(position, end, physicsClientId=robot.client)[0]
+            hit.append(ray[1])
+        fingers = robot.spec["gripper"]["fingers"]
+        assert sorted(hit) == sorted(robot.links[links[0]] for links in fingers)
