@@ -1,0 +1,308 @@
+"""Reading meshes far enough to know that the physics engine will read them right.
+
+Bullet ends the process on an OBJ whose face refers to a vertex that does not exist, and loads
+an ASCII or empty STL as a body that nothing collides with. So every number is read here, which
+takes about a second for the largest mesh allowed and a few milliseconds for a usual one.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from taskbuilder.assets import codes
+from taskbuilder.assets.paths import AssetError, require_readable, resolve
+from taskbuilder.geometry import Box, Vec3
+
+MAX_TRIANGLES = 500_000
+MAX_COORDINATE = 1e6
+PLAUSIBLE_M = 1e3
+
+# Bullet reads an OBJ into buffers of 8192 and names into buffers of 4096 characters.
+_MAX_LINE = 4_000
+_THINNEST_M = 1e-9
+_UNIT_SCALE: Vec3 = (1.0, 1.0, 1.0)
+
+_CORNER = re.compile(rb"-?\d{1,9}(?:/-?\d{1,9}|/(?:-?\d{1,9})?/-?\d{1,9})?")
+
+_STL_HEADER_BYTES = 84
+_STL_TRIANGLE = struct.Struct("<12x9f2x")  # normal, three corners, attribute
+_STL_CHUNK_TRIANGLES = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """What is known about a mesh file that was read whole.
+
+    Attributes:
+        path: Absolute path of the file.
+        vertices: Number of vertices; in an STL each triangle has three of its own.
+        triangles: Number of triangles, polygons counted as fans.
+        bounds: Smallest box around the vertices, in the units of the file.
+        warnings: What is odd about the file without forbidding its use.
+    """
+
+    path: Path
+    vertices: int
+    triangles: int
+    bounds: Box
+    warnings: tuple[str, ...] = ()
+
+
+def read_mesh(path: Path) -> Mesh:
+    """Reads an OBJ or binary STL file and checks all of it.
+
+    Raises:
+        AssetError: The file cannot be read, has another format, or would be misread by the
+            physics engine.
+    """
+    require_readable(path, path.name)
+    require_supported(path)
+    absolute = path.resolve()
+    data = absolute.read_bytes()
+    mesh = _read_stl(absolute, data) if _suffix(path) == ".stl" else _read_obj(absolute, data)
+    if sum(half < _THINNEST_M for half in mesh.bounds.half) >= 2:
+        raise _bad(path, "all its vertices lie on one line; a mesh needs an extent in two axes")
+    return mesh
+
+
+def require_supported(path: Path) -> None:
+    """Checks by its name that a mesh has a format that can be read.
+
+    Raises:
+        AssetError: It has another.
+    """
+    if _suffix(path) not in (".obj", ".stl"):
+        raise AssetError(
+            codes.MESH_FORMAT,
+            f"{path.name}: meshes of type {_suffix(path) or '(none)'} are not read; "
+            "convert it to .obj or binary .stl",
+        )
+
+
+def size_warning(mesh: Mesh, scale: Vec3 = _UNIT_SCALE) -> str:
+    """What is implausible about the size of a mesh loaded at some scale, or ""."""
+    corners = (mesh.bounds.low, mesh.bounds.high)
+    reach = max(abs(corner[axis] * scale[axis]) for corner in corners for axis in range(3))
+    if reach <= PLAUSIBLE_M:
+        return ""
+    return (
+        f"{mesh.path.name}: reaches {reach:.3g} m from its origin; "
+        "a mesh in millimetres needs scale 0.001 0.001 0.001"
+    )
+
+
+def _suffix(path: Path) -> str:
+    return path.suffix.lower()
+
+
+def _bad(path: Path, message: str, line: int = 0) -> AssetError:
+    where = f"{path.name}:{line}" if line else path.name
+    return AssetError(codes.BAD_MESH, f"{where}: {message}")
+
+
+def _read_stl(path: Path, data: bytes) -> Mesh:
+    triangles = _stl_triangle_count(path, data)
+    low: list[float] = [math.inf] * 3
+    high: list[float] = [-math.inf] * 3
+    # In chunks, so that a large mesh does not become a hundred megabytes of floats.
+    step = _STL_TRIANGLE.size * _STL_CHUNK_TRIANGLES
+    for start in range(_STL_HEADER_BYTES, len(data), step):
+        columns = tuple(zip(*_STL_TRIANGLE.iter_unpack(data[start : start + step]), strict=True))
+        for column, values in enumerate(columns):
+            _require_sane(path, values)
+            axis = column % 3
+            low[axis] = min(low[axis], min(values))
+            high[axis] = max(high[axis], max(values))
+    bounds = Box.around((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+    return Mesh(path, 3 * triangles, triangles, bounds)
+
+
+def _stl_triangle_count(path: Path, data: bytes) -> int:
+    """The number of triangles, where the length of the file agrees with it.
+
+    Raises:
+        AssetError: The file is an ASCII STL, or its length or number of triangles is wrong.
+    """
+    count = 0
+    if len(data) >= _STL_HEADER_BYTES:
+        count = int.from_bytes(data[_STL_HEADER_BYTES - 4 : _STL_HEADER_BYTES], "little")
+    expected = _STL_HEADER_BYTES + count * _STL_TRIANGLE.size
+    # Some binary files begin with "solid" too; only the length tells them apart.
+    if len(data) != expected and data.lstrip()[:5].lower() == b"solid":
+        raise AssetError(
+            codes.MESH_FORMAT,
+            f"{path.name}: is an ASCII STL, which the physics engine loads as nothing; "
+            "save it as binary STL or OBJ",
+        )
+    if len(data) != expected:
+        raise _bad(
+            path,
+            f"has {len(data)} bytes where its {count} triangles need {expected}; export it again",
+        )
+    _require_count(path, count)
+    return count
+
+
+class _Obj:
+    """An OBJ file as far as it is read, one method a kind of line."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._line = 0
+        self._texture_points = 0
+        self._normals = 0
+        self.columns: tuple[list[float], list[float], list[float]] = ([], [], [])
+        self.triangles = 0
+        self.warnings: list[str] = []
+
+    def read(self, data: bytes) -> None:
+        """Reads all lines; unknown kinds are ignored, as the physics engine does."""
+        readers = {
+            b"v": self._vertex,
+            b"vt": self._texture_point,
+            b"vn": self._normal,
+            b"f": self._face,
+            b"mtllib": self._material_file,
+        }
+        for self._line, line in enumerate(data.split(b"\n"), start=1):
+            words = line.split()
+            if words and words[0] in readers:
+                readers[words[0]](words[1:])
+
+    def _bad(self, message: str) -> AssetError:
+        return _bad(self._path, message, self._line)
+
+    def _floats(self, words: Sequence[bytes], at_least: int) -> list[float]:
+        try:
+            numbers = [float(word) for word in words]
+        except ValueError:
+            numbers = []
+        # Python reads 1_0 as ten, the physics engine as one.
+        if len(numbers) < at_least or any(b"_" in word for word in words):
+            raise self._bad(
+                f"{_shown(words)} should be {at_least} or more numbers; decimals take a point"
+            )
+        return numbers
+
+    def _vertex(self, words: Sequence[bytes]) -> None:
+        x, y, z, *_ = self._floats(words, 3)
+        xs, ys, zs = self.columns
+        xs.append(x)
+        ys.append(y)
+        zs.append(z)
+
+    def _texture_point(self, words: Sequence[bytes]) -> None:
+        self._floats(words, 2)
+        self._texture_points += 1
+
+    def _normal(self, words: Sequence[bytes]) -> None:
+        self._floats(words, 3)
+        self._normals += 1
+
+    def _face(self, words: Sequence[bytes]) -> None:
+        if len(words) < 3:
+            raise self._bad(f"a face of {len(words)} corners; it needs three or more")
+        # Only what came before counts: the engine may build the shape at the next group.
+        known = (len(self.columns[0]), self._texture_points, self._normals)
+        for word in words:
+            if not _CORNER.fullmatch(word):
+                raise self._bad(f"{_shown([word])} is no corner of a face; write 1, 1/1 or 1/1/1")
+            for index, count in zip(word.split(b"/"), known, strict=False):
+                if index and not 1 <= abs(int(index)) <= count:
+                    raise self._bad(
+                        f"a face refers to item {int(index)} of {count}; "
+                        "indices run from 1, or from -1 backwards, over the lines above"
+                    )
+        self.triangles += len(words) - 2
+
+    def _material_file(self, words: Sequence[bytes]) -> None:
+        for word in words:
+            self.warnings += _material_warnings(self._path, word.decode())
+
+
+def _read_obj(path: Path, data: bytes) -> Mesh:
+    _require_text(path, data)
+    obj = _Obj(path)
+    obj.read(data)
+    _require_count(path, obj.triangles)
+    for column in obj.columns:
+        _require_sane(path, column)
+    xs, ys, zs = obj.columns
+    bounds = Box.around((min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs)))
+    return Mesh(path, len(xs), obj.triangles, bounds, tuple(obj.warnings))
+
+
+def _require_text(path: Path, data: bytes) -> None:
+    """Checks that the engine would split a text file into the same lines and words.
+
+    Raises:
+        AssetError: It is not UTF-8, has control characters, or a line is too long.
+    """
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        raise _bad(path, "is not UTF-8 text; export it again as a text file") from error
+    if any(control in data for control in (b"\0", b"\v", b"\f")):
+        raise _bad(path, "has control characters; export it again as a text file")
+    for number, line in enumerate(data.split(b"\n"), start=1):
+        if len(line) > _MAX_LINE:
+            raise _bad(path, f"is longer than {_MAX_LINE} characters; break it up", number)
+
+
+def _material_warnings(mesh: Path, name: str) -> list[str]:
+    """What is odd about the textures of the material file that an OBJ names.
+
+    A file that is missing is no harm: the mesh is then drawn in its link's colour.
+
+    Raises:
+        AssetError: The material file lies outside the folder of the mesh, or is no text.
+    """
+    path = _beside(mesh, name)
+    if path is None:
+        return []
+    data = path.read_bytes()
+    _require_text(path, data)
+    warnings = []
+    for line in data.decode().splitlines():
+        words = line.split()
+        if words and words[0].startswith("map_") and len(words) > 1:
+            try:
+                _beside(path, words[-1])
+            except AssetError as error:
+                # Public meshes often name an image on their author's machine.
+                warnings.append(f"{path.name}: {error}")
+    return warnings
+
+
+def _beside(file: Path, name: str) -> Path | None:
+    """The file that another one refers to, from its own folder down; None if there is none."""
+    try:
+        return resolve(name, file.parent, [file.parent])
+    except AssetError as error:
+        if error.code == codes.MISSING:
+            return None
+        raise
+
+
+def _require_count(path: Path, triangles: int) -> None:
+    if triangles == 0:
+        raise _bad(path, "has no faces; export it with its surface")
+    if triangles > MAX_TRIANGLES:
+        raise _bad(path, f"has {triangles} triangles; simplify it to at most {MAX_TRIANGLES}")
+
+
+def _require_sane(path: Path, values: Sequence[float]) -> None:
+    """Checks that coordinates are finite and bounded, at the speed of ``sum`` and ``max``."""
+    # A sum is finite only if every term is; min and max alone would overlook a nan.
+    if not math.isfinite(sum(values)) or max(max(values), -min(values)) > MAX_COORDINATE:
+        raise _bad(path, f"has a coordinate that is not finite or beyond {MAX_COORDINATE:g}")
+
+
+def _shown(words: Sequence[bytes]) -> str:
+    text = b" ".join(words).decode(errors="replace")
+    return repr(text if len(text) <= 40 else text[:37] + "…")

@@ -1,0 +1,146 @@
+"""Reading a URDF: everything that is wrong with it at once, and a text that is safe to load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from taskbuilder.assets import codes
+from taskbuilder.assets.files import Files
+from taskbuilder.assets.joints import check_mimics, joint_moves, read_joint
+from taskbuilder.assets.links import read_link, read_material
+from taskbuilder.assets.markup import MAX_BYTES, Element, parse, serialized
+from taskbuilder.assets.model import Urdf, UrdfJoint, UrdfLink
+from taskbuilder.assets.paths import AssetError, require_readable
+from taskbuilder.assets.report import Report
+from taskbuilder.assets.schema import cleaned
+from taskbuilder.assets.tree import check_names, check_tree
+from taskbuilder.errors import FileError, Location
+
+_NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
+
+
+def read_urdf(path: Path, roots: Sequence[Path], *, trusted: bool = False) -> Urdf:
+    """Reads and checks a robot description and the files that it names.
+
+    Args:
+        path: The URDF file.
+        roots: Folders inside which its meshes and textures must lie; those of pybullet_data
+            are allowed as well.
+        trusted: Whether to take the content of meshes for good, as of those that come with
+            this package and pybullet_data. That they exist is checked all the same.
+
+    Raises:
+        FileError: Something is wrong with it; the findings tell all of it.
+    """
+    robot = _robot_element(path)
+    report = Report(path)
+    robot = cleaned(robot, report)
+    files = Files(path.resolve().parent, roots, trusted=trusted, report=report)
+    name = _robot_name(robot, report)
+    root = check_tree(
+        robot,
+        check_names(robot.all("link"), report),
+        list(check_names(robot.all("joint"), report).values()),
+        report,
+    )
+    joints = _joints(robot, report)
+    links = _links(robot, report, files)
+    for material in robot.all("material"):
+        read_material(material, f"material {material.get('name')}", report, files)
+    return Urdf(
+        path=path,
+        name=name,
+        root=root,
+        links=links,
+        joints=joints,
+        meshes=tuple(dict.fromkeys(files.meshes.values())),
+        textures=tuple(dict.fromkeys(files.textures.values())),
+        warnings=report.warnings(),
+        files={**files.meshes, **files.textures},
+        tree=robot,
+    )
+
+
+def resolved_text(urdf: Urdf) -> str:
+    """The URDF to give to the physics engine, with checked absolute file names.
+
+    It holds only what was checked. Axes get a length of 1, because Bullet takes another length
+    for a scale of the joint's position. A frame (a link on a joint, without inertia and collision
+    shapes) gets a mass of 0, because Bullet would make it weigh 1 kg.
+    """
+    children = {joint.child for joint in urdf.joints if not joint.moves}
+    weightless = {
+        link.name
+        for link in urdf.links
+        if link.name in children and link.mass is None and not link.collisions
+    }
+    return serialized(_for_engine(urdf.tree, urdf, weightless))
+
+
+def _for_engine(element: Element, urdf: Urdf, weightless: set[str]) -> Element:
+    """The element with its file names and missing masses filled in."""
+    children = tuple(_for_engine(child, urdf, weightless) for child in element.children)
+    if element.tag == "link" and element.get("name") in weightless:
+        children = (_massless(element), *children)
+    if element.tag in ("mesh", "texture"):
+        checked = urdf.files[element.attributes["filename"]]
+        element = element.with_attributes(filename=str(checked))
+    if element.tag == "joint":
+        axis = " ".join(map(repr, urdf.joint(element.attributes["name"]).axis))
+        children = tuple(
+            child.with_attributes(xyz=axis) if child.tag == "axis" else child for child in children
+        )
+    return element.with_children(children)
+
+
+def _massless(link: Element) -> Element:
+    mass = Element("mass", {"value": "0"}, link.line, link.column)
+    inertia = Element("inertia", _NO_INERTIA, link.line, link.column)
+    return Element("inertial", {}, link.line, link.column, (mass, inertia))
+
+
+def _robot_element(path: Path) -> Element:
+    """The root element of a URDF file.
+
+    Raises:
+        FileError: The file cannot be read, is no XML, or describes something else.
+    """
+    try:
+        require_readable(path, path.name, MAX_BYTES)
+        data = path.read_bytes()
+    except AssetError as error:
+        raise FileError([error.finding(location=Location(path))]) from error
+    except OSError as error:
+        problem = AssetError(codes.NOT_READABLE, f"{path.name} cannot be read: {error}")
+        raise FileError([problem.finding(location=Location(path))]) from error
+    root = parse(path, data)
+    if root.tag != "robot":
+        report = Report(path)
+        message = f"the root element is <{root.tag}>; a URDF begins with <robot name=…>"
+        report.error(codes.STRUCTURE, root, "", message)
+        report.warnings()
+    return root
+
+
+def _robot_name(robot: Element, report: Report) -> str:
+    name = robot.get("name") or ""
+    if not name:
+        report.error(codes.NAME, robot, "", "the robot has no name; write <robot name=…>")
+    return name
+
+
+def _joints(robot: Element, report: Report) -> tuple[UrdfJoint, ...]:
+    elements = list(robot.all("joint"))
+    check_mimics(elements, report)
+    joints = [read_joint(element, report) for element in elements]
+    return tuple(joint for joint in joints if joint)
+
+
+def _links(robot: Element, report: Report, files: Files) -> tuple[UrdfLink, ...]:
+    ends = [joint.first("child") for joint in robot.all("joint") if joint_moves(joint)]
+    jointed = {end.get("link") for end in ends if end}
+    return tuple(
+        read_link(link, jointed=link.get("name") in jointed, report=report, files=files)
+        for link in robot.all("link")
+    )
