@@ -128,7 +128,9 @@ def _read_robots(loading: _Loading) -> None:
             loading.report(error.code, error.message, path)
         except FileError as error:
             loading.findings += error.findings
-    loading.findings += [warning for model in models.values() for warning in model.warnings]
+    # What is doubtful about a packaged robot is not for the task's author to mend.
+    own = [model for model in models.values() if not model.entry.trusted]
+    loading.findings += [warning for model in own for warning in model.warnings]
 
 
 def _read_assets(loading: _Loading) -> None:
