@@ -1,0 +1,279 @@
+"""A body: its pose, links and joints.
+
+A body's pose is that of its base link's frame. Bullet speaks of the base's centre of mass
+instead; the two are converted here, so that nothing above needs to know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
+
+from taskbuilder.errors import SimulationError
+from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, add, cross, subtract
+from taskbuilder.sim.bullet import p
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.shapes import RGBA
+
+BASE = -1
+
+JointType = Literal["revolute", "prismatic", "fixed"]
+
+_JOINT_TYPES: Mapping[int, JointType] = MappingProxyType(
+    {p.JOINT_REVOLUTE: "revolute", p.JOINT_PRISMATIC: "prismatic", p.JOINT_FIXED: "fixed"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class JointInfo:
+    """A joint as its URDF declares it.
+
+    Attributes:
+        index: Bullet's index of the joint, which is also that of its child link.
+        lower: Smallest position, rad or m; minus infinity for a joint that turns without end.
+        upper: Largest position.
+        velocity: Fastest speed, rad/s or m/s.
+        effort: Largest torque in Nm or force in N.
+        child: Index of the link it moves; equal to ``index``.
+    """
+
+    index: int
+    type: JointType
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+    child: int
+
+
+class Velocity(NamedTuple):
+    """Velocity of a frame's origin (m/s) and angular velocity (rad/s), in world axes."""
+
+    linear: Vec3
+    angular: Vec3
+
+
+class LinkState(NamedTuple):
+    """Where a link frame is and how it moves, in the world."""
+
+    pose: Pose
+    velocity: Velocity
+
+
+class Body:
+    """A rigid or articulated body of one client.
+
+    Made by `bodies.create_body` and `bodies.load_urdf`.
+
+    Attributes:
+        client: The client it lives in.
+        id: Bullet's number for it.
+        name: What people call it.
+        links: Link name to index; the base is -1.
+        joints: Joint name to `JointInfo`, fixed ones included.
+    """
+
+    def __init__(
+        self,
+        client: Client,
+        body_id: int,
+        name: str,
+        links: Mapping[str, int],
+        extent: Box | None,
+    ) -> None:
+        self.client = client
+        self.id = body_id
+        self.name = name
+        self.links: Mapping[str, int] = MappingProxyType(dict(links))
+        self.joints: Mapping[str, JointInfo] = MappingProxyType(_read_joints(client, body_id))
+        self._extent = extent
+        self._bullet = client.bullet
+        base_from_com = inertial_frame(client, body_id, BASE)
+        self._base_from_com = base_from_com
+        self._com_from_base = base_from_com.inverse()
+        # Where the two frames coincide, as for most single objects, no arithmetic is needed.
+        self._base_is_com = base_from_com == Pose()
+        self._inertias = {index: _inertia(client, body_id, index) for index in self.indices}
+
+    def __repr__(self) -> str:
+        return f"Body({self.name!r}, id={self.id})"
+
+    @property
+    def indices(self) -> tuple[int, ...]:
+        """Indices of all links, the base (-1) first."""
+        return (BASE, *range(len(self.joints)))
+
+    # Poses and velocities
+
+    def pose(self) -> Pose:
+        """Pose of the base link frame in the world."""
+        position, quaternion = self._bullet.getBasePositionAndOrientation(self.id)
+        world_from_com = Pose(position, quaternion)
+        return world_from_com if self._base_is_com else world_from_com @ self._com_from_base
+
+    def place(self, pose: Pose) -> None:
+        """Put the base link frame at a pose in the world, at rest.
+
+        Joints stay as they are. Contacts are stale until `Client.collide` or the next step.
+        """
+        world_from_com = pose @ self._base_from_com
+        self._bullet.resetBasePositionAndOrientation(
+            self.id, world_from_com.position, world_from_com.quaternion
+        )
+        self._bullet.resetBaseVelocity(self.id, ORIGIN, ORIGIN)
+
+    def velocity(self) -> Velocity:
+        """Velocity of the base link frame's origin."""
+        linear, angular = self._bullet.getBaseVelocity(self.id)
+        if self._base_is_com:
+            return Velocity(linear, angular)
+        position, quaternion = self._bullet.getBasePositionAndOrientation(self.id)
+        arm = subtract(Pose(position, quaternion).apply(self._com_from_base.position), position)
+        return Velocity(add(linear, cross(angular, arm)), angular)
+
+    def link_pose(self, index: int) -> Pose:
+        """Pose of a link's frame in the world."""
+        if index == BASE:
+            return self.pose()
+        # Without forward kinematics Bullet answers with poses one physics step old.
+        state = self._bullet.getLinkState(self.id, index, computeForwardKinematics=1)
+        return Pose(state[4], state[5])
+
+    def link_velocity(self, index: int) -> Velocity:
+        """Velocity of a link frame's origin."""
+        return self.link_state(index).velocity
+
+    def link_state(self, index: int) -> LinkState:
+        """Pose and velocity of a link's frame, in one call to Bullet."""
+        if index == BASE:
+            return LinkState(self.pose(), self.velocity())
+        com, _, _, _, origin, quaternion, linear, angular = self._bullet.getLinkState(
+            self.id, index, computeLinkVelocity=1, computeForwardKinematics=1
+        )
+        at_origin = add(linear, cross(angular, subtract(origin, com)))
+        return LinkState(Pose(origin, quaternion), Velocity(at_origin, angular))
+
+    def bounds(self) -> Box:
+        """Box around all collision shapes, in the base link frame, joints at zero.
+
+        Raises:
+            SimulationError: The body has no collision shape.
+        """
+        if self._extent is None:
+            raise SimulationError(f"{self.name} has no collision shape, so no bounds")
+        return self._extent
+
+    # Joints
+
+    def joint_states(self, indices: Sequence[int]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Positions (rad or m) and velocities of joints, in the given order."""
+        if not indices:
+            return (), ()
+        positions, velocities, *_ = zip(*self._bullet.getJointStates(self.id, indices), strict=True)
+        return positions, velocities
+
+    def reset_joints(self, indices: Sequence[int], positions: Sequence[float]) -> None:
+        """Put joints at positions, at rest, past all limits and motors."""
+        for index, position in zip(indices, positions, strict=True):
+            self._bullet.resetJointState(self.id, index, position, 0.0)
+
+    def set_joint_friction(self, index: int, force: float) -> None:
+        """Hold a joint against forces up to this one (N or Nm), as a drawer's runner does."""
+        self._bullet.setJointMotorControl2(
+            self.id, index, p.VELOCITY_CONTROL, targetVelocity=0.0, force=force
+        )
+
+    # Properties
+
+    @property
+    def mass(self) -> float:
+        """Mass of all links in kilograms; 0 for a body that cannot move."""
+        infos = (self._bullet.getDynamicsInfo(self.id, index) for index in self.indices)
+        return float(sum(info[0] for info in infos))
+
+    def set_mass(self, mass: float) -> None:
+        """Change the mass (kg), keeping how it is spread. No snapshot restores it.
+
+        Raises:
+            SimulationError: The body is static, or the mass is not above zero.
+        """
+        built = sum(link_mass for link_mass, _ in self._inertias.values())
+        if built <= 0.0:
+            raise SimulationError(f"{self.name} is static: it has no mass to change")
+        if not 0.0 < mass < float("inf"):
+            raise SimulationError(f"{self.name}: a mass must be above 0 kg, not {mass}")
+        for index, (link_mass, moments) in self._inertias.items():
+            set_inertia(
+                self.client,
+                self.id,
+                index,
+                link_mass * mass / built,
+                tuple(moment * mass / built for moment in moments),
+            )
+
+    def set_friction(self, lateral: float, links: Sequence[int] | None = None) -> None:
+        """Change the friction coefficient of some links, or all. No snapshot restores it."""
+        for index in self.indices if links is None else links:
+            self._bullet.changeDynamics(self.id, index, lateralFriction=lateral)
+
+    def set_rolling_friction(self, rolling: float) -> None:
+        """Change the torque against rolling of every link (m). No snapshot restores it."""
+        for index in self.indices:
+            self._bullet.changeDynamics(self.id, index, rollingFriction=rolling)
+
+    def set_restitution(self, restitution: float) -> None:
+        """Change how much speed a bounce keeps, 0 to 1. No snapshot restores it."""
+        for index in self.indices:
+            self._bullet.changeDynamics(self.id, index, restitution=restitution)
+
+    def set_grip(self, index: int, friction: float) -> None:
+        """Make a link hold what it presses on: friction that is anchored to where it took hold.
+
+        Without the anchor a solver that stops early lets a held object creep by a millimetre a
+        second.
+        """
+        self._bullet.changeDynamics(self.id, index, lateralFriction=friction, frictionAnchor=1)
+
+    def raise_inertia(self, index: int, least: float) -> None:
+        """Give a link principal moments of at least this much, in kg·m²."""
+        mass, moments = _inertia(self.client, self.id, index)
+        set_inertia(self.client, self.id, index, mass, [max(least, m) for m in moments])
+
+    def set_color(self, color: RGBA, index: int | None = None) -> None:
+        """Paint one link, or all."""
+        for link in self.indices if index is None else (index,):
+            self._bullet.changeVisualShape(self.id, link, rgbaColor=color)
+
+
+def inertial_frame(client: Client, body_id: int, index: int) -> Pose:
+    """Pose of a link's centre-of-mass frame in the link's frame."""
+    info = client.bullet.getDynamicsInfo(body_id, index)
+    return Pose(info[3], info[4])
+
+
+def set_inertia(
+    client: Client, body_id: int, index: int, mass: float, moments: Sequence[float]
+) -> None:
+    """Set a link's mass (kg) and principal moments (kg·m²); Bullet guesses moments otherwise."""
+    client.bullet.changeDynamics(body_id, index, mass=mass, localInertiaDiagonal=moments)
+
+
+def _inertia(client: Client, body_id: int, index: int) -> tuple[float, tuple[float, ...]]:
+    info: Sequence[Any] = client.bullet.getDynamicsInfo(body_id, index)
+    return info[0], info[2]
+
+
+def _read_joints(client: Client, body_id: int) -> dict[str, JointInfo]:
+    joints = {}
+    for index in range(client.bullet.getNumJoints(body_id)):
+        info = client.bullet.getJointInfo(body_id, index)
+        name, kind = info[1].decode(), _JOINT_TYPES.get(info[2])
+        if kind is None:
+            raise SimulationError(f"joint {name}: only revolute, prismatic and fixed joints work")
+        lower, upper = info[8], info[9]
+        if kind == "revolute" and lower > upper:  # how Bullet marks a joint without limits
+            lower, upper = float("-inf"), float("inf")
+        joints[name] = JointInfo(index, kind, lower, upper, info[11], info[10], index)
+    return joints

@@ -1,0 +1,268 @@
+"""Cameras: colour, depth and segmentation images with the matrices that explain them.
+
+The camera's frame is that of computer vision: x to the right, y down, z into the picture.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.errors import SimulationError
+from taskbuilder.geometry import Pose, Vec3, add, cross, from_axes, norm, scale, subtract, unit
+from taskbuilder.sim.bullet import p
+from taskbuilder.sim.client import Client
+
+LARGEST_SIDE = 4096  # Bullet ends the process when an image is too large
+NO_BODY = -1
+# Where in a pixel its ray passes, from the left and from the top. Bullet's own renderer takes
+# the lower left corner; OpenGL the centre.
+_RAY_IN_PIXEL = {"tiny": (0.0, 1.0), "egl": (0.5, 0.5)}
+
+
+@dataclass(frozen=True)
+class CameraView:
+    """Where a camera is and what it takes in.
+
+    Attributes:
+        eye: Position in the world, m.
+        target: The point in the middle of the picture.
+        up: What points up in the picture; need not be at right angles to the line of sight.
+        fov_deg: Vertical opening angle.
+        width: In pixels.
+        height: In pixels.
+        near: Nothing nearer is drawn, m.
+        far: Nothing further is drawn, m.
+
+    Raises:
+        SimulationError: The view has no direction, or a number makes no sense.
+    """
+
+    eye: Vec3
+    target: Vec3
+    up: Vec3 = (0.0, 0.0, 1.0)
+    fov_deg: float = 50.0
+    width: int = 640
+    height: int = 480
+    near: float = 0.02
+    far: float = 10.0
+
+    def __post_init__(self) -> None:
+        numbers = (*self.eye, *self.target, *self.up, self.fov_deg, self.near, self.far)
+        if not all(map(math.isfinite, numbers)):
+            raise SimulationError("a camera's position and lens must be finite numbers")
+        _check_size(self.width, self.height)
+        if not 0.0 < self.fov_deg < 180.0:
+            raise SimulationError(f"a camera's fov_deg must be between 0 and 180: {self.fov_deg}")
+        if not 0.0 < self.near < self.far:
+            raise SimulationError(f"a camera needs 0 < near < far, not {self.near}, {self.far}")
+        sight = subtract(self.target, self.eye)
+        if norm(sight) < 1e-6:
+            raise SimulationError(f"a camera at {self.eye} cannot look at its own position")
+        if norm(self.up) < 1e-6 or norm(cross(unit(sight), unit(self.up))) < 1e-6:
+            raise SimulationError(
+                f"the camera at {self.eye} looks along its up vector {self.up}, so which way is "
+                "up in the picture is undecided; give another up, such as (0, 1, 0)"
+            )
+
+    @classmethod
+    def from_pose(
+        cls, world_from_camera: Pose, *, fov_deg: float, width: int, height: int, **lens: float
+    ) -> Self:
+        """The view of a camera whose frame (x right, y down, z forward) is given."""
+        eye = world_from_camera.position
+        return cls(
+            eye=eye,
+            target=add(eye, world_from_camera.axis(2)),
+            up=scale(world_from_camera.axis(1), -1.0),
+            fov_deg=fov_deg,
+            width=width,
+            height=height,
+            **lens,
+        )
+
+    @property
+    def pose(self) -> Pose:
+        """The camera's frame (x right, y down, z forward) in the world."""
+        forward = unit(subtract(self.target, self.eye))
+        right = unit(cross(forward, self.up))
+        return Pose(self.eye, from_axes(right, cross(forward, right), forward))
+
+    @property
+    def extrinsics(self) -> NDArray[np.float64]:
+        """(4, 4) matrix that takes world coordinates to the camera's."""
+        camera_from_world = self.pose.inverse()
+        matrix = np.eye(4)
+        for column in range(3):
+            matrix[:3, column] = camera_from_world.axis(column)
+        matrix[:3, 3] = camera_from_world.position
+        return matrix
+
+
+@dataclass(frozen=True)
+class Light:
+    """How a picture is lit.
+
+    Attributes:
+        direction: From the scene towards the lamp, in the world.
+        color: Red, green, blue, 0 to 1.
+        ambient: Share of light that comes from everywhere.
+        diffuse: Share that depends on how a surface faces the lamp.
+        specular: Share that glares.
+        distance: Of the lamp from the origin, m.
+    """
+
+    direction: Vec3 = (-0.35, -0.5, 2.0)
+    color: Vec3 = (1.0, 1.0, 1.0)
+    ambient: float = 0.55
+    diffuse: float = 0.48
+    specular: float = 0.02
+    distance: float = 4.0
+
+
+@dataclass(frozen=True)
+class Backdrop:
+    """What is behind everything: a soft vertical gradient. Colours are 0 to 255."""
+
+    top: tuple[int, int, int] = (236, 239, 243)
+    bottom: tuple[int, int, int] = (205, 211, 219)
+
+
+DAYLIGHT = Light()
+STUDIO = Backdrop()
+
+
+@dataclass(frozen=True)
+class Image:
+    """What a camera saw.
+
+    Attributes:
+        rgb: (height, width, 3) uint8.
+        depth: (height, width) float32, metres along the camera's z; the far plane where nothing
+            is.
+        bodies: (height, width) int32, Bullet's number of the body; -1 where nothing is.
+        links: (height, width) int32, index of the link, -1 being a body's base; -1 where nothing
+            is, too.
+        intrinsics: (3, 3) matrix that takes camera coordinates (x right, y down, z forward) to
+            pixel indices (column, row) times depth. It is that of depth, bodies and links; rgb
+            averages over each pixel's area.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    bodies: NDArray[np.int32]
+    links: NDArray[np.int32]
+    intrinsics: NDArray[np.float64]
+
+
+def capture(
+    client: Client,
+    view: CameraView,
+    *,
+    light: Light = DAYLIGHT,
+    shadow: bool = False,
+    supersample: int = 1,
+    backdrop: Backdrop | None = None,
+) -> Image:
+    """Take a picture.
+
+    Args:
+        client: The world.
+        view: The camera.
+        light: The lamp.
+        shadow: Whether things cast shadows; about twice the time.
+        supersample: Draw this many times larger and average: smooth edges, for stills.
+        backdrop: Painted where nothing is; without it, that is white.
+
+    Raises:
+        SimulationError: The picture would be larger than 4096 pixels a side.
+    """
+    if supersample < 1:
+        raise SimulationError(f"supersample must be 1 or more, not {supersample}")
+    width, height = view.width * supersample, view.height * supersample
+    _check_size(width, height)
+    bullet = client.bullet
+    _, _, colors, buffer, mask = bullet.getCameraImage(
+        width,
+        height,
+        viewMatrix=bullet.computeViewMatrix(view.eye, view.target, view.up),
+        projectionMatrix=bullet.computeProjectionMatrixFOV(
+            view.fov_deg, width / height, view.near, view.far
+        ),
+        flags=p.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
+        shadow=int(shadow),
+        lightDirection=scale(unit(light.direction), light.distance),
+        lightColor=light.color,
+        lightDistance=light.distance,
+        lightAmbientCoeff=light.ambient,
+        lightDiffuseCoeff=light.diffuse,
+        lightSpecularCoeff=light.specular,
+    )
+    # A pybullet built without numpy answers with flat lists.
+    rgb = np.asarray(colors, dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
+    mask = np.asarray(mask, dtype=np.int32).reshape(height, width)
+    buffer = np.asarray(buffer, dtype=np.float32).reshape(height, width)
+    if backdrop is not None:
+        rgb = np.where((mask < 0)[:, :, None], _gradient(backdrop, height), rgb)
+    if supersample > 1:
+        size = (view.width, view.height)
+        rgb = cv2.resize(rgb, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    # Of the pixels drawn for one, depth and masks take that whose ray the pixel itself would have.
+    across, down = _RAY_IN_PIXEL[client.renderer]
+    column, row = (min(int(share * supersample), supersample - 1) for share in (across, down))
+    chosen = (slice(row, None, supersample), slice(column, None, supersample))
+    bodies, links = _decoded(mask[chosen])
+    return Image(
+        rgb=np.ascontiguousarray(rgb),
+        depth=_metres(buffer[chosen], view),
+        bodies=bodies,
+        links=links,
+        intrinsics=_intrinsics(view, (column + across) / supersample, (row + down) / supersample),
+    )
+
+
+def _check_size(width: int, height: int) -> None:
+    if not (0 < width <= LARGEST_SIDE and 0 < height <= LARGEST_SIDE):
+        raise SimulationError(
+            f"a picture of {width} x {height} pixels cannot be drawn; each side must be from 1 "
+            f"to {LARGEST_SIDE}, supersampling included"
+        )
+
+
+def _gradient(backdrop: Backdrop, height: int) -> NDArray[np.uint8]:
+    """(height, 1, 3) colours from top to bottom."""
+    share = np.linspace(0.0, 1.0, height)[:, None, None]
+    mixed = (1.0 - share) * np.array(backdrop.top) + share * np.array(backdrop.bottom)
+    colors: NDArray[np.uint8] = mixed.astype(np.uint8)
+    return colors
+
+
+def _decoded(mask: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Body numbers and link indices from Bullet's mask, which packs both."""
+    nothing = mask < 0
+    bodies = np.where(nothing, NO_BODY, mask & 0xFFFFFF)
+    links = np.where(nothing, NO_BODY, (mask >> 24) - 1)
+    return bodies.astype(np.int32), links.astype(np.int32)
+
+
+def _metres(buffer: NDArray[np.float32], view: CameraView) -> NDArray[np.float32]:
+    """Distances along the camera's z from OpenGL's depth buffer, which holds their inverses."""
+    near, far = view.near, view.far
+    return (far * near / (far - (far - near) * buffer)).astype(np.float32)
+
+
+def _intrinsics(view: CameraView, across: float, down: float) -> NDArray[np.float64]:
+    """The (3, 3) matrix for rays that pass pixels this far from their upper left corners."""
+    focal = view.height / 2 / math.tan(math.radians(view.fov_deg) / 2)
+    return np.array(
+        [
+            [focal, 0.0, view.width / 2 - across],
+            [0.0, focal, view.height / 2 - down],
+            [0.0, 0.0, 1.0],
+        ]
+    )

@@ -1,0 +1,82 @@
+"""Contacts and distances between bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from taskbuilder.geometry import Vec3
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.client import Client
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A point where two links touch.
+
+    Attributes:
+        body_a: Bullet's number of one body.
+        link_a: Index of its link.
+        body_b: Bullet's number of the other.
+        link_b: Index of its link.
+        position_on_b: Where on b, in the world (m).
+        normal_on_b: Unit vector from b towards a, in the world.
+        force: Along the normal, in newtons, averaged over the last physics step.
+        distance: Gap in metres; negative when one is inside the other.
+    """
+
+    body_a: int
+    link_a: int
+    body_b: int
+    link_b: int
+    position_on_b: Vec3
+    normal_on_b: Vec3
+    force: float
+    distance: float
+
+
+def contacts(
+    client: Client,
+    body_a: Body | None = None,
+    body_b: Body | None = None,
+    *,
+    link_a: int | None = None,
+    link_b: int | None = None,
+) -> tuple[Contact, ...]:
+    """Contacts as of the last physics step or `Client.collide`.
+
+    Args:
+        client: The world.
+        body_a: Only contacts of this body, which is then ``body_a`` in all of them.
+        body_b: Only contacts with this body.
+        link_a: Only contacts of this link of ``body_a``.
+        link_b: Only contacts with this link of ``body_b``.
+    """
+    wanted = {}
+    if body_a is not None:
+        wanted["bodyA"] = body_a.id
+    if body_b is not None:
+        wanted["bodyB"] = body_b.id
+    if link_a is not None:
+        wanted["linkIndexA"] = link_a
+    if link_b is not None:
+        wanted["linkIndexB"] = link_b
+    found = client.bullet.getContactPoints(**wanted)
+    return tuple(
+        Contact(a, link_of_a, b, link_of_b, position, normal, force, distance)
+        for _, a, b, link_of_a, link_of_b, _, position, normal, distance, force, *_ in found
+    )
+
+
+def closest_distance(body_a: Body, body_b: Body, within: float) -> float | None:
+    """Smallest distance between two bodies (m), negative inside; None beyond ``within``.
+
+    Needs no physics step or `Client.collide` before it.
+    """
+    points = body_a.client.bullet.getClosestPoints(body_a.id, body_b.id, within)
+    return min((float(point[8]) for point in points), default=None)
+
+
+def overlap(body_a: Body, body_b: Body) -> float:
+    """How deep one body is inside another (m); 0 when they do not meet."""
+    distance = closest_distance(body_a, body_b, within=0.0)
+    return 0.0 if distance is None else max(0.0, -distance)

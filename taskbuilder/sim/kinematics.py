@@ -1,0 +1,355 @@
+"""Forward and inverse kinematics of an arm.
+
+A `Chain` is read off a body once and is then plain numbers: solving neither moves the simulated
+arm nor depends on where it is. Poses are those of the tool in the frame of the body's base link.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.errors import SimulationError
+from taskbuilder.geometry import Pose, Vec3, from_axes, norm, rotate, subtract, turn_between, unit
+from taskbuilder.sim.body import BASE, Body, inertial_frame
+
+Floats = NDArray[np.float64]
+
+# One radian off weighs as much as 0.3 m off: about the lever arm at which a tool is used.
+METRES_PER_RADIAN = 0.3
+# Steps longer than this leave the region where the Jacobian says anything.
+LONGEST_STEP = 0.5
+ITERATIONS = 60
+# An attempt that has not halved its error in this many iterations sits in a local minimum.
+PATIENCE = 12
+# Where iterating stops; well inside any tolerance asked for, because convergence is fast there.
+CLOSE_ENOUGH = 2e-5
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The joints between a body's base and its tool.
+
+    Attributes:
+        body: Name of the body, for messages.
+        joints: Bullet's indices of the n movable joints, from the base outwards.
+        frames: (n + 1, 4, 4) each joint's frame at zero in the one before, then the tool's in the
+            last joint's.
+        axes: (n, 3) unit axis of each joint in its own frame.
+        revolute: (n,) whether each joint turns; the others slide.
+        lower: (n,) smallest positions, rad or m; minus infinity where there is no limit.
+        upper: (n,) largest positions.
+    """
+
+    body: str
+    joints: tuple[int, ...]
+    frames: Floats
+    axes: Floats
+    revolute: NDArray[np.bool_]
+    lower: Floats
+    upper: Floats
+
+    @classmethod
+    def of(cls, body: Body, joints: Sequence[int], tcp_link: int, tcp_offset: Pose) -> Self:
+        """Read a chain off a body.
+
+        Args:
+            body: The body.
+            joints: Indices of the arm's joints, from the base outwards. Other joints on the way
+                are taken at zero.
+            tcp_link: Index of the link that carries the tool.
+            tcp_offset: The tool's frame in that link's.
+
+        Raises:
+            SimulationError: The joints are not all between base and tool, in that order.
+        """
+        path = _path(body, tcp_link)
+        if [index for index in path if index in joints] != list(joints):
+            raise SimulationError(
+                f"{body.name}: joints {list(joints)} are not, in this order, on the way from the "
+                f"base to link {tcp_link}, which is {path}"
+            )
+        links = _poses_at_zero(body, (BASE, *joints, tcp_link))
+        links[-1] = links[-1] @ tcp_offset
+        steps = [before.inverse() @ after for before, after in pairwise(links)]
+        info = {joint.index: joint for joint in body.joints.values()}
+        return cls(
+            body=body.name,
+            joints=tuple(joints),
+            frames=np.array([_matrix(step) for step in steps]),
+            axes=np.array([_axis(body, index) for index in joints]),
+            revolute=np.array([info[index].type == "revolute" for index in joints]),
+            lower=np.array([info[index].lower for index in joints]),
+            upper=np.array([info[index].upper for index in joints]),
+        )
+
+    def forward(self, positions: Sequence[float]) -> Pose:
+        """Pose of the tool with the joints at positions (rad or m)."""
+        tool = self._frames_at(np.asarray(positions, dtype=np.float64))[-1]
+        x, y, z = tool[:3, :3].T.tolist()
+        return Pose(_vector(tool[:3, 3]), from_axes(tuple(x), tuple(y), tuple(z)))
+
+    def within_limits(self, positions: Sequence[float], margin: float = 0.0) -> bool:
+        """Whether every joint is at least ``margin`` (rad or m) inside its limits."""
+        at = np.asarray(positions)
+        return bool((at >= self.lower + margin).all() and (at <= self.upper - margin).all())
+
+    def _frames_at(self, positions: Floats) -> Floats:
+        """(n + 1, 4, 4) frames of the moved joints, then of the tool, in the base's."""
+        moved = self.frames.copy()
+        moved[:-1] @= self._motions(positions)
+        for index in range(1, len(moved)):
+            moved[index] = moved[index - 1] @ moved[index]
+        return moved
+
+    def _motions(self, positions: Floats) -> Floats:
+        """(n, 4, 4) what each joint does at its position: Rodrigues' formula, or a shift."""
+        angles = np.where(self.revolute, positions, 0.0)[:, None, None]
+        motions = np.zeros((len(positions), 4, 4))
+        motions[:, 3, 3] = 1.0
+        motions[:, :3, :3] = (
+            np.eye(3) + np.sin(angles) * self._turns + (1.0 - np.cos(angles)) * self._turns_twice
+        )
+        motions[:, :3, 3] = self.axes * np.where(self.revolute, 0.0, positions)[:, None]
+        return motions
+
+    @cached_property
+    def _turns(self) -> Floats:
+        """(n, 3, 3) matrices of the cross product with each axis."""
+        x, y, z = self.axes.T
+        zero = np.zeros_like(x)
+        return np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+
+    @cached_property
+    def _turns_twice(self) -> Floats:
+        return self._turns @ self._turns
+
+    def _jacobian(self, frames: Floats) -> Floats:
+        """(6, n) velocity of the tool's origin, then its angular velocity, for each joint's."""
+        axes = (frames[:-1, :3, :3] @ self.axes[:, :, None])[:, :, 0]
+        arms = frames[-1, :3, 3] - frames[:-1, :3, 3]
+        jacobian = np.empty((6, len(axes)))
+        jacobian[:3] = np.where(self.revolute, _cross(axes, arms), axes.T)
+        jacobian[3:] = np.where(self.revolute, axes.T, 0.0)
+        return jacobian
+
+
+@dataclass(frozen=True)
+class IkResult:
+    """What inverse kinematics found.
+
+    Attributes:
+        joints: Joint positions, rad or m, inside the limits: the best found.
+        position_error_m: Distance of the tool from where it should be.
+        angle_error: Angle between its orientation and the one asked for, rad.
+        ok: Whether both errors are within the tolerances.
+    """
+
+    joints: tuple[float, ...]
+    position_error_m: float
+    angle_error: float
+    ok: bool
+
+
+def solve(
+    chain: Chain,
+    target: Pose,
+    *,
+    start: Sequence[float],
+    rng: np.random.Generator,
+    attempts: int = 20,
+    position_tolerance_m: float = 1e-3,
+    angle_tolerance: float = math.radians(0.5),
+) -> IkResult:
+    """Find joint positions that bring the tool to a pose.
+
+    The first attempt begins at ``start``, so a solution near it is found first; later ones begin
+    at random inside the limits. Joints that turn further than a full circle are brought to the
+    turn nearest ``start``.
+
+    Args:
+        chain: The arm.
+        target: Of the tool, in the frame of the base link.
+        start: Joint positions to begin at, rad or m.
+        rng: Where the other beginnings come from.
+        attempts: How many beginnings to try.
+        position_tolerance_m: How far off the tool may be.
+        angle_tolerance: How much it may be turned, rad.
+    """
+    goal = _matrix(target)
+    best: IkResult | None = None
+    for beginning in _beginnings(chain, np.asarray(start, dtype=np.float64), rng, attempts):
+        found = _nearest_turn(chain, _descend(chain, goal, beginning, ITERATIONS), start)
+        result = _judged(chain, target, found, position_tolerance_m, angle_tolerance)
+        if result.ok:
+            return result
+        if best is None or _badness(result) < _badness(best):
+            best = result
+    if best is None:
+        raise SimulationError(f"inverse kinematics needs at least one attempt, not {attempts}")
+    return best
+
+
+def follow(
+    chain: Chain, target: Pose, *, start: Sequence[float], iterations: int = 3
+) -> tuple[float, ...]:
+    """A few steps from ``start`` towards a nearby pose: inverse kinematics for a control loop.
+
+    Stays inside the limits and continuous in ``start``; where the pose is out of reach, it comes
+    as near as it gets.
+    """
+    beginning = np.clip(np.asarray(start, dtype=np.float64), chain.lower, chain.upper)
+    return tuple(_descend(chain, _matrix(target), beginning, iterations).tolist())
+
+
+def _descend(chain: Chain, goal: Floats, positions: Floats, iterations: int) -> Floats:
+    """Levenberg-Marquardt from one beginning.
+
+    The damping is the error itself plus a constant, which makes steps bold near a solution and
+    short near a singularity: Sugihara, "Solvability-unconcerned inverse kinematics by the
+    Levenberg-Marquardt method", IEEE Trans. Robotics 27(5), 2011.
+    """
+    identity = np.eye(6)
+    best, best_error, patience = positions, math.inf, PATIENCE
+    milestone = math.inf
+    for _ in range(iterations):
+        frames = chain._frames_at(positions)
+        error = _error(frames[-1], goal)
+        size = math.sqrt(error @ error)
+        if size < best_error:
+            best, best_error = positions, size
+        if size < CLOSE_ENOUGH:
+            break
+        if size < 0.5 * milestone:
+            milestone, patience = size, PATIENCE
+        patience -= 1
+        if not patience:
+            break
+        jacobian = chain._jacobian(frames)
+        jacobian[3:] *= METRES_PER_RADIAN
+        damping = 0.1 * size * size + 1e-5
+        step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + damping * identity, error)
+        longest = float(np.abs(step).max())
+        if longest > LONGEST_STEP:
+            step *= LONGEST_STEP / longest
+        positions = np.clip(positions + step, chain.lower, chain.upper)
+    else:
+        error = _error(chain._frames_at(positions)[-1], goal)
+        if math.sqrt(error @ error) < best_error:
+            best = positions
+    return best
+
+
+def _error(tool: Floats, goal: Floats) -> Floats:
+    """(6,) where the goal lies as seen from the tool: metres, then a rotation vector, scaled."""
+    turn = goal[:3, :3] @ tool[:3, :3].T
+    (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
+    x, y, z = h - f, c - g, d - b  # 2·sin(angle)·axis
+    twice_sine = math.sqrt(x * x + y * y + z * z)
+    angle = math.atan2(twice_sine, a + e + i - 1.0)
+    if twice_sine > 1e-9:
+        gain = METRES_PER_RADIAN * angle / twice_sine
+    elif angle < 1.0:
+        gain = 0.0
+    else:  # half a turn has no one axis: any gets the descent going
+        x, y, z, gain = 1.0, 0.0, 0.0, METRES_PER_RADIAN * angle
+    px, py, pz = (goal[:3, 3] - tool[:3, 3]).tolist()
+    return np.array([px, py, pz, gain * x, gain * y, gain * z])
+
+
+def _beginnings(
+    chain: Chain, start: Floats, rng: np.random.Generator, attempts: int
+) -> Iterator[Floats]:
+    # One turn is all there is to choose from; wider limits would only spread the guesses.
+    widest = np.where(chain.revolute, math.pi, math.inf)
+    lower, upper = np.maximum(chain.lower, -widest), np.minimum(chain.upper, widest)
+    for attempt in range(attempts):
+        if attempt == 0:
+            yield np.clip(start, chain.lower, chain.upper)
+        else:
+            yield rng.uniform(lower, upper)
+
+
+def _nearest_turn(chain: Chain, positions: Floats, start: Sequence[float]) -> Floats:
+    """The same posture, each turning joint on the full turn within limits nearest to start."""
+    turn = 2.0 * math.pi
+    most = np.floor((chain.upper - positions) / turn)
+    least = np.ceil((chain.lower - positions) / turn)
+    turns = np.clip(np.round((np.asarray(start) - positions) / turn), least, most)
+    return np.where(chain.revolute, positions + turn * turns, positions)
+
+
+def _judged(
+    chain: Chain, target: Pose, positions: Floats, distance: float, angle: float
+) -> IkResult:
+    reached = chain.forward(positions.tolist())
+    off = norm(subtract(target.position, reached.position))
+    turned = turn_between(reached.quaternion, target.quaternion)
+    good = off <= distance and turned <= angle and chain.within_limits(positions.tolist(), -1e-9)
+    return IkResult(tuple(positions.tolist()), off, turned, good)
+
+
+def _badness(result: IkResult) -> float:
+    return result.position_error_m + METRES_PER_RADIAN * result.angle_error
+
+
+def _path(body: Body, link: int) -> list[int]:
+    """Joints from the base to a link."""
+    path: list[int] = []
+    while link != BASE:
+        path.insert(0, link)
+        link = body.client.bullet.getJointInfo(body.id, link)[16]
+    return path
+
+
+def _poses_at_zero(body: Body, links: Sequence[int]) -> list[Pose]:
+    """Poses of links with all joints at zero. The joints are left as they were found."""
+    bullet = body.client.bullet
+    movable = [joint.index for joint in body.joints.values() if joint.type != "fixed"]
+    states = bullet.getJointStates(body.id, movable) if movable else ()
+    body.reset_joints(movable, [0.0] * len(movable))
+    poses = [_exact_pose(body, link) for link in links]
+    for index, (position, velocity, *_) in zip(movable, states, strict=True):
+        bullet.resetJointState(body.id, index, position, velocity)
+    return poses
+
+
+def _exact_pose(body: Body, link: int) -> Pose:
+    """A link's pose in double precision: Bullet rounds link frames to 7 digits, not the rest."""
+    if link == BASE:
+        return body.pose()
+    state = body.client.bullet.getLinkState(body.id, link, computeForwardKinematics=1)
+    return Pose(state[0], state[1]) @ inertial_frame(body.client, body.id, link).inverse()
+
+
+def _axis(body: Body, joint: int) -> Vec3:
+    """A joint's axis in its link's frame; Bullet gives it in that of the centre of mass."""
+    axis: Vec3 = body.client.bullet.getJointInfo(body.id, joint)[13]
+    return unit(rotate(inertial_frame(body.client, body.id, joint).quaternion, axis))
+
+
+def _matrix(pose: Pose) -> Floats:
+    """(4, 4) homogeneous matrix of a pose."""
+    matrix = np.eye(4)
+    for column in range(3):
+        matrix[:3, column] = pose.axis(column)
+    matrix[:3, 3] = pose.position
+    return matrix
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """(3, n) cross products of (n, 3) vectors; numpy's own takes five times as long on few."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def _vector(values: Floats) -> Vec3:
+    x, y, z = values.tolist()
+    return (x, y, z)

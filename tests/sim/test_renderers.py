@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from taskbuilder.errors import SimulationError
+from taskbuilder.sim import renderers
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.renderers import EglProbe, choose, probe_egl
+
+
+@pytest.fixture
+def fresh_probe():
+    probe_egl.cache_clear()
+    yield
+    probe_egl.cache_clear()
+
+
+def test_the_probe_says_either_what_draws_or_why_nothing_does():
+    probe = probe_egl()
+    assert bool(probe.device) != bool(probe.reason)
+
+
+@pytest.mark.parametrize(
+    ("probe", "chosen"),
+    [
+        (EglProbe("NVIDIA H200/PCIe/SSE2", ""), "egl"),
+        (EglProbe("llvmpipe (LLVM 15.0.6, 256 bits)", ""), "tiny"),
+        (EglProbe("", "no device"), "tiny"),
+    ],
+)
+def test_auto_takes_egl_only_with_hardware_behind_it(monkeypatch, probe, chosen):
+    monkeypatch.setattr(renderers, "probe_egl", lambda: probe)
+    assert choose("auto") == chosen
+
+
+def test_egl_that_does_not_work_is_refused_with_the_way_out(monkeypatch, fresh_probe):
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent")
+    monkeypatch.setenv("EGL_VISIBLE_DEVICES", "99")
+    with pytest.raises(SimulationError, match=r"EGL does not work here: .*use tiny"):
+        choose("egl")
+    with pytest.raises(SimulationError, match="EGL does not work here"):
+        Client(physics_hz=120, egl=True)
+
+
+def test_an_unknown_renderer_is_refused():
+    with pytest.raises(SimulationError, match="auto, tiny or egl"):
+        choose("vulkan")
+
+
+def test_tiny_needs_no_probe(monkeypatch):
+    monkeypatch.setattr(renderers, "probe_egl", None)
+    assert choose("tiny") == "tiny"
+
+
+@pytest.mark.skipif(not probe_egl().works, reason=f"no EGL: {probe_egl().reason}")
+def test_drawing_through_egl_prints_nothing():
+    script = """
+from taskbuilder.sim.bodies import create_body
+from taskbuilder.sim.shapes import BoxShape, Part
+from taskbuilder.sim.cameras import CameraView, capture
+from taskbuilder.sim.client import Client
+with Client(physics_hz=120, egl=True) as client:
+    for _ in range(3):
+        create_body(client, {"box": Part(BoxShape((1, 1, 1)))})
+        capture(client, CameraView((3, 3, 3), (0, 0, 0)))
+"""
+    child = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
+    assert (child.stdout, child.stderr) == (b"", b"")
