@@ -1,0 +1,155 @@
+"""Build a world from a task file: a straight list of steps."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from taskbuilder.assets.model import Urdf
+from taskbuilder.errors import FileError
+from taskbuilder.geometry import Pose
+from taskbuilder.sim.bodies import create_body
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.kinematics import Chain, solve
+from taskbuilder.sim.motors import Motors
+from taskbuilder.sim.renderers import choose
+from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
+from taskbuilder.spec.load import TaskFile
+from taskbuilder.spec.robots import joint_values
+from taskbuilder.spec.scene import ObjectSpec, RobotEntry, SiteSpec
+from taskbuilder.spec.values import rgb
+from taskbuilder.world.gripper import build_gripper
+from taskbuilder.world.loading import Loader
+from taskbuilder.world.placement import placement_order, put
+from taskbuilder.world.robot import Robot
+from taskbuilder.world.shapes import link_box, parts_of, shape_of
+from taskbuilder.world.things import Site, Thing
+from taskbuilder.world.world import World
+
+ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
+ARM_SPEED = 3.14  # rad/s or m/s, likewise
+ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
+JOINT_FRICTION = 0.5  # N or N m: what keeps a drawer where it was left
+FLOOR_COLOR: RGBA = (0.80, 0.81, 0.83, 1.0)
+
+
+def build_world(
+    task: TaskFile, *, variation: int = 0, renderer: Literal["auto", "tiny", "egl"] = "tiny"
+) -> World:
+    """Build the world of a task.
+
+    Args:
+        task: The task file.
+        variation: 0 for the plain scene, k for the k-th variation.
+        renderer: What draws its pictures.
+
+    Raises:
+        FileError: Something in the files cannot be built; the findings point into them.
+        SimulationError: The renderer does not work here.
+    """
+    scene = task.scenes[variation]
+    client = Client(physics_hz=task.spec.timing.physics_hz, egl=choose(renderer) == "egl")
+    loader = Loader(client, task)
+    try:
+        floor = _build_floor(client) if scene.floor else None
+        robots = {name: _build_robot(loader, name, spec) for name, spec in scene.robots.items()}
+        objects = {name: _build_object(loader, name, spec) for name, spec in scene.objects.items()}
+        sites = {name: _build_site(client, name, spec) for name, spec in scene.sites.items()}
+        heard = tuple(loader.heard)
+        world = World(task.spec, scene, client, robots, objects, sites, floor, heard)
+        _put_all(world)
+        world.keep_as_built()
+    except BaseException:
+        client.close()
+        raise
+    return world
+
+
+def _build_floor(client: Client) -> Body:
+    slab = Part(BoxShape((8.0, 8.0, 0.1)), Pose((0.0, 0.0, -0.05)), FLOOR_COLOR)
+    return create_body(client, {"floor": slab}, name="floor")
+
+
+def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
+    model = loader.task.robots[name]
+    spec = model.spec
+    body = loader.urdf(model.urdf, name, entry.base.pose, fixed=True)
+    joints = [body.joints[joint] for joint in spec.arm]
+    indices = [joint.index for joint in joints]
+    chain = Chain.of(body, indices, body.links[spec.tcp.link], spec.tcp.pose)
+    arm = Motors(
+        body,
+        indices,
+        forces=[joint.effort or ARM_EFFORT for joint in joints],
+        velocities=[joint.velocity or ARM_SPEED for joint in joints],
+        position_gain=ARM_GAIN,
+    )
+    fingers = tuple(tuple(body.links[link] for link in finger) for finger in spec.gripper.fingers)
+    home = _home(loader, name, entry, chain)
+    robot = Robot(name, model, body, chain, arm, build_gripper(body, model), home, fingers)
+    robot.go_home()
+    return robot
+
+
+def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[float, ...]:
+    """Joint positions of a robot's home, by inverse kinematics where it is given as a pose."""
+    model = loader.task.robots[name]
+    if entry.home is None:
+        return model.home
+    if entry.home.joints_deg is not None:
+        return joint_values(model.arm, entry.home.joints_deg)
+    if entry.home.tcp is None:
+        raise ValueError("a home is a tcp pose or joint positions")
+    target = entry.base.pose.inverse() @ entry.home.tcp.pose
+    rng = np.random.default_rng(0)  # the same home in every world
+    found = solve(chain, target, start=model.home, rng=rng)
+    if found.ok:
+        return found.joints
+    message = (
+        f"{name} cannot reach this pose: it comes within {found.position_error_m * 100:.1f} cm and "
+        f"{math.degrees(found.angle_error):.0f}°; move it nearer to the base, or turn the tool"
+    )
+    raise FileError([loader.finding("TB303", message, "scene", "robots", name, "home", "tcp")])
+
+
+def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> Thing:
+    asset = loader.task.assets.get(name)
+    if isinstance(asset, Urdf):
+        return _build_articulated(loader, name, spec, asset)
+    parts = parts_of(spec, asset)
+    body = loader.body(parts, name, spec)
+    return Thing(name, spec, body, {part: bounds(made.shape) for part, made in parts.items()}, {})
+
+
+def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) -> Thing:
+    size = (spec.shape.scale if spec.shape else None) or 1.0
+    body = loader.urdf(urdf, name, spec.pose, fixed=spec.fixed, size=size)
+    body.set_friction(spec.friction)
+    start = {}
+    for joint in urdf.moving_joints:
+        index = body.joints[joint.name].index
+        (start[index],) = joint_values([joint], [spec.joints.get(joint.name, 0.0)])
+        body.set_joint_friction(index, JOINT_FRICTION)
+    body.reset_joints(tuple(start), tuple(start.values()))
+    boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
+    return Thing(name, spec, body, boxes, start)
+
+
+def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:
+    if spec.marker is None:
+        return Site(name, spec, spec.pose, None, None)
+    shape = shape_of(spec.marker)
+    part = Part(shape, Pose(), (*rgb(spec.color), 1.0))
+    marker = create_body(client, {name: part}, name=name, collides=False)
+    return Site(name, spec, spec.pose, bounds(shape), marker)
+
+
+def _put_all(world: World) -> None:
+    """Put what stands at a written position there, in order of dependence."""
+    for name in placement_order(world.scene):
+        spec = world.scene.objects.get(name) or world.scene.sites[name]
+        if spec.place is None:
+            put(world, name)

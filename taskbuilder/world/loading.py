@@ -1,0 +1,113 @@
+"""Bring the assets of a task into a client, and what the engine says of them into findings."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.paths import AssetError
+from taskbuilder.assets.urdf import resolved_text
+from taskbuilder.errors import FileError, Finding, SimulationError
+from taskbuilder.geometry import Pose
+from taskbuilder.sim.bodies import create_body, load_urdf
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.chatter import captured, warnings
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.probe import probe
+from taskbuilder.sim.shapes import MeshShape, Part
+from taskbuilder.spec.load import TaskFile
+from taskbuilder.spec.scene import ObjectSpec
+
+
+@dataclass(frozen=True)
+class Loader:
+    """Loads the assets of one task into one client.
+
+    Assets that are not part of an installed package are probed in a child process first.
+
+    Attributes:
+        client: Where bodies are made.
+        task: The task file, for the places of findings.
+        heard: What the engine said while it loaded assets that people can mend.
+    """
+
+    client: Client
+    task: TaskFile
+    heard: list[Finding] = field(default_factory=list)
+
+    def urdf(self, urdf: Urdf, name: str, pose: Pose, *, fixed: bool, size: float = 1.0) -> Body:
+        """Load a URDF by way of a copy in which every path is absolute.
+
+        Raises:
+            FileError: The engine dies of the asset or refuses it.
+        """
+        with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:
+            copy = Path(folder) / urdf.path.name
+            copy.write_text(resolved_text(urdf), encoding="utf-8")
+            self._probe(copy, "urdf", name)
+            with self._listening(name):
+                return load_urdf(
+                    self.client, copy, name=name, pose=pose, fixed_base=fixed, scale=size
+                )
+
+    def body(self, parts: Mapping[str, Part], name: str, spec: ObjectSpec) -> Body:
+        """Make a body of parts.
+
+        Raises:
+            FileError: The engine dies of a mesh or refuses a part.
+        """
+        for part in parts.values():
+            if isinstance(part.shape, MeshShape):
+                self._probe(part.shape.path, "mesh", name)
+        with self._listening(name):
+            return create_body(
+                self.client,
+                parts,
+                name=name,
+                mass=0.0 if spec.fixed else spec.mass or 0.0,
+                pose=spec.pose,
+                friction=spec.friction,
+                rolling_friction=spec.rolling_friction,
+                restitution=spec.restitution,
+            )
+
+    def finding(self, code: str, message: str, *path: str) -> Finding:
+        """A finding at a place of the task file."""
+        return Finding(code, message, ".".join(path), self.task.source.locate(path))
+
+    def _trusts(self, name: str) -> bool:
+        robot = self.task.robots.get(name)
+        return robot.entry.trusted if robot else self.task.entry.trusted
+
+    def _place(self, name: str) -> tuple[str, ...]:
+        if name in self.task.robots:
+            return ("scene", "robots", name, "model")
+        return ("scene", "objects", name, "shape")
+
+    def _probe(self, path: Path, kind: Literal["urdf", "mesh"], name: str) -> None:
+        if self._trusts(name):
+            return
+        try:
+            probe(path, kind=kind)
+        except AssetError as error:
+            finding = self.finding(error.code, error.message, *self._place(name))
+            raise FileError([finding]) from error
+
+    @contextmanager
+    def _listening(self, name: str) -> Iterator[None]:
+        """Keep Bullet's chatter off the terminal; what it warns of becomes findings."""
+        place = self._place(name)
+        try:
+            with captured() as chatter:
+                yield
+        except SimulationError as error:
+            raise FileError([self.finding("TB407", str(error), *place)]) from error
+        if not self._trusts(name):
+            for sentence in warnings(chatter.text):
+                location = self.task.source.locate(place)
+                self.heard.append(Finding("TB407", sentence, ".".join(place), location, "warning"))

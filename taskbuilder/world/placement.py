@@ -1,0 +1,191 @@
+"""Placement: putting things where their regions say, without overlap.
+
+Things that stand at a position given in another's frame go where the other goes. Each placed
+thing, with all that goes with it, is tried up to `TRIES` times.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from taskbuilder.errors import Finding, PlacementError
+from taskbuilder.geometry import Pose, from_rpy_deg, multiply
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.contacts import closest_distance
+from taskbuilder.spec.scene import Place, SceneSpec
+from taskbuilder.world.things import Site, Thing
+
+if TYPE_CHECKING:
+    from taskbuilder.world.world import World
+
+TRIES = 100
+GAP = 0.005
+"""Metres that placed things keep from each other."""
+
+LIFT = 0.0005
+"""Metres above its surface at which a thing is put, to settle from."""
+
+
+def placement_order(scene: SceneSpec) -> tuple[str, ...]:
+    """Objects and sites, each after the frame or surface that its position is given in."""
+    things = {**scene.objects, **scene.sites}
+    order: dict[str, None] = {}
+
+    def visit(name: str) -> None:
+        if name in order or name not in things:
+            return
+        for parent in _parents(scene, name):
+            visit(parent)
+        order[name] = None
+
+    for name in things:
+        visit(name)
+    return tuple(order)
+
+
+def place_all(world: World, rng: np.random.Generator) -> None:
+    """Put every placed thing, and what goes with it, where its region says.
+
+    Args:
+        world: Just restored to how it was built.
+        rng: The episode's generator for placement.
+
+    Raises:
+        PlacementError: A thing found no free place.
+    """
+    moved = _moved(world.scene)
+    settled = [name for name in world.object_names if name not in moved]
+    for group in _groups(world.scene):
+        _place_group(world, group, settled, rng)
+        settled += [name for name in group if name in world.objects]
+
+
+def put(world: World, name: str) -> None:
+    """Put a thing with a written position there, in the frame it is given in."""
+    thing = world.objects.get(name)
+    spec = thing.spec if thing else world.sites[name].spec
+    parent = world.pose(spec.frame) if spec.frame != "world" else Pose()
+    _move(world, name, parent @ spec.pose)
+
+
+def _parents(scene: SceneSpec, name: str) -> Iterator[str]:
+    spec = scene.objects[name] if name in scene.objects else scene.sites[name]
+    references = [spec.frame]
+    if spec.place is not None:
+        references = [spec.place.frame, spec.place.surface or "world"]
+    yield from (reference.partition(".")[0] for reference in references)
+
+
+def _moved(scene: SceneSpec) -> set[str]:
+    """Everything that is placed, or goes with something placed."""
+    moved: set[str] = set()
+    for name in placement_order(scene):
+        spec = scene.objects[name] if name in scene.objects else scene.sites[name]
+        if spec.place is not None or moved & set(_parents(scene, name)):
+            moved.add(name)
+    return moved
+
+
+def _groups(scene: SceneSpec) -> list[list[str]]:
+    """Each placed thing, followed by what stands at positions in its frame."""
+    groups: dict[str, list[str]] = {}
+    leader: dict[str, str] = {}
+    for name in placement_order(scene):
+        spec = scene.objects[name] if name in scene.objects else scene.sites[name]
+        if spec.place is not None:
+            leader[name] = name
+            groups[name] = [name]
+        else:
+            above = [leader[parent] for parent in _parents(scene, name) if parent in leader]
+            if above:
+                leader[name] = above[0]
+                groups[above[0]].append(name)
+    return list(groups.values())
+
+
+def _place_group(
+    world: World, group: list[str], settled: list[str], rng: np.random.Generator
+) -> None:
+    first, *followers = group
+    spec = world.scene.objects.get(first) or world.scene.sites[first]
+    place = spec.place
+    if place is None:
+        raise ValueError(f"{first} leads a group but is not placed")
+    in_the_way: Counter[str] = Counter()
+    for _ in range(TRIES):
+        _move(world, first, _sample(world, first, place, rng))
+        for name in followers:
+            put(world, name)
+        obstacle = _obstacle(world, group, settled, place)
+        if obstacle is None:
+            return
+        in_the_way[obstacle] += 1
+    raise PlacementError([_does_not_fit(first, in_the_way)])
+
+
+def _does_not_fit(name: str, in_the_way: Counter[str]) -> Finding:
+    (worst, count), *_ = in_the_way.most_common()
+    share = "all" if count == TRIES else f"{count}"
+    message = (
+        f"{TRIES} placements tried, {share} overlap {worst}; enlarge place.size or move its center"
+    )
+    return Finding("TB305", message, name)
+
+
+def _sample(world: World, name: str, place: Place, rng: np.random.Generator) -> Pose:
+    """A pose drawn from a region, in the world."""
+    low = [c - s / 2 for c, s in zip(place.center, place.size, strict=True)]
+    high = [c + s / 2 for c, s in zip(place.center, place.size, strict=True)]
+    point = rng.uniform(low, high).tolist()
+    yaw = float(rng.uniform(*place.yaw_deg))
+    turn = multiply(from_rpy_deg((0.0, 0.0, yaw)), from_rpy_deg(place.rpy_deg))
+    frame = world.pose(place.frame) if place.frame != "world" else Pose()
+    if place.surface is None:
+        return frame @ Pose((point[0], point[1], point[2]), turn)
+    pose = frame @ Pose((point[0], point[1], 0.0), turn)
+    x, y, _ = pose.position
+    top = world.box(place.surface).seen_from(world.pose(place.surface)).high[2]
+    resting = Pose((0.0, 0.0, 0.0), pose.quaternion)
+    reach_down = world.box(name).seen_from(resting).low[2] if name in world.objects else 0.0
+    lift = LIFT if name in world.objects else 0.0
+    return Pose((x, y, top - reach_down + lift), pose.quaternion)
+
+
+def _move(world: World, name: str, pose: Pose) -> None:
+    if name in world.objects:
+        world.objects[name].body.place(pose)
+    else:
+        _move_site(world.sites[name], pose)
+    world.refresh()
+
+
+def _move_site(site: Site, world_pose: Pose) -> None:
+    if site.rides_on:
+        return  # its pose is given in what it rides on, and stays
+    site.pose = world_pose
+    if site.marker is not None:
+        site.marker.place(world_pose)
+
+
+def _obstacle(world: World, group: list[str], settled: list[str], place: Place) -> str | None:
+    """The first thing that a group overlaps or comes too near, or None."""
+    bodies = [world.objects[name] for name in group if name in world.objects]
+    surface = (place.surface or "").partition(".")[0]
+    for thing in bodies:
+        for name in settled:
+            gap = 0.0 if name in (surface, thing.spec.frame.partition(".")[0]) else GAP
+            if _too_near(thing, world.objects[name].body, gap):
+                return name
+        for name, robot in world.robots.items():
+            if _too_near(thing, robot.body, GAP):
+                return name
+    return None
+
+
+def _too_near(thing: Thing, other: Body, gap: float) -> bool:
+    distance = closest_distance(thing.body, other, within=gap)
+    return distance is not None and distance < gap

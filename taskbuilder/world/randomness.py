@@ -1,0 +1,76 @@
+"""Randomness of an episode: one seed, and a generator of its own for each purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from taskbuilder.spec.task import Distribution
+from taskbuilder.spec.values import rgb
+
+if TYPE_CHECKING:
+    from taskbuilder.world.world import World
+
+
+@dataclass(frozen=True)
+class EpisodeRandomness:
+    """The generators of an episode. Using more or less of one does not move the others."""
+
+    seed: int
+
+    def placement(self) -> np.random.Generator:
+        """For where things are put."""
+        return self._generator(0)
+
+    def variation(self) -> np.random.Generator:
+        """For the randomised quantities, and for the variation where it is drawn."""
+        return self._generator(1)
+
+    def noise(self) -> np.random.Generator:
+        """For noise on observations."""
+        return self._generator(2)
+
+    def _generator(self, purpose: int) -> np.random.Generator:
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
+
+
+def randomize(world: World, drawn: Mapping[str, Distribution], rng: np.random.Generator) -> None:
+    """Set every quantity that the task can randomise: drawn where asked for, else as written.
+
+    A snapshot restores none of these, so they are all set, every time.
+    """
+    for key in world.spec.randomize:
+        thing, _, quantity = key.rpartition(".")
+        value = draw(drawn[key], rng) if key in drawn else _written(world, thing, quantity)
+        _set(world, thing, quantity, value)
+
+
+def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
+    """A value from a distribution."""
+    if distribution.uniform is not None:
+        return float(rng.uniform(*distribution.uniform))
+    choices = distribution.choice or ()
+    return choices[int(rng.integers(len(choices)))]
+
+
+def _written(world: World, thing: str, quantity: str) -> Any:
+    spec = world.scene.sites[thing] if thing in world.sites else world.scene.objects[thing]
+    return getattr(spec, quantity)
+
+
+def _set(world: World, thing: str, quantity: str, value: Any) -> None:
+    marker = world.sites[thing].marker if thing in world.sites else None
+    body = marker or world.objects[thing].body
+    if quantity == "color":
+        body.set_color((*rgb(value), 1.0))
+    else:
+        setters: Mapping[str, Callable[[float], None]] = {
+            "mass": body.set_mass,
+            "friction": body.set_friction,
+            "rolling_friction": body.set_rolling_friction,
+            "restitution": body.set_restitution,
+        }
+        setters[quantity](value)

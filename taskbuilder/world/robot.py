@@ -1,0 +1,79 @@
+"""A robot of the world: an arm that is driven by joint targets, and a gripper that opens."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from taskbuilder.geometry import Pose
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.kinematics import Chain
+from taskbuilder.sim.motors import Motors
+from taskbuilder.spec.robots import RobotModel
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot, built.
+
+    Attributes:
+        name: Its name in the scene.
+        model: What it is.
+        body: Its body in the simulation.
+        chain: Its arm's kinematics, base link to tcp.
+        arm: Motors of the arm's joints, base to wrist.
+        gripper: Motors of the gripper's joints.
+        home: Joint positions that episodes start from, in rad or m.
+        fingers: Link indices of each finger.
+    """
+
+    name: str
+    model: RobotModel
+    body: Body
+    chain: Chain
+    arm: Motors
+    gripper: Motors
+    home: tuple[float, ...]
+    fingers: tuple[tuple[int, ...], ...]
+
+    @property
+    def tcp(self) -> Pose:
+        """The tool centre point in the world: z the direction of approach, y that of closing."""
+        link = self.body.links[self.model.spec.tcp.link]
+        return self.body.link_pose(link) @ self.model.spec.tcp.pose
+
+    def arm_state(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Positions and velocities of the arm's joints, in rad or m and a second."""
+        return self.body.joint_states(self.arm.indices)
+
+    def opening(self) -> float:
+        """How far the gripper is open, from 0 (closed) to 1, averaged over its joints."""
+        positions, _ = self.body.joint_states(self.gripper.indices)
+        ends = self.model.spec.gripper.joints.values()
+        shares = [
+            (position - end.closed) / (end.open - end.closed)
+            for position, end in zip(positions, ends, strict=True)
+        ]
+        return sum(shares) / len(shares)
+
+    def move_arm(self, positions: Sequence[float]) -> None:
+        """Drive the arm's joints to positions, in rad or m."""
+        self.arm.position(positions)
+
+    def move_gripper(self, opening: float) -> None:
+        """Drive the gripper to an opening from 0 (closed) to 1 (open)."""
+        self.gripper.position(self.gripper_positions(opening))
+
+    def gripper_positions(self, opening: float) -> tuple[float, ...]:
+        """Positions of the gripper's joints at an opening from 0 to 1."""
+        return tuple(
+            end.closed + opening * (end.open - end.closed)
+            for end in self.model.spec.gripper.joints.values()
+        )
+
+    def go_home(self) -> None:
+        """Put the arm home, at rest, with the gripper open, and hold it there."""
+        self.body.reset_joints(self.arm.indices, self.home)
+        self.body.reset_joints(self.gripper.indices, self.gripper_positions(1.0))
+        self.move_arm(self.home)
+        self.move_gripper(1.0)

@@ -1,0 +1,22 @@
+"""Collaborative Lift: success and reward."""
+
+from taskbuilder.description import Below, Bonus, Description, Distance, Held, Level, Near, On
+
+
+class CollaborativeLift(Description):
+    """Both arms lift the tray by its handles, level, until the cube on it reaches the goal."""
+
+    at_goal = Near("cube", "goal", within=0.05)
+    lifted = Held("tray.left_handle", by="left") & Held("tray.right_handle", by="right")
+
+    success = at_goal & Level("tray", within_deg=15)
+    failure = Below("tray", height=0.35) | Below("cube", "tray", height=-0.02)
+    stages = {"both held": lifted, "in the air": lifted & ~On("tray", "table"), "at goal": success}
+    reward = (  # equation (2)
+        Bonus("grasp", Held("tray.left_handle", by="left"), 1.0, agent="left"),
+        Bonus("grasp", Held("tray.right_handle", by="right"), 1.0, agent="right"),
+        Distance("reach", "left.tcp", "tray.left_handle", agent="left"),
+        Distance("reach", "right.tcp", "tray.right_handle", agent="right"),
+        Distance("lift", "cube", "goal"),
+        Bonus("goal", at_goal, 4.0),
+    )
