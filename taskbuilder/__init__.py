@@ -1,5 +1,62 @@
-"""Author, prove and render multi-robot manipulation tasks on PyBullet."""
+"""Author, prove and render multi-robot manipulation tasks on PyBullet.
+
+What is here is imported when it is first used, so that ``import taskbuilder`` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from taskbuilder._version import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from taskbuilder.spec.catalogue import Catalogue
+    from taskbuilder.task import Task, load_task
+    from taskbuilder.validate.run import validate_task
+    from taskbuilder.world.building import build_world
+    from taskbuilder.world.world import World
+
+__all__ = [
+    "Catalogue",
+    "Task",
+    "World",
+    "__version__",
+    "build_world",
+    "catalogue",
+    "load_task",
+    "validate_task",
+]
+
+_HOMES = {
+    "Catalogue": "taskbuilder.spec.catalogue",
+    "Task": "taskbuilder.task",
+    "World": "taskbuilder.world.world",
+    "build_world": "taskbuilder.world.building",
+    "load_task": "taskbuilder.task",
+    "validate_task": "taskbuilder.validate.run",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'taskbuilder' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
+def catalogue(*folders: str) -> Catalogue:
+    """The tasks and robots there are, by name.
+
+    Args:
+        folders: Folders to search besides the installed packages and TASKBUILDER_PATH.
+
+    Raises:
+        UnknownNameError: A folder does not exist.
+    """
+    from taskbuilder.spec.catalogue import Catalogue
+
+    return Catalogue.discover(folders)

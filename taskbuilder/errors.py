@@ -54,6 +54,19 @@ class Finding:
         line = f"{where}{self.severity}[{self.code}] {subject}{self.message}"
         return f"{line}\n    {self.excerpt}" if self.excerpt else line
 
+    def as_data(self) -> dict[str, str | int | None]:
+        """The finding as plain data, as ``--format json`` shows it."""
+        place = self.location
+        return {
+            "code": self.code,
+            "severity": self.severity,
+            "message": self.message,
+            "file": display_path(place.file) if place else None,
+            "line": place.line or None if place else None,
+            "column": place.column or None if place else None,
+            "path": self.path,
+        }
+
     def at(self, location: Location | None) -> Finding:
         """The same finding, placed elsewhere."""
         return replace(self, location=location)

@@ -9,7 +9,7 @@ class CollaborativeLift(Description):
     at_goal = Near("cube", "goal", within=0.05)
     lifted = Held("tray.left_handle", by="left") & Held("tray.right_handle", by="right")
 
-    success = at_goal & Level("tray", within_deg=15)
+    success = at_goal & lifted & Level("tray", within_deg=15)
     failure = Below("tray", height=0.35) | Below("cube", "tray", height=-0.02)
     stages = {"both held": lifted, "in the air": lifted & ~On("tray", "table"), "at goal": success}
     reward = (  # equation (2)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 
-def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
-    """A question that names the known name closest to another, or other advice.
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that another is most like, if any is.
 
     Upper and lower case count as the same: the commonest slip is FINGER.STL for finger.stl.
     """
@@ -14,4 +14,10 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
 
     by_lower = {candidate.lower(): candidate for candidate in known}
     close = get_close_matches(name.lower(), by_lower, n=1)
-    return f"did you mean {by_lower[close[0]]!r}?" if close else otherwise
+    return by_lower[close[0]] if close else None
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
+    """A question that names the known name closest to another, or other advice."""
+    close = closest(name, known)
+    return f"did you mean {close!r}?" if close else otherwise

@@ -1,1 +1,71 @@
-"""TODO."""
+"""The command line: `taskbuilder COMMAND`.
+
+The modules of commands import what they need when they run, so that ``--help`` stays quick.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+from taskbuilder.cli.arguments import make_parser
+from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
+
+OK, FINDINGS, USAGE, BROKEN, INTERRUPTED = 0, 1, 2, 70, 130
+"""Exit statuses; 70 is for a defect of taskbuilder's own."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Args:
+        argv: The words after `taskbuilder`; by default the process's own.
+
+    Returns:
+        The exit status: 0 fine, 1 findings, 2 usage, 70 a defect, 130 interrupted.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        arguments = make_parser().parse_args(words)
+    except SystemExit as stop:  # argparse has said why
+        return stop.code if isinstance(stop.code, int) else USAGE
+    try:
+        status: int = arguments.run(arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever read the output has seen enough; what is left must not fail at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except Exception as error:
+        if arguments.debug:
+            raise
+        return _fail(error)
+    return status
+
+
+def _fail(error: Exception) -> int:
+    if isinstance(error, FileError):
+        print(error, file=sys.stderr)
+        return FINDINGS
+    if isinstance(error, UnknownNameError | UsageError):
+        print(f"taskbuilder: {error}", file=sys.stderr)
+        return USAGE
+    if isinstance(error, TaskbuilderError):
+        print(f"taskbuilder: {error}", file=sys.stderr)
+        return FINDINGS
+    if isinstance(error, OSError):
+        place = f"{error.filename}: " if error.filename else ""
+        print(f"taskbuilder: {place}{error.strerror or error}", file=sys.stderr)
+        return USAGE
+    line = traceback.format_exception_only(error)[-1].strip()
+    print(
+        f"taskbuilder: a defect of taskbuilder itself: {line}\n"
+        "Run the same command with --debug to see where, and please report it.",
+        file=sys.stderr,
+    )
+    return BROKEN

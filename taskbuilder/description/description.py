@@ -31,15 +31,16 @@ class Description:
     progress: ClassVar[Measure | None] = None
 
     @classmethod
+    def attributes(cls) -> dict[str, Condition]:
+        """The conditions among the class's attributes, inherited ones too."""
+        everything = {name: getattr(cls, name) for base in cls.__mro__ for name in vars(base)}
+        return {name: value for name, value in everything.items() if isinstance(value, Condition)}
+
+    @classmethod
     def conditions(cls) -> dict[str, Condition]:
         """Every condition that has a name: success, failure, stages and other attributes."""
-        attributes = {
-            name: value
-            for base in reversed(cls.__mro__)
-            for name, value in vars(base).items()
-            if isinstance(value, Condition) and name not in ("success", "failure")
-        }
-        return {"success": cls.success, "failure": cls.failure, **cls.stages, **attributes}
+        first = {"success": cls.success, "failure": cls.failure}
+        return {**first, **cls.stages, **cls.attributes()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,8 @@ class Referee:
         self.agents = tuple(agents)
         self._named = description.conditions()
         progress = (description.progress,) if description.progress is not None else ()
-        roots: tuple[Node, ...] = (*self._named.values(), *description.reward, *progress)
+        stages = description.stages.values()
+        roots: tuple[Node, ...] = (*self._named.values(), *stages, *description.reward, *progress)
         self._nodes = tuple(walk(roots))
         self._index = {node: index for index, node in enumerate(self._nodes)}
         self._parts = tuple(tuple(self._index[part] for part in node.parts) for node in self._nodes)

@@ -10,9 +10,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from taskbuilder.description.node import Call, Condition, FrameName, Memory, Node, Parts, Step
+from taskbuilder.description.node import (
+    Argument,
+    Call,
+    Condition,
+    FrameName,
+    Memory,
+    Node,
+    Parts,
+    Step,
+)
 from taskbuilder.description.view import WorldView
-from taskbuilder.spec.names import Kind, SceneNames
+from taskbuilder.spec.names import SceneNames
 
 
 class Measure(Node):
@@ -169,8 +178,8 @@ class CustomMeasure(Measure):
     def value(self, world: WorldView) -> float:
         return self.call(world)
 
-    def references(self) -> Iterator[tuple[Kind, str]]:
-        return self.call.references()
+    def arguments(self) -> Iterator[Argument]:
+        return self.call.annotated()
 
     def __repr__(self) -> str:
         return repr(self.call)

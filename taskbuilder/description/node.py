@@ -47,6 +47,15 @@ Step = tuple[Any, Memory]
 """A node's value at this control step, and its memory for the next."""
 
 
+@dataclass(frozen=True)
+class Argument:
+    """A value that a node was made of: a field's, or a parameter's of a decorated function."""
+
+    name: str
+    value: Any
+    annotation: Any
+
+
 class Node:
     """An expression of a description; knows the place in the file where it was written.
 
@@ -82,14 +91,22 @@ class Node:
         """What is wrong with the node's own values, beyond names and kinds."""
         return iter(())
 
+    def arguments(self) -> Iterator[Argument]:
+        """The values that the node was made of.
+
+        Raises:
+            NameError: An annotation names something that its file does not import.
+        """
+        if is_dataclass(self):
+            hints = _hints(type(self))
+            for field in fields(self):
+                yield Argument(field.name, getattr(self, field.name), hints[field.name])
+
     def references(self) -> Iterator[tuple[Kind, str]]:
-        """Every name that the node's own fields hold, with what it must stand for."""
-        if not is_dataclass(self):
-            return
-        hints = _hints(type(self))
-        for field in fields(self):
-            for kind in _kinds(hints.get(field.name)):
-                yield from ((kind, name) for name in _texts(getattr(self, field.name)))
+        """Every name among the node's own arguments, with what it must stand for."""
+        for argument in self.arguments():
+            for kind in _kinds(argument.annotation):
+                yield from ((kind, name) for name in _texts(argument.value))
 
 
 class Condition(Node):
@@ -104,7 +121,7 @@ class Condition(Node):
         raise NotImplementedError
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
-        return self.holds(world), memory
+        return bool(self.holds(world)), memory
 
     def __and__(self, other: Condition) -> Condition:
         return All(_flat(All, self) + _flat(All, other))
@@ -206,12 +223,11 @@ class Call(Generic[Result]):
     def __call__(self, world: WorldView) -> Result:
         return self.function(world, **dict(self.arguments))
 
-    def references(self) -> Iterator[tuple[Kind, str]]:
-        """Every name among the arguments, with what it must stand for."""
+    def annotated(self) -> Iterator[Argument]:
+        """The arguments with the annotations of the function's parameters."""
         hints = _hints(self.function)
         for name, value in self.arguments:
-            for kind in _kinds(hints.get(name)):
-                yield from ((kind, text) for text in _texts(value))
+            yield Argument(name, value, hints.get(name, Any))
 
     def __repr__(self) -> str:
         inside = ", ".join(f"{name}={value!r}" for name, value in self.arguments)
@@ -225,10 +241,10 @@ class CustomCondition(Condition):
     call: Call[bool]
 
     def holds(self, world: WorldView) -> bool:
-        return bool(self.call(world))
+        return self.call(world)
 
-    def references(self) -> Iterator[tuple[Kind, str]]:
-        return self.call.references()
+    def arguments(self) -> Iterator[Argument]:
+        return self.call.annotated()
 
     def __repr__(self) -> str:
         return repr(self.call)

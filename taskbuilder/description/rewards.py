@@ -20,7 +20,7 @@ class Term(Node):
     """A named part of the reward; its value is what it pays at a control step."""
 
     name: str
-    agent: str | None
+    agent: str | None = None
 
     @property
     def label(self) -> str:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 from taskbuilder.errors import SimulationError
-from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, add, cross, subtract
+from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, add, bounding_box, cross, subtract
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.shapes import RGBA
@@ -164,6 +164,11 @@ class Body:
         if self._extent is None:
             raise SimulationError(f"{self.name} has no collision shape, so no bounds")
         return self._extent
+
+    def occupied(self) -> Box:
+        """Box around all links in the world as they stand, a little loose."""
+        ends = [self._bullet.getAABB(self.id, index) for index in self.indices]
+        return bounding_box([corner for low_high in ends for corner in low_high])
 
     # Joints
 

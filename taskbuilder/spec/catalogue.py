@@ -15,6 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
+from taskbuilder.assets.wording import closest
 from taskbuilder.errors import FileError, Finding, Location, UnknownNameError, display_path
 from taskbuilder.spec.explain import suggestion
 
@@ -92,8 +93,8 @@ class Catalogue:
         """The task of a name, or of the path of its YAML file.
 
         Raises:
-            UnknownNameError: There is none of that name.
-            FileError: The path leads to no file, or two tasks have the name.
+            UnknownNameError: There is none of that name, or no file at that path.
+            FileError: Two tasks have one id.
         """
         return self._find("task", reference, Path())
 
@@ -101,8 +102,8 @@ class Catalogue:
         """The robot of a name, or of the path of its robot.yaml, relative to a folder.
 
         Raises:
-            UnknownNameError: There is none of that name.
-            FileError: The path leads to no file, or two robots have the name.
+            UnknownNameError: There is none of that name, or no file at that path.
+            FileError: Two robots have the name.
         """
         return self._find("robot", reference, folder)
 
@@ -119,8 +120,10 @@ class Catalogue:
         if path.is_dir() and sort == "robot" and (path / "robot.yaml").is_file():
             path = path / "robot.yaml"
         if not path.is_file():
-            what = "this is a folder; name the YAML file in it" if path.is_dir() else "no such file"
-            raise FileError([Finding("TB001", what, location=Location(path))])
+            shown = display_path(path)
+            if path.is_dir():
+                raise UnknownNameError(f"{shown} is a folder; name the YAML file in it")
+            raise UnknownNameError(f"there is no file {shown}{_similar(path)}")
         actual = path.resolve()
         # A catalogued file opened by its path is the same task, with the same description class.
         for entry in self._entries(sort):
@@ -142,6 +145,16 @@ def looks_like_path(reference: str) -> bool:
     if reference.endswith((".yaml", ".yml")) or reference.startswith((".", "/", "~")):
         return True
     return os.sep in reference and Path(reference).exists()
+
+
+def _similar(path: Path) -> str:
+    """A hint at the file that a wrong path was probably meant to lead to."""
+    try:
+        beside = [file.name for file in path.parent.iterdir()]
+    except OSError:
+        return ""
+    near = closest(path.name, beside)
+    return f"; did you mean {display_path(path.with_name(near))}?" if near else ""
 
 
 def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:

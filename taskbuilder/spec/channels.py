@@ -97,3 +97,12 @@ def _maybe_joint(subject: str, names: SceneNames) -> bool:
 def _unknown(subject: str, names: SceneNames) -> str:
     known = (*names.robots, *names.known("frame"), *names.cameras)
     return f'the scene has no "{subject}"; {suggestion(subject, known, what="it has")}'
+
+
+def default_channels(names: SceneNames) -> tuple[str, ...]:
+    """What an agent observes where the task file says nothing: itself, and all that is there."""
+    own = tuple(f"self.{quantity}" for quantity in ("joints", "tcp", "gripper", "holding"))
+    objects = tuple(f"{name}.pose" for name in names.objects)
+    joints = names.known("joint")
+    sites = tuple(f"{name}.position" for name in names.sites)
+    return (*own, *objects, *joints, *sites, "time_left")

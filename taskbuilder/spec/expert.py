@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from taskbuilder.spec.values import Coordinate, Extent, Model, Name, Reference, exactly_one
+from taskbuilder.spec.values import (
+    Coordinate,
+    Extent,
+    Model,
+    Name,
+    Reference,
+    Shorthand,
+    exactly_one,
+)
 
 VERBS = ("grasp", "reach", "bring", "retreat", "release")
 
@@ -22,7 +30,7 @@ class Order(Model):
     reach: Reference | None = Field(None, description="Grasp point or frame to go to.")
     bring: Reference | None = Field(None, description="Held object to bring somewhere.")
     retreat: Extent | None = Field(None, description="Metres to back off against the approach.")
-    release: bool | None = Field(None, description="Open the gripper.")
+    release: Literal[True] | None = Field(None, description="Open the gripper.")
     to: Reference | None = Field(None, description="Frame that the brought object goes to.")
     above: Coordinate = Field(0.0, description="Metres above the named frame.")
 
@@ -39,11 +47,6 @@ class Order(Model):
         return self
 
 
-def _spell_out(order: Any) -> Any:
-    """`left: release` is short for `left: {release: true}`."""
-    return {"release": True} if order == "release" else order
-
-
 class Together(Model):
     """One load held by several grippers, moved as one and kept level."""
 
@@ -53,4 +56,4 @@ class Together(Model):
     above: Coordinate = 0.0
 
 
-Stage = Mapping[Name, Annotated[Order, BeforeValidator(_spell_out)]]
+Stage = Mapping[Name, Annotated[Order, Shorthand("release", {"release": True})]]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
@@ -10,6 +9,7 @@ from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from taskbuilder.assets.wording import closest
 from taskbuilder.errors import Finding
 from taskbuilder.spec.source import Path_, Source, dotted
 from taskbuilder.spec.values import Model
@@ -50,17 +50,12 @@ def parse(model: type[Spec], source: Source) -> tuple[Spec | None, tuple[Finding
         return None, tuple(_finding(detail, model, source) for detail in shown)
 
 
-def closest(wrong: str, known: Iterable[str]) -> str | None:
-    """The known word that a wrong one is most like, if any is."""
-    return next(iter(difflib.get_close_matches(wrong, list(known), n=1, cutoff=0.6)), None)
-
-
 def suggestion(wrong: str, known: Iterable[str], *, what: str = "known keys") -> str:
     """What would be right in place of a wrong word."""
     names = list(known)
     if close := closest(wrong, names):
         return f'did you mean "{close}"?'
-    return f"{what}: {', '.join(names)}" if names else f"there are no {what}"
+    return f"{what}: {', '.join(names)}" if names else "there are none"
 
 
 def _meant(detail: ErrorDetails, model: type[Model]) -> Path_:
@@ -71,22 +66,28 @@ def _meant(detail: ErrorDetails, model: type[Model]) -> Path_:
 
 
 def _finding(detail: ErrorDetails, model: type[Model], source: Source) -> Finding:
-    path = _file_path(detail["loc"])
+    path = _file_path(detail)
     code, message, on_key = _say(detail, model)
+    on_key = on_key or _in_key(detail)
     if detail["type"] == "missing" and isinstance(path[-1], int):
         path = path[:-1]  # a list that is too short: the list is at fault, not its absent item
     place = path[:-1] if detail["type"] == "missing" and on_key else path
     return Finding(code, message, dotted(path), source.locate(place, key=on_key))
 
 
-def _model_path(loc: Path_) -> Path_:
-    """The steps through the models; pydantic marks an error in a key by a last step of its own."""
-    return loc[:-1] if loc and loc[-1] == "[key]" else loc
+def _in_key(detail: ErrorDetails) -> bool:
+    """Whether an error is in a key: pydantic marks it by a last step of its own."""
+    return detail["loc"][-1:] == ("[key]",) and detail["type"] != "extra_forbidden"
 
 
-def _file_path(loc: Path_) -> Path_:
+def _model_path(detail: ErrorDetails) -> Path_:
+    """The steps through the models."""
+    return detail["loc"][:-1] if _in_key(detail) else detail["loc"]
+
+
+def _file_path(detail: ErrorDetails) -> Path_:
     """The steps through the file; the models add one for the kind of an expert's stage."""
-    path = _model_path(loc)
+    path = _model_path(detail)
     if len(path) > 2 and path[0] == "expert" and path[2] in ("each", "together"):
         path = (*path[:2], *path[3:])
     return path
@@ -94,7 +95,7 @@ def _file_path(loc: Path_) -> Path_:
 
 def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
     """Code, message, and whether the key rather than the value is to blame."""
-    kind, path = detail["type"], _model_path(detail["loc"])
+    kind, path = detail["type"], _model_path(detail)
     value, context = detail["input"], detail.get("ctx", {})
     if kind == "missing" and isinstance(path[-1], int):
         wanted = _fixed_length(_type_at(model, path[:-1])) or path[-1] + 1
@@ -107,7 +108,7 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         known = _keys(_type_at(model, path[:-1]))
         return "TB102", f"unknown key; {suggestion(str(path[-1]), known)}", True
     if kind == "literal_error":
-        choices = [str(c) for c in get_args(_type_at(model, path))]
+        choices = [_plain(choice) for choice in get_args(_type_at(model, path))]
         help_ = suggestion(str(value), choices, what="choices")
         if "mean" in help_:
             help_ += f" (one of {', '.join(choices)})"
@@ -115,12 +116,14 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
     if kind in _BOUNDS:
         key, words = _BOUNDS[kind]
         return "TB104", f"is {_shown(value)}; must be {words} {context[key]:g}", False
+    if kind == "too_long" and (most := _fixed_length(_type_at(model, path))):
+        return "TB104", f"has {len(value)} values; {most} are needed", False
     if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
         return "TB104", _length_message(kind, context, value), False
     if kind in _NEEDED:
         return "TB103", f"is {_described(value)}; {_NEEDED[kind]} is needed", False
     if kind in _OWN:
-        return _OWN[kind], detail["msg"], kind == "name"
+        return _OWN[kind], detail["msg"], False
     return "TB103", f"{detail['msg']} (got {_described(value)})", False
 
 
@@ -134,9 +137,15 @@ def _length_message(kind: str, context: Mapping[str, Any], value: Any) -> str:
 
 
 def _shown(value: Any) -> str:
-    text = f'"{value}"' if isinstance(value, str) else "nothing" if value is None else str(value)
-    text = {"True": "true", "False": "false"}.get(text, text)
+    text = f'"{value}"' if isinstance(value, str) else _plain(value)
     return text if len(text) <= 40 else f"{text[:37]}…"
+
+
+def _plain(value: Any) -> str:
+    """A value as YAML spells it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return "nothing" if value is None else str(value)
 
 
 def _described(value: Any) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import string
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from taskbuilder.assets.mesh import Mesh, read_mesh
-from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
 from taskbuilder.spec.catalogue import Catalogue, Entry, looks_like_path
@@ -20,9 +20,8 @@ from taskbuilder.spec.robots import RobotModel, check_joint_values, load_robot
 from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.spec.source import Path_, Source, dotted, read_source
 from taskbuilder.spec.task import TaskSpec
+from taskbuilder.spec.values import Model
 from taskbuilder.spec.variants import check_randomize, read_variations
-
-_MOVING = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True)
@@ -90,10 +89,12 @@ def read_task(entry: Entry, catalogue: Catalogue) -> TaskFile:
     scenes: list[SceneSpec] = []
     if spec is not None:
         _check_whole(loading, spec)
-        scenes, wrong_variations = read_variations(loading.source, names)
+        scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
         loading.findings += wrong_variations
+        if not wrong_variations:
+            _check_varied_joints(loading, scenes)
         loading.findings += check_randomize(loading.source, names, spec)
-        loading.findings += _check_instructions(loading.source, spec)
+        loading.findings += _check_instructions(loading.source, spec, scenes)
     if spec is None or any(finding.severity == "error" for finding in loading.findings):
         raise FileError(loading.findings)
     return TaskFile(
@@ -159,7 +160,7 @@ def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
     return {
         name: ObjectNames(
             parts=tuple(link.name for link in asset.links),
-            joints={joint.name: joint.type for joint in asset.joints if joint.type in _MOVING},
+            joints={joint.name: joint.type for joint in asset.moving_joints},
         )
         for name, asset in assets.items()
         if isinstance(asset, Urdf)
@@ -171,47 +172,69 @@ def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
     if spec.task != loading.entry.file.stem:
         message = f'is "{spec.task}"; the file is "{loading.entry.file.name}": use one name'
         loading.report("TB109", message, ("task",))
-    for name, robot in spec.scene.robots.items():
-        model = loading.robots.get(name)
-        joints_deg = robot.home.joints_deg if robot.home else None
-        if model is None or joints_deg is None:
-            continue
-        path: Path_ = ("scene", "robots", name, "home", "joints_deg")
-        if len(joints_deg) != len(model.arm):
-            message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
-            loading.report("TB302", message, path)
-        else:
-            loading.findings += check_joint_values(loading.source, path, model.arm, joints_deg)
     for name in spec.scene.robots if spec.observe is not None else ():
         if name not in (spec.observe or {}):
             message = f'has no entry for the robot "{name}"; list what it observes, if only []'
             loading.report("TB101", message, ("observe",), key=True)
-    for name, thing in spec.scene.objects.items():
+    loading.findings += _check_joints(loading, spec.scene)
+
+
+def _check_varied_joints(loading: _Loading, scenes: Sequence[SceneSpec]) -> None:
+    """Joint values that only a variation sets, each reported at its variation."""
+    known = {(finding.path, finding.message) for finding in loading.findings}
+    for index, scene in enumerate(scenes):
+        for finding in _check_joints(loading, scene):
+            if (finding.path, finding.message) not in known:
+                message = f"{finding.path}: {finding.message}"
+                loading.report(finding.code, message, ("variations", index))
+
+
+def _check_joints(loading: _Loading, scene: SceneSpec) -> Iterator[Finding]:
+    """Joint values of robots and objects that do not fit their URDFs."""
+    for name, robot in scene.robots.items():
+        model = loading.robots.get(name)
+        if model is not None and robot.home is not None and robot.home.joints_deg is not None:
+            yield from _check_home(loading.source, name, model, robot.home.joints_deg)
+    for name, thing in scene.objects.items():
         asset = loading.assets.get(name)
         if isinstance(asset, Urdf):
-            path = ("scene", "objects", name, "joints")
-            _check_object_joints(loading, path, asset, thing.joints)
+            yield from _check_object_joints(loading.source, name, asset, thing.joints)
+
+
+def _check_home(
+    source: Source, name: str, model: RobotModel, joints_deg: Sequence[float]
+) -> Iterator[Finding]:
+    path: Path_ = ("scene", "robots", name, "home", "joints_deg")
+    if len(joints_deg) != len(model.arm):
+        message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
+        yield Finding("TB302", message, dotted(path), source.locate(path))
+    else:
+        yield from check_joint_values(source, path, model.arm, joints_deg)
 
 
 def _check_object_joints(
-    loading: _Loading, path: Path_, urdf: Urdf, joints: Mapping[str, float]
-) -> None:
-    moving = {joint.name: joint for joint in urdf.joints if joint.type in _MOVING}
+    source: Source, name: str, urdf: Urdf, joints: Mapping[str, float]
+) -> Iterator[Finding]:
+    moving = {joint.name: joint for joint in urdf.moving_joints}
     for joint, value in joints.items():
-        place = (*path, joint)
+        path: Path_ = ("scene", "objects", name, "joints", joint)
         if joint not in moving:
-            help_ = suggestion(joint, moving, what="joints that move")
-            loading.report("TB301", f'the URDF has no joint "{joint}"; {help_}', place, key=True)
+            message = f'the URDF has no joint "{joint}" that moves; '
+            message += suggestion(joint, moving, what="it has")
+            yield Finding("TB301", message, dotted(path), source.locate(path, key=True))
             continue
-        for finding in check_joint_values(loading.source, place, [moving[joint]], [value]):
-            loading.report(finding.code, finding.message, place)
+        for finding in check_joint_values(source, path, [moving[joint]], [value]):
+            yield replace(finding, path=dotted(path), location=source.locate(path))
 
 
-def _check_instructions(source: Source, spec: TaskSpec) -> Iterator[Finding]:
+def _check_instructions(
+    source: Source, spec: TaskSpec, scenes: Sequence[SceneSpec]
+) -> Iterator[Finding]:
     for index, text in enumerate(spec.instructions):
         path: Path_ = ("instructions", index)
         try:
-            fill(text, spec.scene)
+            for scene in (spec.scene, *scenes):
+                fill(text, scene)
         except (ValueError, UnknownNameError) as error:
             yield Finding("TB205", str(error), dotted(path), source.locate(path))
 
@@ -233,9 +256,10 @@ def fill(instruction: str, scene: SceneSpec) -> str:
 
 def _scene_value(name: str, scene: SceneSpec) -> str:
     thing, _, key = name.partition(".")
-    things: Mapping[str, object] = {**scene.robots, **scene.objects, **scene.sites}
-    value = getattr(things.get(thing), key, None) if key and not key.startswith("_") else None
-    if not isinstance(value, str | int | float):
+    things: Mapping[str, Model] = {**scene.robots, **scene.objects, **scene.sites}
+    owner = things.get(thing)
+    value = getattr(owner, key) if owner and key in type(owner).model_fields else None
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
         known: Sequence[str] = [f"{name}.color" for name in (*scene.objects, *scene.sites)]
         raise UnknownNameError(f'"{{{name}}}" is no value; {suggestion(name, known, what="try")}')
     return str(value)

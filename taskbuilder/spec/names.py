@@ -1,6 +1,6 @@
 """What the names in a task can stand for, and what to say when one stands for nothing.
 
-Robots, objects and sites share one space of names. A dotted name goes one level in:
+Robots, objects, sites and cameras share one space of names. A dotted name goes one level in:
 ``left.tcp``, ``tray.left_handle`` (a part or a link), ``stick.left_end`` (a grasp point),
 ``cabinet.drawer_joint`` (a joint).
 """

@@ -50,7 +50,11 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
             name: source.get("scene", "sites", name, "marker") is not None
             for name, _ in source.entries("scene", "sites")
         },
-        cameras=tuple(name for name, _ in source.entries("scene", "cameras")) or ("front",),
+        cameras=tuple(
+            ("front",)
+            if source.get("scene", "cameras") is None
+            else (name for name, _ in source.entries("scene", "cameras"))
+        ),
     )
 
 
@@ -67,7 +71,7 @@ def check_names(source: Source, names: SceneNames) -> Iterator[Finding]:
 
 def _clashes(source: Source) -> Iterator[Finding]:
     first: dict[str, Path_] = {}
-    for group in ("robots", "objects", "sites"):
+    for group in ("robots", "objects", "sites", "cameras"):
         for name, _ in source.entries("scene", group):
             path: Path_ = ("scene", group, name)
             if name in first:
@@ -96,7 +100,7 @@ def _references(source: Source) -> Iterator[_Reference]:
 def _texts(source: Source, path: Path_, kind: Kind) -> Iterator[_Reference]:
     """The reference at a path, or the references in the list there; none if it holds no text."""
     value = source.get(*path)
-    if isinstance(value, str) and value != "world":
+    if isinstance(value, str) and not (value == "world" and path[-1] == "in"):
         yield _Reference(path, value, kind)
     if isinstance(value, tuple):
         for index in range(len(value)):

@@ -8,16 +8,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.model import Urdf, UrdfJoint
+from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding
 from taskbuilder.spec.catalogue import Entry
 from taskbuilder.spec.explain import parse, suggestion
 from taskbuilder.spec.robot import RobotSpec
 from taskbuilder.spec.source import Path_, Source, dotted, read_source
-
-_MOVING = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True)
@@ -36,8 +34,7 @@ class RobotModel:
     @cached_property
     def arm(self) -> tuple[UrdfJoint, ...]:
         """The arm's joints, base to wrist."""
-        joints = {joint.name: joint for joint in self.urdf.joints}
-        return tuple(joints[name] for name in self.spec.arm)
+        return tuple(self.urdf.joint(name) for name in self.spec.arm)
 
     @property
     def home(self) -> tuple[float, ...]:
@@ -103,7 +100,7 @@ def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: Entry) -> Iterato
         message = f'is "{spec.robot}"; the folder is "{entry.file.parent.name}": use one name'
         yield Finding("TB109", message, "robot", source.locate(("robot",)))
     links = [link.name for link in urdf.links]
-    moving = {joint.name: joint for joint in urdf.joints if joint.type in _MOVING}
+    moving = {joint.name: joint for joint in urdf.moving_joints}
     for path, name in _link_names(spec):
         if name not in links:
             help_ = suggestion(name, links, what="its links")

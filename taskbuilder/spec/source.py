@@ -9,7 +9,8 @@ is a number, ``off`` is a string.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+import stat
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from taskbuilder.errors import FileError, Finding, Location
 MAX_BYTES = 256 * 1024
 MAX_DEPTH = 24
 MAX_NODES = 20_000
+MAX_DIGITS = 100
 
 Path_ = tuple[str | int, ...]
 """Where a value is in a file: keys and list indices from the top."""
@@ -28,10 +30,11 @@ Path_ = tuple[str | int, ...]
 # libyaml's parser where PyYAML was built with it: ten times as fast, same events and marks.
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-_INTEGER = re.compile(r"[-+]?[0-9]+")
-_HEX = re.compile(r"0x[0-9a-fA-F]+")
-_OCTAL = re.compile(r"0o[0-7]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NUMBERS: tuple[tuple[re.Pattern[str], Callable[[str], int | float]], ...] = (
+    (re.compile(r"[-+]?[0-9]+"), int),
+    (re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+"), lambda text: int(text, 0)),
+    (re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"), float),
+)
 _SPECIAL: dict[str, bool | float | None] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -108,17 +111,20 @@ def _read_text(file: Path) -> str:
     def refuse(code: str, message: str, line: int = 0, column: int = 0) -> FileError:
         return FileError([Finding(code, message, location=Location(file, line, column))])
 
-    if file.is_dir():
-        raise refuse("TB001", "this is a folder; name the YAML file in it")
     try:
-        size = file.stat().st_size
-        if size > MAX_BYTES:
-            raise refuse("TB006", f"{size:,} bytes; at most {MAX_BYTES:,} are read")
+        status = file.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise refuse("TB001", "this is a folder; name the YAML file in it")
+        if not stat.S_ISREG(status.st_mode):
+            raise refuse("TB001", "this is no plain file")
+        if status.st_size > MAX_BYTES:
+            raise refuse("TB006", f"{status.st_size:,} bytes; at most {MAX_BYTES:,} are read")
         raw = file.read_bytes()
     except FileNotFoundError:
         raise refuse("TB001", "there is no such file") from None
-    except OSError as error:
-        raise refuse("TB001", f"cannot be read: {error.strerror}") from None
+    except (OSError, ValueError) as error:  # ValueError: the path holds a NUL
+        reason = getattr(error, "strerror", None) or str(error)
+        raise refuse("TB001", f"cannot be read: {reason}") from None
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -257,16 +263,14 @@ class _Reader:
     def _scalar(self, text: str, mark: tuple[int, int]) -> Any:
         if text in _SPECIAL:
             return _SPECIAL[text]
-        if len(text) > 100 and _FLOAT.fullmatch(text):
-            self.findings.append(self._finding("TB104", "a number of over 100 digits", mark))
+        number = next((read for form, read in _NUMBERS if form.fullmatch(text)), None)
+        if number is None:
+            return text
+        if len(text) > MAX_DIGITS:
+            message = f"a number of over {MAX_DIGITS} digits"
+            self.findings.append(self._finding("TB104", message, mark))
             return 0
-        if _INTEGER.fullmatch(text):
-            return int(text)
-        if _HEX.fullmatch(text) or _OCTAL.fullmatch(text):
-            return int(text, 0)
-        if _FLOAT.fullmatch(text):
-            return float(text)
-        return text
+        return number(text)
 
 
 def _branch(mark: tuple[int, int], content: Any, children: list[_Node]) -> _Node:

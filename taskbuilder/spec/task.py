@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from taskbuilder.spec.expert import Stage, Together
 from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.values import Extent, Model, Name, Reference, Text, frozen
+from taskbuilder.spec.values import Extent, Model, Name, Reference, Shorthand, Text, frozen
 
 
 class Timing(Model):
@@ -56,7 +56,7 @@ class Distribution(Model):
     """What a randomised quantity is drawn from."""
 
     uniform: tuple[float, float] | None = Field(None, description="Least and greatest value.")
-    choice: Annotated[tuple[Any, ...], Field(min_length=1)] | None = None
+    choice: Annotated[tuple[Any, ...], Field(min_length=1), AfterValidator(frozen)] | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> Distribution:
@@ -65,11 +65,6 @@ class Distribution(Model):
         if self.uniform is not None and self.uniform[0] > self.uniform[1]:
             raise PydanticCustomError("order", "uniform is [least, greatest]; swap them")
         return self
-
-
-def _everything(channels: Any) -> Any:
-    """`state: all` is short for `state: [all]`."""
-    return ("all",) if channels == "all" else channels
 
 
 def _kind_of_stage(stage: Any) -> str:
@@ -102,11 +97,13 @@ class TaskSpec(Model):
     observation_noise: Annotated[
         Mapping[Name, Mapping[Reference, Noise]], AfterValidator(frozen)
     ] = Field(default_factory=lambda: frozen({}))
-    state: Annotated[tuple[Reference, ...], BeforeValidator(_everything)] = Field(
+    state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
         ("all",), description="Channels that a centralised critic sees, or all."
     )
     expert: tuple[ExpertStage, ...] = ()
-    variations: tuple[Annotated[Mapping[Reference, Any], Field(min_length=1)], ...] = Field(
+    variations: tuple[
+        Annotated[Mapping[Reference, Any], Field(min_length=1), AfterValidator(frozen)], ...
+    ] = Field(
         (), description="Changes to the scene, such as {stick.color: green}; 0 is the plain task."
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(

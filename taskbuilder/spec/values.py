@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, NoReturn, TypeVar
 
 from pydantic import (
@@ -11,9 +12,12 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     GetPydanticSchema,
     WithJsonSchema,
 )
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
 Key = TypeVar("Key")
@@ -40,9 +44,34 @@ class FrozenDict(dict[Key, Value]):
         return (type(self), (dict(self),))
 
 
-def frozen(mapping: Mapping[Key, Value]) -> Mapping[Key, Value]:
-    """An unchangeable copy of a mapping."""
-    return FrozenDict(mapping)
+def frozen(value: Any) -> Any:
+    """Plain data that cannot be changed: mappings and lists, however deep, as frozen copies."""
+    if isinstance(value, dict):
+        return FrozenDict({key: frozen(item) for key, item in value.items()})
+    if isinstance(value, list | tuple):
+        return tuple(frozen(item) for item in value)
+    return value
+
+
+@dataclass(frozen=True, eq=False)
+class Shorthand:
+    """In an annotation: files may write a word for one of the values."""
+
+    word: str
+    meaning: Any
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        def spell_out(value: Any) -> Any:
+            return self.meaning if value == self.word else value
+
+        return core_schema.no_info_before_validator_function(spell_out, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"const": self.word}, handler(schema)]}
 
 
 _RESERVED = {"self", "world", "all", "together", "time_left", "description"}

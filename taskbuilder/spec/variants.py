@@ -27,7 +27,9 @@ class _BadChange(Exception):  # noqa: N818  # carries a sentence from one functi
     pass
 
 
-def read_variations(source: Source, names: SceneNames) -> tuple[list[SceneSpec], list[Finding]]:
+def read_variations(
+    source: Source, names: SceneNames, plain: SceneSpec
+) -> tuple[list[SceneSpec], list[Finding]]:
     """The varied scenes of a task file, in order, and what is wrong with them."""
     scenes: list[SceneSpec] = []
     findings: list[Finding] = []
@@ -37,26 +39,46 @@ def read_variations(source: Source, names: SceneNames) -> tuple[list[SceneSpec],
             continue  # the model has already said so
         scene, wrong = _changed(source, names, ("variations", index), changes)
         findings += wrong
-        if scene is not None:
-            scenes.append(scene)
+        if scene is None:
+            continue
+        scenes.append(scene)
+        if _files(scene) != _files(plain):
+            path = ("variations", index)
+            message = "names another model, mesh or urdf; a variation changes values, not files"
+            findings.append(Finding("TB205", message, dotted(path), source.locate(path)))
     return scenes, findings
+
+
+def _files(scene: SceneSpec) -> tuple[object, ...]:
+    """What a scene refers to outside the task file."""
+    models = tuple(robot.model for robot in scene.robots.values())
+    shapes = (thing.shape for thing in scene.objects.values() if thing.shape)
+    return (models, *((shape.mesh, shape.urdf) for shape in shapes))
 
 
 def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterator[Finding]:
     """What is wrong with the quantities to be randomised and with the values they may take."""
     for key, distribution in spec.randomize.items():
         path: Path_ = ("randomize", key)
-        thing, _, quantity = key.rpartition(".")
-        allowed = RANDOMIZABLE if thing in names.objects else ("color",)
-        if thing in (*names.objects, *names.sites) and quantity not in allowed:
-            message = f'"{quantity}" cannot be randomised; {suggestion(quantity, allowed)}'
-            yield Finding("TB205", message, dotted(path), source.locate(path, key=True))
-            continue
+        thing, _, quantity = key.partition(".")
+        if quantity and thing in (*names.robots, *names.objects, *names.sites, *names.cameras):
+            allowed = _randomizable(thing, names)
+            if quantity not in allowed:
+                help_ = suggestion(quantity, allowed, what=f"of {thing}, these can")
+                message = f'"{key}" cannot be randomised; {help_}'
+                yield Finding("TB205", message, dotted(path), source.locate(path, key=True))
+                continue
         for value in distribution.uniform or distribution.choice or ():
             _, wrong = _changed(source, names, ("randomize",), {key: value})
             yield from wrong
             if wrong:
                 break
+
+
+def _randomizable(thing: str, names: SceneNames) -> tuple[str, ...]:
+    if thing in names.objects:
+        return RANDOMIZABLE
+    return ("color",) if thing in names.sites else ()
 
 
 def _changed(
@@ -74,7 +96,9 @@ def _changed(
     varied = Source(source.file, scene, {}, {})
     spec, wrong = parse(SceneSpec, varied)
     if spec is not None:
-        wrong = tuple(check_names(Source(source.file, {"scene": scene}, {}, {}), names))
+        known = {(finding.path, finding.message) for finding in check_names(source, names)}
+        found = check_names(Source(source.file, {"scene": scene}, {}, {}), names)
+        wrong = tuple(f for f in found if (f.path, f.message) not in known)
     return spec, [_blame(finding, source, names, path, changes) for finding in wrong]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from taskbuilder.geometry import Pose
@@ -59,6 +59,33 @@ class Robot:
     def move_arm(self, positions: Sequence[float]) -> None:
         """Drive the arm's joints to positions, in rad or m."""
         self.arm.position(positions)
+
+    def ramp(self, positions: Sequence[float], steps: int) -> Iterator[None]:
+        """Drive the arm's joints to positions evenly over some physics steps, one a `next`.
+
+        A target that jumps once a control step makes the arm jerk and overshoot.
+        """
+        command = self.arm.command
+        start = command.values if command.mode == "position" else self.arm_state()[0]
+        rates = [(end - begin) / steps for begin, end in zip(start, positions, strict=True)]
+        for step in range(1, steps):
+            self.arm.position(
+                [begin + rate * step for begin, rate in zip(start, rates, strict=True)]
+            )
+            yield
+        self.arm.position(positions)
+        yield
+
+    @property
+    def pushes(self) -> bool:
+        """Whether the arm was told torques, which the physics forgets after each of its steps."""
+        return self.arm.command.mode == "torque"
+
+    def push(self) -> Iterator[None]:
+        """Apply the arm's torques anew, once a `next`."""
+        while True:
+            self.arm.repeat()
+            yield
 
     def move_gripper(self, opening: float) -> None:
         """Drive the gripper to an opening from 0 (closed) to 1 (open)."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 from taskbuilder.errors import Finding, UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3, add, cross, dot, norm, scale, subtract
@@ -107,14 +107,24 @@ class World:
         self.step()
         self.time = 0.0
 
-    def step(self) -> None:
-        """Let one control step pass under the motors' present targets.
+    def step(self, arm_targets: Mapping[str, Sequence[float]] | None = None) -> None:
+        """Let one control step pass.
+
+        Args:
+            arm_targets: Joint positions (rad or m) by robot, where its arm's targets arrive with
+                the last physics step of this control step: the way there is a straight line from
+                those commanded last. Other arms, and the grippers, go on with what they were told.
 
         Raises:
             ExplosionError: The physics diverged; build the world anew.
         """
         timing = self.spec.timing
-        self.client.step(timing.substeps)
+        ramps = [
+            self.robots[name].ramp(target, timing.substeps)
+            for name, target in (arm_targets or {}).items()
+        ]
+        ramps += [robot.push() for robot in self.robots.values() if robot.pushes]
+        self.client.step(timing.substeps, partial(_advance, ramps) if ramps else None)
         self.time += 1.0 / timing.control_hz
         self.refresh()
         self._check()
@@ -337,6 +347,11 @@ class _Push:
 
     force: Vec3
     at: Vec3
+
+
+def _advance(ramps: Sequence[Iterator[None]]) -> None:
+    for ramp in ramps:
+        next(ramp)
 
 
 def _opposed(one: _Push, other: _Push) -> bool:

@@ -1,0 +1,231 @@
+"""The parser: every command with its options, its help, and an example."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import re
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NoReturn
+
+from taskbuilder._version import __version__
+
+_COMMANDS = ("list", "show", "new", "validate", "render", "robots", "schema")
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors say what was probably meant, in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print what is wrong and exit with status 2."""
+        wrong = re.match(r"argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)", message)
+        if wrong:
+            _, word, listed = wrong.groups()
+            choices = [choice.strip().strip("'") for choice in listed.split(",")]
+            message = _no_choice(word, choices)
+        message = message.replace("the following arguments are required:", "missing:")
+        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def _no_choice(word: str, choices: list[str]) -> str:
+    near = difflib.get_close_matches(word, choices, n=1)
+    meant = f'did you mean "{near[0]}"?' if near else f"one of {', '.join(choices)}"
+    return f'there is no "{word}"; {meant}'
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    parser = Parser(
+        prog="taskbuilder",
+        description="Author, prove and render multi-robot manipulation tasks on PyBullet.",
+        epilog="example: taskbuilder validate handover && taskbuilder render handover",
+    )
+    parser.add_argument("--version", action="version", version=f"taskbuilder {__version__}")
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--debug", action="store_true", help="show a traceback on failure")
+    common.add_argument(
+        "--task-path",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="also look for tasks and robots in this folder (may be repeated)",
+    )
+    commands = parser.add_subparsers(
+        dest="command", metavar="COMMAND", required=True, parser_class=Parser
+    )
+    for name in _COMMANDS:
+        _ADDERS[name](_Adder(commands, common, name))
+    return parser
+
+
+class _Adder:
+    """Adds one command; its function is imported only when the command runs."""
+
+    def __init__(self, commands: Any, common: argparse.ArgumentParser, name: str) -> None:
+        self._commands, self._common, self._name = commands, common, name
+
+    def command(self, summary: str, example: str) -> argparse.ArgumentParser:
+        def run(arguments: argparse.Namespace) -> int:
+            module = import_module(f"taskbuilder.cli.{self._name}_command")
+            status: int = module.run(arguments)
+            return status
+
+        parser: argparse.ArgumentParser = self._commands.add_parser(
+            self._name,
+            help=summary,
+            description=summary[0].upper() + summary[1:] + ".",
+            epilog=f"example: taskbuilder {self._name} {example}".rstrip(),
+            parents=[self._common],
+        )
+        parser.set_defaults(run=run)
+        return parser
+
+
+def _add_list(adder: _Adder) -> None:
+    parser = adder.command("list the tasks of the catalogue", "--json")
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
+def _add_show(adder: _Adder) -> None:
+    parser = adder.command("print a task with its defaults filled in, as YAML", "handover")
+    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+
+
+def _add_new(adder: _Adder) -> None:
+    parser = adder.command("write the files of a new task", "stack_cubes --robots 2")
+    parser.add_argument("name", metavar="NAME", help="name of the task, such as stack_cubes")
+    parser.add_argument(
+        "--robots", type=_whole(1, 6), default=2, metavar="N", help="robots, 1 to 6 (default 2)"
+    )
+    parser.add_argument(
+        "--dir", type=Path, default=Path(), metavar="DIR", help="folder to write to (default here)"
+    )
+
+
+def _add_validate(adder: _Adder) -> None:
+    parser = adder.command("try to break tasks, and say what was measured", "handover --quick")
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
+    parser.add_argument("--all", action="store_true", help="every task of the catalogue")
+    parser.add_argument(
+        "--level",
+        choices=("static", "build", "full"),
+        default="full",
+        help="how far to go (default full)",
+    )
+    seeds = parser.add_mutually_exclusive_group()
+    seeds.add_argument("--quick", action="store_true", help="5 seeds in place of 40")
+    seeds.add_argument(
+        "--seeds", type=_whole(1, 100_000), metavar="N", help="episodes to sample (default 40)"
+    )
+    parser.add_argument(
+        "--format", choices=("text", "json"), default="text", help="of the result (default text)"
+    )
+
+
+def _add_render(adder: _Adder) -> None:
+    parser = adder.command(
+        "take pictures of tasks, without a display", "handover --camera front --modality rgb depth"
+    )
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
+    parser.add_argument("--all", action="store_true", help="every task of the catalogue")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("renders"),
+        metavar="DIR",
+        help="folder to write to (default renders)",
+    )
+    parser.add_argument(
+        "--camera", nargs="+", metavar="C", help="cameras of the scene (default all)"
+    )
+    parser.add_argument("--size", type=_size, metavar="WxH", help="pixels, such as 640x480")
+    parser.add_argument(
+        "--modality",
+        nargs="+",
+        choices=("rgb", "depth", "mask"),
+        default=["rgb"],
+        help="what to take (default rgb)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=_whole(0, 2**32 - 1),
+        default=0,
+        metavar="N",
+        help="episode (default 0)",
+    )
+    parser.add_argument(
+        "--variation",
+        type=_whole(0, 10_000),
+        default=0,
+        metavar="K",
+        help="which variation; 0 is the plain task",
+    )
+    parser.add_argument(
+        "--renderer",
+        choices=("auto", "tiny", "egl"),
+        default="auto",
+        help="tiny: on the CPU; egl: through OpenGL (default auto)",
+    )
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
+def _add_robots(adder: _Adder) -> None:
+    parser = adder.command(
+        "list the robots, or check one: its files, its joints, and a picture",
+        "check path/to/robot.yaml",
+    )
+    parser.add_argument("action", nargs="?", choices=("check",), metavar="check", help="check one")
+    parser.add_argument(
+        "robot", nargs="?", metavar="ROBOT", help="name, or path of a robot.yaml or of any URDF"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="picture (default renders/ROBOT.png)"
+    )
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
+def _add_schema(adder: _Adder) -> None:
+    parser = adder.command(
+        "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
+    )
+    parser.add_argument("sort", choices=("task", "robot"), help="of which files")
+
+
+_ADDERS = {
+    "list": _add_list,
+    "show": _add_show,
+    "new": _add_new,
+    "validate": _add_validate,
+    "render": _add_render,
+    "robots": _add_robots,
+    "schema": _add_schema,
+}
+
+
+def _whole(least: int, most: int) -> Any:
+    """A converter for whole numbers in a range."""
+
+    def convert(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f'"{text}" is no whole number') from None
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{value} is not from {least} to {most}")
+        return value
+
+    return convert
+
+
+def _size(text: str) -> tuple[int, int]:
+    """A converter for WIDTHxHEIGHT."""
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f'"{text}" is no size; write WxH, such as 640x480')
+    width, height = int(match[1]), int(match[2])
+    if not (16 <= width <= 2048 and 16 <= height <= 2048):
+        raise argparse.ArgumentTypeError(f"{text} is not from 16x16 to 2048x2048")
+    return width, height

@@ -1,0 +1,150 @@
+"""`taskbuilder new`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from string import Template
+
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.render import write_whole
+
+_ROBOT = Template("""\
+    $name:
+      model: ur5e                      # or another of `taskbuilder robots`, or a robot.yaml
+      base: {position: [$x, $y, 0.4], rpy_deg: [0, 0, $yaw]}
+      home: {tcp: {position: [$tcp_x, $tcp_y, 0.62], rpy_deg: [180, 0, $yaw]}}
+""")
+
+_TASK = Template("""\
+task: $task
+summary: $first picks up the cube and brings it to the goal.
+instructions:
+  - bring the {cube.color} cube to the {goal.color} ball
+cooperation: optional                  # required: then no robot alone may be able to succeed
+
+timing: {control_hz: 10, physics_hz: 120, episode_steps: 50}
+
+scene:
+  robots:                              # the agents, in this order
+$robots
+  objects:                             # metres, kilograms, degrees where the key says _deg
+    table:
+      shape: {box: [2.0, $depth, 0.04]}
+      fixed: true
+      position: [0, 0, 0.38]
+      color: wood
+    cube:
+      shape: {box: [0.045, 0.045, 0.045]}
+      mass: 0.08
+      color: red
+      grasps: {middle: {across: y}}
+      place: {surface: table, center: [$cube_x, $cube_y], size: [0.1, 0.1], yaw_deg: [-20, 20]}
+  sites:                               # named frames without a body
+    goal:
+      marker: {sphere: 0.025}
+      color: green
+      place: {center: [$goal_x, $goal_y, 0.6], size: [0.1, 0.1, 0.1]}
+  cameras:
+    front: {position: [0, -1.9, 1.5], look_at: [0, 0, 0.5]}
+    top: {position: [0, 0, 2.4], look_at: [0, 0, 0.4]}
+
+expert:                                # how it is done: a list of stages
+  - $first: {grasp: cube.middle}
+  - $first: {bring: cube, to: goal}
+""")
+
+_DESCRIPTION = Template('''\
+"""$title: success and reward."""
+
+from taskbuilder.description import Below, Bonus, Description, Distance, Held, Near
+
+
+class $title(Description):
+    """$first picks up the cube and brings it to the goal."""
+
+    success = Held("cube", by="$first") & Near("cube", "goal", within=0.05)
+    failure = Below("cube", height=0.3)
+    stages = {"held": Held("cube", by="$first"), "at goal": success}
+    reward = (
+        Distance("reach", "$first.tcp", "cube", agent="$first"),
+        Bonus("grasp", Held("cube", by="$first"), 1.0, agent="$first"),
+        Distance("carry", "cube", "goal"),
+        Bonus("goal", success, 2.0),
+    )
+''')
+
+_TEST = Template('''\
+"""$title is sound."""
+
+from pathlib import Path
+
+from taskbuilder import validate_task
+
+
+def test_the_task_is_sound() -> None:
+    report = validate_task(Path(__file__).with_name("$task.yaml"), seeds=5)
+    assert report.ok, "\\n".join(map(str, report.findings))
+''')
+
+_RADIUS = 0.8  # metres from the middle of the table to a robot's base
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the task file, the description and a test; nothing that exists is overwritten."""
+    name: str = arguments.name
+    if not re.fullmatch(r"[a-z][a-z0-9_]{0,39}", name):
+        raise UsageError(
+            f'"{name}" is no name for a task; a small letter, then small letters, digits and _'
+        )
+    folder = arguments.dir
+    files = {
+        folder / f"{name}.yaml": _task(name, arguments.robots),
+        folder / f"{name}.py": _DESCRIPTION.substitute(_words(name, arguments.robots)),
+        folder / f"test_{name}.py": _TEST.substitute(_words(name, arguments.robots)),
+    }
+    for file in files:
+        if file.exists():
+            raise UsageError(f"{display_path(file)} exists already; choose another name or --dir")
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, text in files.items():
+        write_whole(file, text.encode())
+        print(display_path(file))
+    print(f"\nnext: taskbuilder validate {display_path(folder / name)}.yaml")
+    return 0
+
+
+def _names(count: int) -> list[str]:
+    few = {1: ["arm"], 2: ["left", "right"]}
+    return few.get(count) or [f"arm_{number}" for number in range(1, count + 1)]
+
+
+def _words(task: str, robots: int) -> dict[str, str]:
+    title = "".join(part.capitalize() for part in task.split("_"))
+    return {"task": task, "title": title, "first": _names(robots)[0]}
+
+
+def _task(task: str, count: int) -> str:
+    angles = [math.pi + 2.0 * math.pi * index / count for index in range(count)]
+    robots = "".join(_robot(name, angle) for name, angle in zip(_names(count), angles, strict=True))
+    cube, goal = _toward(angles[0], 0.38), _toward(angles[0], 0.3)
+    places = {"cube_x": cube[0], "cube_y": cube[1], "goal_x": goal[0], "goal_y": goal[1]}
+    depth = "2.0" if count > 2 else "1.0"
+    return _TASK.substitute(_words(task, count), **places, depth=depth, robots=robots.rstrip("\n"))
+
+
+def _robot(name: str, angle: float) -> str:
+    x, y = _toward(angle, _RADIUS)
+    tcp_x, tcp_y = _toward(angle, 0.38)
+    yaw = _number(math.degrees(math.remainder(angle + math.pi, 2.0 * math.pi)))
+    return _ROBOT.substitute(name=name, x=x, y=y, tcp_x=tcp_x, tcp_y=tcp_y, yaw=yaw)
+
+
+def _toward(angle: float, radius: float) -> tuple[str, str]:
+    """A point around the middle of the table."""
+    return _number(radius * math.cos(angle)), _number(radius * math.sin(angle))
+
+
+def _number(value: float) -> str:
+    return f"{round(value, 3) + 0.0:g}"

@@ -1,0 +1,14 @@
+"""`taskbuilder schema`."""
+
+from __future__ import annotations
+
+import argparse
+
+from taskbuilder.cli.output import print_json
+from taskbuilder.spec.dump import json_schema
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the JSON Schema of task or robot files."""
+    print_json(json_schema(arguments.sort))
+    return 0

@@ -1,0 +1,216 @@
+"""Pictures of a world: stills, depth and segmentation images, and a contact sheet of all."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.sim.cameras import STUDIO, Image, capture
+from taskbuilder.world.world import World
+
+Modality = Literal["rgb", "depth", "mask"]
+MODALITIES: tuple[Modality, ...] = ("rgb", "depth", "mask")
+
+SUPERSAMPLE = 2
+"""How many times larger stills are drawn than shown; edges become smooth."""
+
+Pixels = NDArray[np.uint8]
+
+_INK, _GRAY, _PAPER = (43, 40, 38), (122, 116, 110), (252, 251, 250)
+_MARGIN, _TITLE, _CAPTION = 24, 78, 30
+
+
+@dataclass(frozen=True)
+class Still:
+    """What one camera saw.
+
+    Attributes:
+        camera: The camera's name.
+        image: Its picture, depth and masks.
+        labels: Bullet's number of every body in the world -> its name in the scene.
+    """
+
+    camera: str
+    image: Image
+    labels: Mapping[int, str]
+
+    def colored(self, modality: Modality) -> Pixels:
+        """The image of a modality as people look at it: (height, width, 3) uint8, RGB."""
+        if modality == "rgb":
+            return self.image.rgb
+        return self.colored_depth() if modality == "depth" else self.colored_mask()
+
+    def colored_depth(self) -> Pixels:
+        """Depth in colours, from near (bright) to far (dark); nothing is black."""
+        there = self.image.bodies >= 0
+        shown = np.zeros((*there.shape, 3), dtype=np.uint8)
+        if there.any():
+            depth = self.image.depth
+            near, far = np.percentile(depth[there], [1, 99])
+            share = np.clip((far - depth) / max(far - near, 1e-6), 0.0, 1.0)
+            colors = cv2.applyColorMap((share * 255).astype(np.uint8), cv2.COLORMAP_VIRIDIS)
+            shown[there] = colors[:, :, ::-1][there]
+        return shown
+
+    def colored_mask(self) -> Pixels:
+        """A colour for each thing of the scene; see `legend`."""
+        shown = np.full((*self.image.bodies.shape, 3), 255, dtype=np.uint8)
+        for body, color in self._colors().items():
+            shown[self.image.bodies == body] = color
+        return shown
+
+    def depth_mm(self) -> NDArray[np.uint16]:
+        """Depth in whole millimetres, 0 where nothing is: (height, width) uint16."""
+        depth = np.where(self.image.bodies >= 0, self.image.depth * 1000.0, 0.0)
+        return np.clip(np.round(depth), 0, 65535).astype(np.uint16)
+
+    def legend(self) -> dict[str, list[int]]:
+        """The colour [r, g, b] of every thing in the mask; nothing is white."""
+        return {self.labels[body]: list(color) for body, color in self._colors().items()}
+
+    def _colors(self) -> dict[int, tuple[int, int, int]]:
+        """Hues spread evenly over the bodies, in the order in which they were built."""
+        bodies = sorted(self.labels)
+        hues = np.array([[[round(180 * i / len(bodies)), 150, 215] for i in range(len(bodies))]])
+        colors = cv2.cvtColor(hues.astype(np.uint8), cv2.COLOR_HSV2RGB)[0].tolist()
+        return {body: (r, g, b) for body, (r, g, b) in zip(bodies, colors, strict=True)}
+
+
+def take_still(world: World, camera: str, size: tuple[int, int] | None = None) -> Still:
+    """Take a supersampled picture, lit and with shadows.
+
+    Args:
+        world: The world as it stands.
+        camera: A camera of the scene.
+        size: Width and height in pixels; by default the camera's own.
+
+    Raises:
+        UnknownNameError: The scene has no such camera.
+        SimulationError: The picture would be too large.
+    """
+    world.move_markers()
+    image = capture(
+        world.client,
+        world.camera(camera, size),
+        supersample=SUPERSAMPLE,
+        shadow=world.scene.cameras[camera].mount is None,  # coarse when seen from near
+        backdrop=STUDIO,
+    )
+    labels = {robot.body.id: name for name, robot in world.robots.items()}
+    labels |= {thing.body.id: name for name, thing in world.objects.items()}
+    labels |= {site.marker.id: name for name, site in world.sites.items() if site.marker}
+    if world.floor is not None:
+        labels[world.floor.id] = "floor"
+    return Still(camera, image, labels)
+
+
+def contact_sheet(
+    title: str, subtitle: str, stills: Sequence[Still], modalities: Sequence[Modality]
+) -> Pixels:
+    """All pictures on one page: a row for each modality if there are several, else a grid."""
+    cells = [(still, modality) for modality in modalities for still in stills]
+    columns = len(stills) if len(modalities) > 1 else min(len(cells), 2)
+    width = max(240, min(640, 1600 // max(columns, 1)))
+    tiles = [_tile(still, modality, width) for still, modality in cells]
+    rows = [tiles[start : start + columns] for start in range(0, len(tiles), columns)]
+    strips = [_row(row, columns, width) for row in rows]
+    page_width = columns * (width + _MARGIN) + _MARGIN
+    header = np.full((_TITLE, page_width, 3), _PAPER, dtype=np.uint8)
+    _write(header, title, (_MARGIN, 40), 24, _INK, 600)
+    _write(header, _shortened(subtitle, page_width), (_MARGIN, 64), 15, _GRAY, 400)
+    return np.vstack([header, *strips])
+
+
+def _tile(still: Still, modality: Modality, width: int) -> Pixels:
+    picture = still.colored(modality)
+    height = round(picture.shape[0] * width / picture.shape[1])
+    small = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+    caption = np.full((_CAPTION, width, 3), _PAPER, dtype=np.uint8)
+    _write(caption, f"{still.camera} · {modality}", (0, 20), 14, _GRAY, 400)
+    return np.vstack([small, caption]).astype(np.uint8)
+
+
+def _row(tiles: Sequence[Pixels], columns: int, width: int) -> Pixels:
+    height = max(tile.shape[0] for tile in tiles)
+    row = np.full((height, columns * (width + _MARGIN) + _MARGIN, 3), _PAPER, dtype=np.uint8)
+    for index, tile in enumerate(tiles):
+        left = _MARGIN + index * (width + _MARGIN)
+        row[: tile.shape[0], left : left + width] = tile
+    return row
+
+
+def _write(
+    page: Pixels, text: str, at: tuple[int, int], size: int, color: Iterable[int], weight: int
+) -> None:
+    cv2.putText(page, text, at, tuple(color), cv2.FontFace("sans"), size, weight)
+
+
+def _shortened(text: str, width: int) -> str:
+    most = max(20, (width - 2 * _MARGIN) // 8)
+    return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
+
+
+def save_image(path: Path, pixels: NDArray[Any]) -> None:
+    """Write a PNG, whole or not at all; (h, w, 3) is RGB, (h, w) uint16 is kept as it is.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    ordered = pixels[:, :, ::-1] if pixels.ndim == 3 else pixels
+    done, encoded = cv2.imencode(".png", np.ascontiguousarray(ordered))
+    if not done:
+        raise OSError(f"{path} cannot be encoded as PNG")
+    write_whole(path, encoded.tobytes())
+
+
+def save_still(still: Still, stem: Path, modalities: Sequence[Modality]) -> list[Path]:
+    """Write a still's images beside each other: colours, depth in mm, mask and its legend.
+
+    Args:
+        still: What a camera saw.
+        stem: Path of the files without their endings.
+        modalities: Which to write.
+
+    Returns:
+        The files.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    written = []
+    for modality in modalities:
+        file = stem.with_name(stem.name + ("" if modality == "rgb" else f"-{modality}") + ".png")
+        save_image(file, still.depth_mm() if modality == "depth" else still.colored(modality))
+        written.append(file)
+        if modality == "mask":
+            legend = file.with_suffix(".json")
+            write_whole(legend, (json.dumps(still.legend(), indent=2) + "\n").encode())
+            written.append(legend)
+    return written
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file aside and rename it, so that it is there whole or not at all.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        aside = Path(name)
+        aside.chmod(0o644)
+        aside.replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

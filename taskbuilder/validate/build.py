@@ -1,0 +1,184 @@
+"""The build family: what shows when a task's worlds are built and left alone."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from taskbuilder.errors import ExplosionError, FileError, Finding, PlacementError
+from taskbuilder.geometry import norm
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.cameras import capture
+from taskbuilder.sim.contacts import overlap
+from taskbuilder.task import Task
+from taskbuilder.validate.places import finding_at
+from taskbuilder.validate.report import Check, FamilyResult, Progress, Result
+from taskbuilder.world.building import build_world
+from taskbuilder.world.world import World
+
+OVERLAP_MM = 1.0
+REST_S = 1.0
+DRIFT_MM = 5.0
+REST_SPEED = 0.02
+SEEN_SHARE = 0.005
+DENSITY = (10.0, 25_000.0)  # kg/m³: from foam to beyond lead
+ENERGY_PER_KG = 50.0  # J/kg: falling five metres
+
+
+def build_family(
+    task: Task,
+    seeds: int,  # noqa: ARG001  # one episode shows what building is about
+    progress: Progress,
+    measures: dict[str, float],
+) -> FamilyResult:
+    """Build the plain scene and every variation, and let each rest for a second."""
+    checks: dict[str, Check] = {}
+    findings: list[Finding] = []
+    for variation in progress(range(len(task.file.scenes)), "build"):
+        started = time.perf_counter()
+        try:
+            world = build_world(task.file, variation=variation)
+        except FileError as error:
+            findings += error.findings
+            continue
+        measures.setdefault("build_s", time.perf_counter() - started)
+        findings += world.warnings
+        try:
+            for check, wrong in _look(task, world):
+                known = checks.get(check.code)
+                checks[check.code] = check if known is None or known.ok else known
+                findings += wrong
+        except PlacementError as error:
+            findings += [
+                finding_at(task, f.code, f"{f.path}: {f.message}", f.path, "place")
+                for f in error.findings
+            ]
+        finally:
+            world.close()
+    return FamilyResult(
+        "build", tuple(checks.values()), tuple(findings), _summary(checks, measures)
+    )
+
+
+def _summary(checks: dict[str, Check], measures: dict[str, float]) -> str:
+    parts = []
+    if "TB306" in checks:
+        parts.append(f"at rest within {checks['TB306'].value:.1f} mm")
+    if "build_s" in measures:
+        parts.append(f"{measures['build_s']:.2f} s to build")
+    return ", ".join(parts)
+
+
+def _look(task: Task, world: World) -> Iterator[Result]:
+    yield check_masses(task, world)
+    world.reset(0)
+    yield check_overlap(task, world)
+    yield check_cameras(task, world)
+    yield from check_rest(task, world)
+
+
+def check_masses(task: Task, world: World) -> Result:
+    """Every body that moves has a density between foam and lead."""
+    findings = []
+    densities = [1000.0]
+    for name, thing in world.objects.items():
+        if thing.spec.fixed or thing.spec.mass is None:
+            continue
+        volume = 8.0 * math.prod(world.box(name).half)
+        density = thing.body.mass / volume
+        densities.append(density)
+        if not DENSITY[0] <= density <= DENSITY[1]:
+            least, most = (volume * limit for limit in DENSITY)
+            message = (
+                f"{name} weighs {thing.body.mass:g} kg at {volume * 1e6:.3g} cm³ of bounding box; "
+                f"from {least:.2g} to {most:.2g} kg would be plausible"
+            )
+            findings.append(finding_at(task, "TB308", message, name, "mass", severity="warning"))
+    extreme = max(densities, key=lambda density: abs(math.log(density / 1000.0)))
+    check = Check("TB308", "masses are plausible", True, extreme, None, "kg/m³")
+    return check, findings
+
+
+def check_overlap(task: Task, world: World) -> Result:
+    """No body starts inside another."""
+    bodies: list[Body] = [robot.body for robot in world.robots.values()]
+    bodies += [thing.body for thing in world.objects.values()]
+    bodies += [world.floor] if world.floor else []
+    findings, deepest = [], 0.0
+    for one, other in combinations(bodies, 2):
+        depth = overlap(one, other) * 1000.0
+        deepest = max(deepest, depth)
+        if depth > OVERLAP_MM:
+            message = f"{one.name} starts {depth:.1f} mm inside {other.name}; move one of them"
+            findings.append(finding_at(task, "TB304", message, one.name))
+    check = Check("TB304", "no body starts inside another", not findings, deepest, OVERLAP_MM, "mm")
+    return check, findings
+
+
+def check_cameras(task: Task, world: World) -> Result:
+    """Every camera sees something other than floor and background."""
+    findings, least = [], 1.0
+    floor = world.floor.id if world.floor else -1
+    world.move_markers()
+    for name in world.scene.cameras:
+        image = capture(world.client, world.camera(name, (64, 48)))
+        seen = float(np.mean((image.bodies >= 0) & (image.bodies != floor)))
+        least = min(least, seen)
+        if seen < SEEN_SHARE:
+            message = f"{name} sees nothing of the scene; move it, or turn it by look_at"
+            location = task.file.source.locate(("scene", "cameras", name), key=True)
+            findings.append(Finding("TB309", message, f"scene.cameras.{name}", location))
+    check = Check("TB309", "cameras see the scene", not findings, least, SEEN_SHARE, "share")
+    return check, findings
+
+
+def check_rest(task: Task, world: World) -> Iterator[Result]:
+    """Objects come to rest, near where they were put, without blowing up."""
+    start = {name: world.position(name) for name in world.objects}
+    highest = 0.0
+    try:
+        for _ in range(max(1, round(REST_S * world.spec.timing.control_hz))):
+            world.step()
+            highest = max(highest, _energy(world))
+    except ExplosionError as error:
+        finding = Finding("TB307", str(error), "", task.file.source.locate(("scene",), key=True))
+        yield (
+            Check("TB307", "energy stays bounded", False, None, ENERGY_PER_KG, "J/kg"),
+            [finding],
+        )
+        return
+    wild = highest > ENERGY_PER_KG
+    message = f"things move with {highest:.0f} J/kg although nothing drives them; look for overlap"
+    findings = [finding_at(task, "TB307", message, next(iter(world.objects)))] if wild else []
+    yield Check("TB307", "energy stays bounded", not wild, highest, ENERGY_PER_KG, "J/kg"), findings
+    yield _at_rest(task, world, start)
+
+
+def _at_rest(task: Task, world: World, start: dict[str, tuple[float, float, float]]) -> Result:
+    findings, furthest = [], 0.0
+    for name, thing in world.objects.items():
+        if thing.spec.fixed:
+            continue
+        drift = math.dist(start[name], world.position(name)) * 1000.0
+        speed = norm(world.velocity(name)[0])
+        furthest = max(furthest, drift)
+        if drift > DRIFT_MM or speed > REST_SPEED:
+            message = (
+                f"{name} does not come to rest: {drift:.0f} mm from its start after {REST_S:g} s, "
+                f"at {speed:.2f} m/s; put it on a surface"
+            )
+            findings.append(finding_at(task, "TB306", message, name))
+    check = Check(
+        "TB306", "objects stay where they are put", not findings, furthest, DRIFT_MM, "mm"
+    )
+    return check, findings
+
+
+def _energy(world: World) -> float:
+    """Greatest kinetic energy of translation of any object, per kilogram."""
+    speeds = [norm(world.velocity(name)[0]) for name in world.objects]
+    return max((speed * speed / 2.0 for speed in speeds), default=0.0)

@@ -1,0 +1,163 @@
+"""The reset family: what shows over many episodes' beginnings."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from taskbuilder.description.description import Referee
+from taskbuilder.errors import ExplosionError, Finding, PlacementError
+from taskbuilder.geometry import Pose, Vec3
+from taskbuilder.spec.scene import Place, SceneSpec
+from taskbuilder.task import Task
+from taskbuilder.validate.places import finding_at
+from taskbuilder.validate.report import Check, FamilyResult, Progress, Result
+from taskbuilder.world.building import build_world
+from taskbuilder.world.world import World
+
+SETTLING_M = 0.003
+"""How far beyond its region a thing may come to rest: it is put down and settles."""
+
+
+@dataclass
+class _Tally:
+    """What was seen over the beginnings of episodes."""
+
+    episodes: int = 0
+    misplaced: dict[str, Finding] = field(default_factory=dict)
+    strayed: dict[str, int] = field(default_factory=dict)
+    solved: list[int] = field(default_factory=list)
+    failed: list[int] = field(default_factory=list)
+    exploded: list[str] = field(default_factory=list)
+    places: dict[str, list[Vec3]] = field(default_factory=dict)
+    seconds: list[float] = field(default_factory=list)
+
+
+def reset_family(
+    task: Task,
+    seeds: int,
+    progress: Progress,
+    measures: dict[str, float],
+) -> FamilyResult:
+    """Begin episodes of the plain scene and of every variation, and look at each."""
+    tally = _Tally()
+    for variation in range(len(task.file.scenes)):
+        world = build_world(task.file, variation=variation)
+        referee = Referee(task.description, task.agents)
+        label = f"reset, variation {variation}" if variation else "reset"
+        try:
+            for seed in progress(range(seeds), label):
+                _begin(world, referee, seed, tally)
+        finally:
+            world.close()
+    if tally.seconds:
+        measures["reset_ms"] = statistics.median(tally.seconds) * 1000.0
+    results = list(_checks(task, tally))
+    checks = tuple(check for check, _ in results)
+    findings = tuple(finding for _, wrong in results for finding in wrong)
+    return FamilyResult("reset", checks, findings, _summary(tally, measures))
+
+
+def _summary(tally: _Tally, measures: dict[str, float]) -> str:
+    solved = "never solved" if not tally.solved else f"{len(tally.solved)} solved"
+    time_taken = f", {measures['reset_ms']:.1f} ms each" if "reset_ms" in measures else ""
+    return f"{tally.episodes} episodes begun, {solved} at the start{time_taken}"
+
+
+def _begin(world: World, referee: Referee, seed: int, tally: _Tally) -> None:
+    started = time.perf_counter()
+    try:
+        world.reset(seed)
+    except PlacementError as error:
+        for finding in error.findings:
+            tally.misplaced.setdefault(finding.path, finding)
+        return
+    except ExplosionError as error:
+        tally.exploded.append(str(error))
+        return
+    tally.seconds.append(time.perf_counter() - started)
+    tally.episodes += 1
+    outcome = referee.start(world)
+    if outcome.success:
+        tally.solved.append(seed)
+    if outcome.failure:
+        tally.failed.append(seed)
+    for name, place in _regions(world.scene):
+        tally.places.setdefault(name, []).append(world.position(name))
+        if _outside(world, name, place):
+            tally.strayed[name] = tally.strayed.get(name, 0) + 1
+
+
+def _regions(scene: SceneSpec) -> Iterator[tuple[str, Place]]:
+    for name, spec in {**scene.objects, **scene.sites}.items():
+        if spec.place is not None:
+            yield name, spec.place
+
+
+def _outside(world: World, name: str, place: Place) -> bool:
+    frame = world.pose(place.frame) if place.frame != "world" else Pose()
+    point = frame.inverse().apply(world.position(name))
+    return any(
+        abs(point[i] - place.center[i]) > place.size[i] / 2 + SETTLING_M
+        for i in range(len(place.center))
+    )
+
+
+def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
+    misplaced = [
+        finding_at(task, "TB305", finding.message, name, "place")
+        for name, finding in tally.misplaced.items()
+    ]
+    yield _counted("TB305", "everything finds a place", misplaced, len(tally.misplaced))
+    total = tally.episodes
+    strayed = [
+        finding_at(task, "TB310", f"left its region in {count} of {total} resets", name, "place")
+        for name, count in tally.strayed.items()
+    ]
+    yield _counted("TB310", "placements stay inside their regions", strayed, len(strayed))
+    exploded = [
+        Finding("TB307", text, location=task.file.source.locate(("scene",), key=True))
+        for text in dict.fromkeys(tally.exploded)
+    ]
+    yield _counted("TB307", "resets do not explode", exploded, len(tally.exploded))
+    yield _never_at_start(task, "TB311", "success", tally.solved, tally.episodes)
+    yield _never_at_start(task, "TB312", "failure", tally.failed, tally.episodes)
+    yield _varies(task, tally)
+
+
+def _counted(code: str, name: str, findings: list[Finding], count: int) -> Result:
+    return Check(code, name, not findings, count, 0, "things"), findings
+
+
+def _never_at_start(task: Task, code: str, what: str, seeds: list[int], episodes: int) -> Result:
+    findings = []
+    if seeds:
+        origin = getattr(task.description, what).origin
+        message = (
+            f"{what} already holds at the start of {len(seeds)} of {episodes} episodes "
+            f"(seed {seeds[0]} first); it must be false when an episode begins"
+        )
+        findings = [Finding(code, message, what, origin)]
+    return Check(code, f"{what} is false at the start", not seeds, len(seeds), 0, "seeds"), findings
+
+
+def _varies(task: Task, tally: _Tally) -> Result:
+    """Placements of regions that have a size differ from seed to seed."""
+    findings = []
+    sized = {name: place for name, place in _regions(task.file.spec.scene) if any(place.size)}
+    spreads = {}
+    for name, place in sized.items():
+        points = tally.places.get(name, [])
+        if len(points) < 2:
+            continue
+        spread = max(math.dist(points[0], point) for point in points[1:])
+        spreads[name] = spread / max(place.size)
+        if spread < 1e-6:
+            findings.append(
+                finding_at(task, "TB313", "is at one place for every seed", name, "place")
+            )
+    least = min(spreads.values(), default=1.0)
+    return Check("TB313", "placements vary", not findings, least, 0.0, "of the region"), findings
