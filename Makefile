@@ -1,0 +1,24 @@
+# make check runs all that must be clean before a change lands.
+.PHONY: check format lint types tests docs benchmarks
+
+check: lint types tests docs
+
+format:
+	ruff format .
+	ruff check --fix .
+
+lint:
+	ruff format --check .
+	ruff check .
+
+types:
+	mypy
+
+tests:
+	pytest -n 2
+
+docs:
+	sphinx-build -q -W -b html docs docs/_build/html
+
+benchmarks:
+	python benchmarks/authoring.py
