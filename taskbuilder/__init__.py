@@ -8,9 +8,12 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from taskbuilder._gymnasium import register_when_imported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
+    from taskbuilder.env.joint import JointEnv
+    from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.spec.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.run import validate_task
@@ -19,21 +22,27 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Catalogue",
+    "JointEnv",
     "Task",
+    "TaskEnv",
     "World",
     "__version__",
     "build_world",
     "catalogue",
     "load_task",
+    "parallel_env",
     "validate_task",
 ]
 
 _HOMES = {
     "Catalogue": "taskbuilder.spec.catalogue",
+    "JointEnv": "taskbuilder.env.joint",
     "Task": "taskbuilder.task",
+    "TaskEnv": "taskbuilder.env.parallel",
     "World": "taskbuilder.world.world",
     "build_world": "taskbuilder.world.building",
     "load_task": "taskbuilder.task",
+    "parallel_env": "taskbuilder.env.parallel",
     "validate_task": "taskbuilder.validate.run",
 }
 
@@ -60,3 +69,6 @@ def catalogue(*folders: str) -> Catalogue:
     from taskbuilder.spec.catalogue import Catalogue
 
     return Catalogue.discover(folders)
+
+
+register_when_imported()

@@ -226,6 +226,22 @@ def capture(
     )
 
 
+def point_cloud(image: Image, view: CameraView) -> NDArray[np.float32]:
+    """The world point of every pixel, row by row: (height * width, 3) float32, in metres.
+
+    Args:
+        image: What a camera saw.
+        view: The camera.
+    """
+    height, width = image.depth.shape
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1).reshape(-1, 3)
+    rays = pixels @ np.linalg.inv(image.intrinsics).T
+    in_camera = rays * image.depth.reshape(-1, 1)
+    rotation, position = view.extrinsics[:3, :3], view.extrinsics[:3, 3]
+    return ((in_camera - position) @ rotation).astype(np.float32)
+
+
 def _check_size(width: int, height: int) -> None:
     if not (0 < width <= LARGEST_SIDE and 0 < height <= LARGEST_SIDE):
         raise SimulationError(

@@ -289,6 +289,7 @@ class ActionSpec(Model):
     arm: Literal[
         "tcp_delta",
         "tcp_pose",
+        "tcp_path",
         "joint_delta",
         "joint_position",
         "joint_velocity",

@@ -1,0 +1,1 @@
+"""Environments: any task as a multi-agent, joint or vectorised one."""

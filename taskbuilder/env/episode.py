@@ -1,0 +1,239 @@
+"""The episode: one world under one referee, stepped by all agents' actions at once.
+
+Every view of an environment (multi-agent, joint, vectorised) is a shell around an `Episode`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.description.description import Outcome, Referee
+from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.options import Options
+from taskbuilder.errors import ExplosionError, UsageError
+from taskbuilder.task import Task
+from taskbuilder.world.building import build_world
+from taskbuilder.world.randomness import EpisodeRandomness
+from taskbuilder.world.world import World, WorldState
+
+
+@dataclass(frozen=True)
+class EpisodeState:
+    """A moment of an episode, to go back to within the same environment and process."""
+
+    seed: int
+    variation: int
+    world: WorldState
+    memory: Any
+    steps: int
+    outcome: Outcome
+    succeeded: bool
+    over: bool
+    previous: Mapping[str, NDArray[np.float64]]
+    noise: Mapping[str, Any]
+
+
+class Episode:
+    """Runs a task: reset, step, judge, save, go back.
+
+    Attributes:
+        task: The task.
+        options: How it was made into an environment.
+        agents: The robots, in file order.
+        actions: What each agent's action means.
+        outcome: The referee's word on the present control step.
+        steps: Control steps taken in this episode.
+        succeeded: Success has held at some control step of this episode.
+        exploded: The physics diverged; the episode is over and its world given up.
+        over: No further step is possible before a reset.
+        noise_rng: For noise on observations.
+    """
+
+    def __init__(self, task: Task, options: Options) -> None:
+        self.task = task
+        self.options = options
+        self._file = options.applied(task)
+        self.agents = task.agents
+        self._worlds: dict[int, World] = {}
+        self._variation = 0 if options.variation == "random" else options.variation
+        self._referee = Referee(task.description, self.agents)
+        self.seed = 0
+        self.steps = 0
+        self.succeeded = self.exploded = False
+        self.over = True
+        self.noise_rng = np.random.default_rng(0)
+        self.actions = self._make_actions()
+        self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
+        self.outcome = self._referee.start(self.world)
+
+    # --- time
+
+    @property
+    def world(self) -> World:
+        """The world of the present variation, built when first needed."""
+        if self._variation not in self._worlds:
+            self._worlds[self._variation] = build_world(
+                self._file, variation=self._variation, renderer=self.options.renderer
+            )
+        return self._worlds[self._variation]
+
+    @property
+    def horizon(self) -> int:
+        """Control steps of a whole episode."""
+        return self._file.spec.timing.episode_steps
+
+    @property
+    def terminated(self) -> bool:
+        """Ended by success or failure, as the task's `ends_on` says, or by an explosion."""
+        ends = self._file.spec.timing.ends_on
+        won = self.outcome.success and "success" in ends
+        lost = self.outcome.failure and "failure" in ends
+        return won or lost or self.exploded
+
+    @property
+    def truncated(self) -> bool:
+        """Ended by its length alone."""
+        return self.steps >= self.horizon and not self.terminated
+
+    def reset(self, seed: int) -> None:
+        """Begin an episode; the seed decides all that chance decides in it.
+
+        Raises:
+            PlacementError: The objects do not fit.
+        """
+        randomness = EpisodeRandomness(seed)
+        if self.options.variation == "random":
+            count = len(self._file.scenes)
+            before = self._variation
+            self._variation = int(randomness.variation().integers(count))
+            if self._variation != before:
+                self.actions = self._make_actions()
+        self.seed = seed
+        self.exploded = self.succeeded = self.over = False
+        self.steps = 0
+        self.noise_rng = randomness.noise()
+        self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
+        self.world.reset(seed, randomized=self.options.randomize)
+        self.outcome = self._referee.start(self.world)
+
+    def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
+        """Let every agent act for one control step, and judge.
+
+        Args:
+            actions: Each agent's numbers, checked to be finite and of the right size; from -1 to
+                1 or in physical units, as the options say.
+        """
+        targets: dict[str, Sequence[float]] = {}
+        for agent, values in actions.items():
+            mode = self.actions[agent]
+            physical = mode.physical(values) if self.options.normalize else values
+            target = mode.command(physical)
+            if target is not None:
+                targets[agent] = target
+        self._previous = dict(actions)
+        self.steps += 1
+        try:
+            self.world.step(targets)
+        except ExplosionError:
+            self._give_up()
+            return
+        self.outcome = self._referee.judge(self.world)
+        self.succeeded = self.succeeded or self.outcome.success
+        self.over = self.terminated or self.truncated
+
+    def close(self) -> None:
+        """Free the physics."""
+        for world in self._worlds.values():
+            world.close()
+        self._worlds.clear()
+        self.over = True
+
+    def _give_up(self) -> None:
+        """End an episode whose physics diverged; its client is poisoned and is thrown away."""
+        self.exploded = self.over = True
+        self._worlds.pop(self._variation).close()
+        self.actions = self._make_actions()
+
+    def _make_actions(self) -> dict[str, RobotActions]:
+        dt = 1.0 / self._file.spec.timing.control_hz
+        scene = self._file.scenes[self._variation]
+        return {
+            name: RobotActions(robot, scene.robots[name].action, dt)
+            for name, robot in self.world.robots.items()
+        }
+
+    # --- what observations read
+
+    @property
+    def time_left(self) -> float:
+        """Share of the episode that is still to come, 1 to 0."""
+        return max(0.0, 1.0 - self.steps / self.horizon)
+
+    def holding(self, robot: str) -> float:
+        """1.0 while the robot holds an object, else 0.0."""
+        world = self.world
+        return float(any(world.held(name, robot) for name in world.movable))
+
+    def forces(self, robot: str) -> Sequence[float]:
+        """Force of each finger on what the robot touches most, in newtons."""
+        world = self.world
+        pressed = [world.grip_forces(name, robot) for name in world.movable]
+        fingers = len(world.robots[robot].fingers)
+        return max(pressed, key=sum, default=()) or (0.0,) * fingers
+
+    def previous_action(self, robot: str) -> Sequence[float]:
+        """The last action, from -1 to 1; zeros after reset."""
+        values = self._previous[robot]
+        if not self.options.normalize:
+            mode = self.actions[robot]
+            values = 2.0 * (values - mode.low) / (mode.high - mode.low) - 1.0
+        numbers: list[float] = np.clip(values, -1.0, 1.0).tolist()
+        return numbers
+
+    # --- going back
+
+    def save(self) -> EpisodeState:
+        """This moment of the episode.
+
+        Raises:
+            UsageError: There is none: no reset yet, or the physics diverged.
+        """
+        if self.exploded or self._variation not in self._worlds:
+            raise UsageError("there is no state to save; reset first")
+        return EpisodeState(
+            self.seed,
+            self._variation,
+            self.world.save(),
+            self._referee.memory,
+            self.steps,
+            self.outcome,
+            self.succeeded,
+            self.over,
+            dict(self._previous),
+            self.noise_rng.bit_generator.state,
+        )
+
+    def load(self, state: EpisodeState) -> None:
+        """Go back to a moment of this environment.
+
+        Raises:
+            UsageError: The world that the state belongs to is gone.
+        """
+        world = self._worlds.get(state.variation)
+        if world is None or state.world.snapshot.client is not world.client:
+            raise UsageError("the state belongs to another environment, or to a world given up")
+        if state.variation != self._variation:
+            self._variation = state.variation
+            self.actions = self._make_actions()
+        self.seed = state.seed
+        world.restore(state.world)
+        self._referee.memory = state.memory
+        self.steps, self.outcome = state.steps, state.outcome
+        self.succeeded, self.over, self.exploded = state.succeeded, state.over, False
+        self._previous = dict(state.previous)
+        self.noise_rng.bit_generator.state = state.noise

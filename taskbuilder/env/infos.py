@@ -1,0 +1,22 @@
+"""Infos: numbers for people, logs and critics; the same keys on every agent, step and reset."""
+
+from __future__ import annotations
+
+from taskbuilder.env.episode import Episode
+
+
+def make_info(episode: Episode) -> dict[str, float]:
+    """Everything that the referee said of the present control step, and how the episode stands."""
+    outcome = episode.outcome
+    return {
+        "success": float(outcome.success),
+        "succeeded": float(episode.succeeded),
+        "failure": float(outcome.failure),
+        "exploded": float(episode.exploded),
+        "stage": float(outcome.stage),
+        "progress": outcome.progress,
+        "step": float(episode.steps),
+        "team_reward": outcome.team,
+        **{f"reward/{label}": pay for label, pay in outcome.terms.items()},
+        **{f"condition/{name}": float(value) for name, value in outcome.conditions.items()},
+    }

@@ -1,0 +1,115 @@
+"""The joint view: a Gymnasium environment in which one agent moves all robots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from taskbuilder.env.errors import ActionError
+from taskbuilder.env.parallel import EnvState, TaskEnv, parallel_env
+from taskbuilder.task import Task
+
+
+class JointEnv(gymnasium.Env[Any, Any]):
+    """Any task as one agent's environment, paid the team reward.
+
+    Flat: observations and actions are those of the robots one after the other, in file order, in
+    one box each. Otherwise dictionaries by robot.
+
+    Args:
+        task: Its name, the path of its YAML file, or the task itself.
+        render_mode: "rgb_array" to make `render` return pictures.
+        options: See `taskbuilder.env.options.Options`; ``reward`` is always the team's.
+
+    Raises:
+        UnknownNameError: There is no such task.
+        FileError: The task is wrong.
+        UsageError: An option does not fit the task.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  # Gymnasium's
+
+    def __init__(
+        self, task: str | Path | Task, *, render_mode: str | None = None, **options: Any
+    ) -> None:
+        self.parallel: TaskEnv = parallel_env(task, render_mode=render_mode, **options)
+        self.metadata = {**self.metadata, "render_fps": self.parallel.metadata["render_fps"]}
+        self.render_mode = render_mode
+        self._agents = self.parallel.possible_agents
+        observed = {agent: self.parallel.observation_space(agent) for agent in self._agents}
+        acted = {agent: self.parallel.action_space(agent) for agent in self._agents}
+        self._flat = all(
+            isinstance(space, spaces.Box) for space in (*observed.values(), *acted.values())
+        )
+        self.observation_space = _joined(observed) if self._flat else spaces.Dict(observed)
+        self.action_space = _joined(acted) if self._flat else spaces.Dict(acted)
+        sizes = [actions.size for actions in self.parallel.episode.actions.values()]
+        self._cuts = np.cumsum(sizes)[:-1]
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: Decides this episode and, until the next seed, all that follow.
+            options: Unused; there for Gymnasium.
+        """
+        super().reset(seed=seed)
+        observations, infos = self.parallel.reset(seed=seed, options=options)
+        return self._observation(observations), infos[self._agents[0]]
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Let all robots act for one control step.
+
+        Raises:
+            ActionError: The action is not finite, or of another shape or kind.
+            EpisodeOverError: There was no reset, or the episode is over.
+        """
+        observations, _, terminations, truncations, infos = self.parallel.step(self._split(action))
+        first = self._agents[0]
+        reward = self.parallel.team_reward()
+        seen = self._observation(observations)
+        return seen, reward, terminations[first], truncations[first], infos[first]
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the world: (height, width, 3) uint8, or None without a render mode."""
+        return self.parallel.render()
+
+    def save_state(self) -> EnvState:
+        """See `TaskEnv.save_state`."""
+        return self.parallel.save_state()
+
+    def load_state(self, state: EnvState) -> Any:
+        """See `TaskEnv.load_state`; returns the observation of that moment."""
+        return self._observation(self.parallel.load_state(state))
+
+    def close(self) -> None:
+        """Free the physics."""
+        self.parallel.close()
+
+    def _observation(self, observations: dict[str, Any]) -> Any:
+        if not self._flat:
+            return dict(observations)
+        return np.concatenate([observations[agent] for agent in self._agents])
+
+    def _split(self, action: Any) -> dict[str, Any]:
+        if not self._flat:
+            return dict(action) if isinstance(action, dict) else {"?": action}
+        values = np.asarray(action, dtype=np.float64)
+        if values.shape != self.action_space.shape:
+            raise ActionError("all robots", self.action_space, f"has shape {values.shape}")
+        return dict(zip(self._agents, np.split(values, self._cuts), strict=True))
+
+
+def _joined(boxes: dict[str, spaces.Space[Any]]) -> spaces.Box:
+    """One box of several, in their order."""
+    parts = [box for box in boxes.values() if isinstance(box, spaces.Box)]
+    low = np.concatenate([box.low for box in parts])
+    high = np.concatenate([box.high for box in parts])
+    return spaces.Box(low, high, dtype=np.float32)

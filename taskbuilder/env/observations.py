@@ -1,0 +1,226 @@
+"""Observation channels: what an agent sees, read off the world and laid out in a vector."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.geometry import Pose, Quat, multiply
+from taskbuilder.sim.faults import REACH_M, SPEED_LIMIT
+from taskbuilder.spec.channels import CAMERA_QUANTITIES, Channel
+from taskbuilder.spec.task import Noise
+from taskbuilder.world.world import World
+
+if TYPE_CHECKING:
+    from taskbuilder.env.episode import Episode
+
+Read = Callable[["Episode"], Sequence[float]]
+
+_FORCE_LIMIT = 1e4  # newtons
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One channel, ready to be read.
+
+    Attributes:
+        name: As the task file writes it.
+        read: Gives the numbers, from an episode.
+        low: Least value of each number.
+        high: Greatest value of each number.
+        turns: Index of the first number of a quaternion among them, or None.
+        noise: Gaussian noise on the numbers, or None.
+    """
+
+    name: str
+    read: Read
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    turns: int | None = None
+    noise: Noise | None = None
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return len(self.low)
+
+    def noisy(self, values: Sequence[float], rng: np.random.Generator) -> Sequence[float]:
+        """The numbers with the channel's noise."""
+        if self.noise is None:
+            return values
+        numbers = list(values)
+        plain = self.turns if self.turns is not None else len(numbers)
+        spread = self.noise.std or self.noise.position_std
+        if spread:
+            numbers[:plain] = [v + float(rng.normal(0.0, spread)) for v in numbers[:plain]]
+        if self.turns is not None and self.noise.angle_std_deg:
+            half = math.radians(self.noise.angle_std_deg) / 2.0
+            x, y, z = (float(v) for v in rng.normal(0.0, half, 3))
+            length = math.sqrt(1.0 + x * x + y * y + z * z)
+            small: Quat = (x / length, y / length, z / length, 1.0 / length)
+            a, b, c, d = numbers[plain : plain + 4]
+            numbers[plain : plain + 4] = _upper(multiply(small, (a, b, c, d)))
+        return numbers
+
+
+class View:
+    """What one observer sees: channels of numbers in one vector, and cameras beside it."""
+
+    def __init__(self, readings: Sequence[Reading], cameras: Sequence[Channel]) -> None:
+        self.readings = tuple(readings)
+        self.cameras = tuple(cameras)
+        numbers = [value for reading in self.readings for value in reading.low]
+        self.low = np.array(numbers, dtype=np.float32)
+        numbers = [value for reading in self.readings for value in reading.high]
+        self.high = np.array(numbers, dtype=np.float32)
+        self._noisy = any(reading.noise for reading in self.readings)
+
+    def vector(self, episode: Episode) -> NDArray[np.float32]:
+        """All channels of numbers, one after the other: (n,) float32, inside the bounds."""
+        values: list[float] = []
+        for reading in self.readings:
+            numbers = reading.read(episode)
+            values += reading.noisy(numbers, episode.noise_rng) if self._noisy else numbers
+        array = np.array(values, dtype=np.float32)
+        return np.clip(array, self.low, self.high, out=array)
+
+    def split(self, vector: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
+        """A vector's channels by name."""
+        ends = np.cumsum([reading.size for reading in self.readings])[:-1]
+        pieces = np.split(vector, ends)
+        return {r.name: piece.copy() for r, piece in zip(self.readings, pieces, strict=True)}
+
+
+def make_reading(name: str, channel: Channel, world: World, noise: Noise | None = None) -> Reading:
+    """Prepare a channel of numbers.
+
+    Args:
+        name: As the task file writes it.
+        channel: What it means.
+        world: Tells sizes and limits.
+        noise: Gaussian noise on it.
+    """
+    read, low, high, turns = _parts(channel, world)
+    return Reading(name, read, low, high, turns, noise)
+
+
+def is_camera(channel: Channel, world: World) -> bool:
+    """Whether a channel is a camera's."""
+    return channel.subject in world.scene.cameras and channel.quantity in CAMERA_QUANTITIES
+
+
+_Parts = tuple[Read, tuple[float, ...], tuple[float, ...], int | None]
+
+
+def _parts(channel: Channel, world: World) -> _Parts:
+    if channel.quantity == "time_left":
+        return (lambda e: (e.time_left,)), (0.0,), (1.0,), None
+    if channel.subject in world.robots:
+        return _robot_parts(channel, world)
+    inside = world.objects.get(channel.subject)
+    if inside is not None and channel.quantity in inside.body.joints:
+        name = f"{channel.subject}.{channel.quantity}"
+        return (lambda e: (e.world.joint(name),)), (-REACH_M,), (REACH_M,), None
+    return _frame_parts(channel.subject, channel.quantity, channel.frame)
+
+
+def _robot_parts(channel: Channel, world: World) -> _Parts:
+    name, robot = channel.subject, world.robots[channel.subject]
+    dof = len(robot.arm.indices)
+    match channel.quantity:
+        case "tcp":
+            return _frame_parts(f"{name}.tcp", "pose", channel.frame)
+        case "tcp_velocity":
+            return _frame_parts(f"{name}.tcp", "velocity", channel.frame)
+        case "joints":
+            return (lambda e: e.world.robots[name].arm_state()[0]), *_around(dof, REACH_M), None
+        case "joint_velocities":
+            return (lambda e: e.world.robots[name].arm_state()[1]), *_around(dof, SPEED_LIMIT), None
+        case "gripper":
+            return (lambda e: (e.world.robots[name].opening(),)), (-0.5,), (1.5,), None
+        case "holding":
+            return (lambda e: (e.holding(name),)), (0.0,), (1.0,), None
+        case "force":
+            fingers = len(robot.fingers)
+            return (lambda e: e.forces(name)), (0.0,) * fingers, (_FORCE_LIMIT,) * fingers, None
+        case "previous_action":
+            size = world_action_size(world, name)
+            return (lambda e: e.previous_action(name)), *_around(size, 1.0), None
+    raise ValueError(f"a robot has no channel {channel.quantity}")
+
+
+def world_action_size(world: World, name: str) -> int:
+    """How many numbers an action of a robot has."""
+    spec = world.scene.robots[name].action
+    turns = {"none": 0, "yaw": 1, "full": 3}[spec.turn]
+    return (3 + turns if spec.arm.startswith("tcp") else len(world.robots[name].arm.indices)) + 1
+
+
+def _frame_parts(subject: str, quantity: str, frame: str) -> _Parts:
+    here = _pose_reader(subject, frame)
+    match quantity:
+        case "pose":
+            low, high = _around(3, REACH_M)
+            unit = (1.0,) * 4
+            low, high = (*low, -1.0, -1.0, -1.0, 0.0), (*high, *unit)
+            return (lambda e: _pose_numbers(here(e.world))), low, high, 3
+        case "position":
+            return (lambda e: here(e.world).position), *_around(3, REACH_M), None
+        case "orientation":
+            low, high = (-1.0, -1.0, -1.0, 0.0), (1.0,) * 4
+            return (lambda e: _upper(here(e.world).quaternion)), low, high, 0
+        case "velocity":
+            return (lambda e: _velocity(e.world, subject, frame)), *_around(6, SPEED_LIMIT), None
+    raise ValueError(f"{subject} has no channel {quantity}")
+
+
+def _pose_reader(subject: str, frame: str) -> Callable[[World], Pose]:
+    if frame == "world":
+        return lambda world: world.pose(subject)
+    return lambda world: world.pose(frame).inverse() @ world.pose(subject)
+
+
+def _velocity(world: World, subject: str, frame: str) -> Sequence[float]:
+    """Velocity relative to the world, in the axes of a frame."""
+    linear, angular = world.velocity(subject)
+    if frame == "world":
+        return (*linear, *angular)
+    back = Pose((0.0, 0.0, 0.0), world.pose(frame).quaternion).inverse()
+    return (*back.apply(linear), *back.apply(angular))
+
+
+def _pose_numbers(pose: Pose) -> Sequence[float]:
+    return (*pose.position, *_upper(pose.quaternion))
+
+
+def _upper(q: Quat) -> Quat:
+    """Of the two quaternions of a rotation, the one with w at least 0."""
+    return q if q[3] >= 0.0 else (-q[0], -q[1], -q[2], -q[3])
+
+
+def _around(size: int, limit: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    return (-limit,) * size, (limit,) * size
+
+
+def everything(world: World) -> tuple[str, ...]:
+    """Every channel of numbers there is, for a centralised critic."""
+    robots = ("joints", "joint_velocities", "tcp", "gripper", "holding")
+    moving = [name for name, thing in world.objects.items() if not thing.spec.fixed]
+    fixed_joints = [
+        f"{name}.{joint}"
+        for name, thing in world.objects.items()
+        for joint, info in thing.body.joints.items()
+        if info.type != "fixed"
+    ]
+    return (
+        *(f"{robot}.{quantity}" for robot in world.robots for quantity in robots),
+        *(f"{name}.{quantity}" for name in moving for quantity in ("pose", "velocity")),
+        *fixed_joints,
+        *(f"{site}.position" for site in world.sites),
+        "time_left",
+    )

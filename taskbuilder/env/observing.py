@@ -1,0 +1,98 @@
+"""Observing: the views of all agents, and of the centralised critic, over one episode."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from taskbuilder.env.episode import Episode
+from taskbuilder.env.observations import View, everything, is_camera, make_reading
+from taskbuilder.env.options import Options
+from taskbuilder.env.spaces import VECTOR, image_values, observation_space
+from taskbuilder.errors import UsageError
+from taskbuilder.sim.cameras import CameraView, Image, capture
+from taskbuilder.spec.channels import Channel, default_channels, parse_channel
+from taskbuilder.spec.task import Noise
+from taskbuilder.task import Task
+from taskbuilder.world.world import World
+
+_Look = tuple[Image, CameraView]
+
+
+class Observer:
+    """Knows what every agent sees, and looks."""
+
+    def __init__(self, task: Task, options: Options, world: World) -> None:
+        spec, names = task.file.spec, task.file.names
+        self._flat = options.flat
+        listed = spec.observe or {agent: default_channels(names) for agent in task.agents}
+        extra = tuple(f"{camera}.rgb" for camera in options.cameras)
+        self._task, self._world = task, world
+        self._views = {
+            agent: self._view((*listed[agent], *extra), agent, spec.observation_noise.get(agent))
+            for agent in task.agents
+        }
+        state = everything(world) if spec.state == ("all",) else spec.state
+        self._state = self._view(state, None, None)
+        if self._state.cameras:
+            raise UsageError("the centralised state is made of numbers; leave cameras out of it")
+        self._sizes = {
+            name: options.camera_size or camera.size for name, camera in spec.scene.cameras.items()
+        }
+
+    def agent_spaces(self) -> dict[str, spaces.Space[Any]]:
+        """The observation space of every agent."""
+        return {
+            agent: observation_space(view, self._sizes, flat=self._flat)
+            for agent, view in self._views.items()
+        }
+
+    def state_space(self) -> spaces.Box:
+        """The space of the centralised state."""
+        return spaces.Box(self._state.low, self._state.high, dtype=np.float32)
+
+    def observe(self, episode: Episode) -> dict[str, Any]:
+        """What every agent sees now; arrays of its own each time."""
+        cameras = [camera for view in self._views.values() for camera in view.cameras]
+        images = self._look(episode, cameras) if cameras else {}
+        return {agent: self._seen(view, episode, images) for agent, view in self._views.items()}
+
+    def state(self, episode: Episode) -> NDArray[np.float32]:
+        """The centralised state: (n,) float32."""
+        return self._state.vector(episode)
+
+    def _view(
+        self, channels: Iterable[str], agent: str | None, noise: Mapping[str, Noise] | None
+    ) -> View:
+        readings, cameras = [], []
+        for text in dict.fromkeys(channels):
+            channel = parse_channel(text, agent, self._task.file.names)
+            if isinstance(channel, str):
+                raise UsageError(f"{text}: {channel}")
+            if is_camera(channel, self._world):
+                cameras.append(channel)
+            else:
+                readings.append(make_reading(text, channel, self._world, (noise or {}).get(text)))
+        return View(readings, cameras)
+
+    def _seen(self, view: View, episode: Episode, images: Mapping[str, _Look]) -> Any:
+        vector = view.vector(episode)
+        if self._flat and not view.cameras:
+            return vector
+        shown = {
+            f"{c.subject}.{c.quantity}": image_values(c, *images[c.subject]) for c in view.cameras
+        }
+        numbers = {VECTOR: vector} if self._flat else view.split(vector)
+        return {**numbers, **shown}
+
+    def _look(self, episode: Episode, cameras: Iterable[Channel]) -> dict[str, _Look]:
+        """One picture a camera, shared by all who see it."""
+        world = episode.world
+        world.move_markers()
+        wanted = dict.fromkeys(camera.subject for camera in cameras)
+        views = {name: world.camera(name, self._sizes[name]) for name in wanted}
+        return {name: (capture(world.client, view), view) for name, view in views.items()}

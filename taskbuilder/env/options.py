@@ -1,0 +1,85 @@
+"""The options that every view of an environment takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from taskbuilder.errors import UsageError
+from taskbuilder.spec.explain import suggestion
+from taskbuilder.spec.load import TaskFile
+from taskbuilder.task import Task
+
+RewardSharing = Literal["team", "local"]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a task is made into an environment.
+
+    Attributes:
+        reward: ``team`` pays every agent the sum of all terms; ``local`` pays each its own terms
+            and an even share of the common ones, which add up to the team's exactly.
+        flat: Observations and actions as flat float32 boxes, or as dictionaries of channels.
+        normalize: Actions from -1 to 1, or in physical units.
+        horizon: Control steps of an episode; by default the task's.
+        control_hz: Control steps a second; by default the task's.
+        variation: Which variation, 0 being the plain task; or ``random``, drawn each episode.
+        randomize: Draw the quantities that the task lists under ``randomize``.
+        cameras: Cameras whose colour images every agent sees besides its own channels.
+        camera_size: Width and height of observed images; by default each camera's own.
+        renderer: What draws pictures.
+        render_camera: The camera of ``render()``; by default the scene's first.
+    """
+
+    reward: RewardSharing = "team"
+    flat: bool = True
+    normalize: bool = True
+    horizon: int | None = None
+    control_hz: int | None = None
+    variation: int | Literal["random"] = 0
+    randomize: bool = False
+    cameras: tuple[str, ...] = ()
+    camera_size: tuple[int, int] | None = None
+    renderer: Literal["auto", "tiny", "egl"] = "tiny"
+    render_camera: str | None = None
+
+    def applied(self, task: Task) -> TaskFile:
+        """The task file with horizon and control rate as asked for.
+
+        Raises:
+            UsageError: An option does not fit the task.
+        """
+        self._check(task)
+        timing = task.file.spec.timing
+        changes = {"episode_steps": self.horizon, "control_hz": self.control_hz}
+        wanted = {key: value for key, value in changes.items() if value is not None}
+        changed = timing.model_copy(update=wanted)
+        if changed.physics_hz % changed.control_hz:
+            rates = [hz for hz in range(1, changed.physics_hz + 1) if changed.physics_hz % hz == 0]
+            near = min(rates, key=lambda hz: abs(hz - changed.control_hz))
+            raise UsageError(
+                f"control_hz {changed.control_hz} does not divide physics_hz "
+                f"{changed.physics_hz} of {task.name}; {near} does"
+            )
+        return replace(task.file, spec=task.file.spec.model_copy(update={"timing": changed}))
+
+    def _check(self, task: Task) -> None:
+        _choice("reward", self.reward, ("team", "local"))
+        for name, value in (("horizon", self.horizon), ("control_hz", self.control_hz)):
+            if value is not None and (not isinstance(value, int) or value < 1):
+                raise UsageError(f"{name} is {value!r}; a whole number of at least 1")
+        count = len(task.file.scenes)
+        if self.variation != "random" and self.variation not in range(count):
+            raise UsageError(
+                f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
+            )
+        shown = (self.render_camera,) if self.render_camera else ()
+        for camera in (*self.cameras, *shown):
+            _choice("camera", camera, tuple(task.file.spec.scene.cameras))
+
+
+def _choice(name: str, value: str, choices: Sequence[str]) -> None:
+    if value not in choices:
+        raise UsageError(f'{name} "{value}": {suggestion(str(value), choices, what="one of")}')

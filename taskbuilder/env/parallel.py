@@ -1,0 +1,242 @@
+"""The multi-agent view: a PettingZoo ParallelEnv whose agents are the robots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from taskbuilder.env.episode import Episode, EpisodeState
+from taskbuilder.env.errors import AgentError, EpisodeOverError
+from taskbuilder.env.infos import make_info
+from taskbuilder.env.observing import Observer
+from taskbuilder.env.options import Options
+from taskbuilder.env.spaces import action_space, read_action
+from taskbuilder.sim.cameras import STUDIO, capture
+from taskbuilder.task import Task, load_task
+
+Observations = dict[str, Any]
+Infos = dict[str, dict[str, float]]
+
+
+@dataclass(frozen=True)
+class EnvState:
+    """A moment of an environment, for `load_state` of the same environment."""
+
+    episode: EpisodeState
+    agents: tuple[str, ...]
+    seeds: Mapping[str, Any]
+
+
+class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
+    """Any task as a multi-agent environment.
+
+    Each agent sees the channels that the task file lists for it under ``observe``, and nothing
+    else; `state` is for centralised critics. All agents act at once and all end at once. Infos
+    are numbers with the same keys for every agent, at every step and reset.
+
+    Args:
+        task: The task.
+        options: How it is made into an environment.
+        render_mode: "rgb_array" or None.
+
+    Attributes:
+        possible_agents: The robots of the scene, in file order.
+        agents: The same while an episode runs, else empty.
+        episode: The episode that this is a view of.
+    """
+
+    def __init__(self, task: Task, options: Options, render_mode: str | None = None) -> None:
+        self.metadata = {
+            "name": f"{task.name}_v0",
+            "render_modes": ["rgb_array"],
+            "is_parallelizable": True,
+            "render_fps": options.control_hz or task.file.spec.timing.control_hz,
+        }
+        self.render_mode = render_mode
+        self.task = task
+        self.options = options
+        self.episode = Episode(task, options)
+        self.possible_agents = list(task.agents)
+        self.agents: list[str] = []
+        self._observer = Observer(task, options, self.episode.world)
+        self._seeds = np.random.default_rng()
+        self._last: Observations = {}
+
+    # --- spaces
+
+    @cached_property
+    def observation_spaces(self) -> dict[str, spaces.Space[Any]]:
+        """The observation space of every agent."""
+        return self._observer.agent_spaces()
+
+    @cached_property
+    def action_spaces(self) -> dict[str, spaces.Space[Any]]:
+        """The action space of every agent."""
+        flat, normalize = self.options.flat, self.options.normalize
+        return {
+            agent: action_space(actions, flat=flat, normalize=normalize)
+            for agent, actions in self.episode.actions.items()
+        }
+
+    @cached_property
+    def state_space(self) -> spaces.Box:
+        """The space of `state`."""
+        return self._observer.state_space()
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        """An agent's observation space; the same object at every call."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Space[Any]:
+        """An agent's action space; the same object at every call."""
+        return self.action_spaces[agent]
+
+    # --- time
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observations, Infos]:
+        """Begin an episode.
+
+        Args:
+            seed: Decides this episode and, until the next seed, all that follow.
+            options: Unused; there for PettingZoo.
+
+        Raises:
+            PlacementError: The objects do not fit.
+        """
+        del options
+        if seed is not None:
+            self._seeds = np.random.default_rng(seed)
+        self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
+        self.agents = list(self.possible_agents)
+        self._last = self._observer.observe(self.episode)
+        return self._last, self._infos()
+
+    def step(
+        self, actions: Mapping[str, Any]
+    ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]:
+        """Let every agent act for one control step.
+
+        Args:
+            actions: An action for every agent. Numbers beyond the bounds are clipped.
+
+        Raises:
+            ActionError: An action is not finite, or of another shape or kind.
+            AgentError: An agent's action is missing, or there is no such agent.
+            EpisodeOverError: There was no reset, or the episode is over.
+        """
+        values = self._read(actions)
+        episode = self.episode
+        episode.step(values)
+        agents = self.agents
+        if not episode.exploded:
+            self._last = self._observer.observe(episode)
+        rewards = self._rewards()
+        terminations = dict.fromkeys(agents, episode.terminated)
+        truncations = dict.fromkeys(agents, episode.truncated)
+        infos = self._infos()
+        if episode.over:
+            self.agents = []
+        return self._last, rewards, terminations, truncations, infos
+
+    def _read(self, actions: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+        if self.episode.over or not self.agents:
+            raise EpisodeOverError("no episode is running; call reset")
+        missing = [agent for agent in self.agents if agent not in actions]
+        unknown = [agent for agent in actions if agent not in self.agents]
+        if missing or unknown:
+            parts = [f"no action for {', '.join(missing)}"] if missing else []
+            parts += [f"no agent {', '.join(map(str, unknown))}"] if unknown else []
+            raise AgentError(f"{'; '.join(parts)}; the agents are {', '.join(self.agents)}")
+        return {
+            agent: read_action(agent, actions[agent], self.action_space(agent))
+            for agent in self.agents
+        }
+
+    def _rewards(self) -> dict[str, float]:
+        if self.options.reward == "local" and not self.episode.exploded:
+            return dict(self.episode.outcome.local)
+        return dict.fromkeys(self.agents, self.team_reward())
+
+    def team_reward(self) -> float:
+        """The sum of all agents' pay for the present control step; 0 after an explosion."""
+        return 0.0 if self.episode.exploded else self.episode.outcome.team
+
+    def _infos(self) -> Infos:
+        info = make_info(self.episode)
+        return {agent: dict(info) for agent in self.possible_agents}
+
+    # --- more to see
+
+    def state(self) -> NDArray[np.float32]:
+        """What a centralised critic sees: all that the task file lists under ``state``."""
+        return self._observer.state(self.episode)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the world: (height, width, 3) uint8, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        world = self.episode.world
+        camera = self.options.render_camera or next(iter(world.scene.cameras))
+        world.move_markers()
+        return capture(world.client, world.camera(camera), shadow=True, backdrop=STUDIO).rgb
+
+    # --- going back
+
+    def save_state(self) -> EnvState:
+        """This moment, generators included; restored to the bit by `load_state`.
+
+        Only within this environment and process. Across processes a state is what led to it: the
+        options, the seed of `reset`, and the actions since.
+
+        Raises:
+            UsageError: There was no reset.
+        """
+        return EnvState(self.episode.save(), tuple(self.agents), self._seeds.bit_generator.state)
+
+    def load_state(self, state: EnvState) -> Observations:
+        """Go back to a moment of this environment.
+
+        Returns:
+            The observations of that moment.
+
+        Raises:
+            UsageError: The state belongs to another environment.
+        """
+        self.episode.load(state.episode)
+        self.agents = list(state.agents)
+        self._seeds.bit_generator.state = state.seeds
+        return self._observer.observe(self.episode)
+
+    def close(self) -> None:
+        """Free the physics."""
+        self.episode.close()
+        self.agents = []
+
+
+def parallel_env(
+    task: str | Path | Task, *, render_mode: str | None = None, **options: Any
+) -> TaskEnv:
+    """Make a task into a PettingZoo ParallelEnv.
+
+    Args:
+        task: Its name, the path of its YAML file, or the task itself.
+        render_mode: "rgb_array" to make `render` return pictures.
+        options: See `Options`.
+
+    Raises:
+        UnknownNameError: There is no such task.
+        FileError: The task is wrong.
+        UsageError: An option does not fit the task.
+    """
+    loaded = task if isinstance(task, Task) else load_task(task)
+    return TaskEnv(loaded, Options(**options), render_mode)

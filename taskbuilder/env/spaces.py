@@ -1,0 +1,102 @@
+"""Spaces of observations and actions, and moving values in and out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.errors import ActionError
+from taskbuilder.env.observations import View
+from taskbuilder.sim.cameras import CameraView, Image, point_cloud
+from taskbuilder.spec.channels import Channel
+
+VECTOR = "vector"
+"""Key of the numbers in an observation that also has images."""
+
+
+def observation_space(
+    view: View, sizes: Mapping[str, tuple[int, int]], *, flat: bool
+) -> spaces.Space[Any]:
+    """The space of what a view shows: a box, or a dictionary where it must be one."""
+    images = {f"{c.subject}.{c.quantity}": _image_space(c, sizes[c.subject]) for c in view.cameras}
+    numbers = spaces.Box(view.low, view.high, dtype=np.float32)
+    if flat:
+        return spaces.Dict({VECTOR: numbers, **images}) if images else numbers
+    channels = {}
+    start = 0
+    for reading in view.readings:
+        part = slice(start, start + reading.size)
+        channels[reading.name] = spaces.Box(view.low[part], view.high[part], dtype=np.float32)
+        start += reading.size
+    return spaces.Dict({**channels, **images})
+
+
+def _image_space(channel: Channel, size: tuple[int, int]) -> spaces.Box:
+    width, height = size
+    match channel.quantity:
+        case "rgb":
+            return spaces.Box(0, 255, (height, width, 3), np.uint8)
+        case "depth":
+            return spaces.Box(0.0, 100.0, (height, width), np.float32)
+        case "mask":
+            return spaces.Box(-1, 2**15 - 1, (height, width), np.int16)
+        case _:
+            return spaces.Box(-200.0, 200.0, (height * width, 3), np.float32)
+
+
+def image_values(channel: Channel, image: Image, view: CameraView) -> NDArray[Any]:
+    """What a camera channel shows of an image, in an array of its own."""
+    match channel.quantity:
+        case "rgb":
+            return image.rgb.copy()
+        case "depth":
+            return np.clip(image.depth, 0.0, 100.0)
+        case "mask":
+            return image.bodies.astype(np.int16)
+        case _:
+            return np.clip(point_cloud(image, view), -200.0, 200.0)
+
+
+def action_space(actions: RobotActions, *, flat: bool, normalize: bool) -> spaces.Space[Any]:
+    """The space of an agent's actions: a box, or arm and gripper apart."""
+    ones = np.ones(actions.size, dtype=np.float32)
+    low = -ones if normalize else actions.low.astype(np.float32)
+    high = ones if normalize else actions.high.astype(np.float32)
+    if flat:
+        return spaces.Box(low, high, dtype=np.float32)
+    return spaces.Dict(
+        {
+            "arm": spaces.Box(low[:-1], high[:-1], dtype=np.float32),
+            "gripper": spaces.Box(low[-1:], high[-1:], dtype=np.float32),
+        }
+    )
+
+
+def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np.float64]:
+    """An agent's action as a vector of numbers.
+
+    Numbers beyond the bounds are let through, to be clipped: learners with Gaussian policies send
+    them.
+
+    Raises:
+        ActionError: It is not of the space's kind or shape, or not finite.
+    """
+    if isinstance(space, spaces.Dict):
+        if not isinstance(action, Mapping) or set(action) != set(space.spaces):
+            raise ActionError(agent, space, "is not a mapping with these keys")
+        parts = [read_action(agent, action[key], space[key]) for key in ("arm", "gripper")]
+        return np.concatenate(parts)
+    try:
+        values = np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ActionError(agent, space, f"is {type(action).__name__}, not numbers") from None
+    if values.shape != space.shape:
+        raise ActionError(agent, space, f"has shape {values.shape}")
+    if not np.isfinite(values).all():
+        raise ActionError(agent, space, "has numbers that are not finite")
+    return values

@@ -1,0 +1,170 @@
+"""One step of inverse kinematics, for control loops: a few tens of microseconds an arm.
+
+In plain floats rather than arrays: for six joints the arithmetic costs less than numpy's dispatch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.geometry import (
+    Pose,
+    Quat,
+    Vec3,
+    add,
+    conjugate,
+    cross,
+    from_axes,
+    multiply,
+    norm,
+    rotate,
+    scale,
+    subtract,
+    unit,
+)
+from taskbuilder.sim.kinematics import METRES_PER_RADIAN, Chain
+
+DAMPING = 0.02
+"""Metres of tool motion per radian below which a direction counts as singular and is damped."""
+
+
+@dataclass(frozen=True)
+class ArmStepper:
+    """A chain, prepared for stepping: every joint turns about, or slides along, its own z axis.
+
+    Attributes:
+        offsets: Position and orientation of each joint's frame in the one before.
+        tool: The tool's frame in the last joint's.
+        turns: Whether each joint turns; the others slide.
+        lower: Smallest joint positions, rad or m.
+        upper: Largest joint positions.
+    """
+
+    offsets: tuple[tuple[Vec3, Quat], ...]
+    tool: Pose
+    turns: tuple[bool, ...]
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    @classmethod
+    def of(cls, chain: Chain) -> Self:
+        """Prepare a chain."""
+        frames = [_pose(frame) for frame in chain.frames]
+        aligned = [_z_to(axis) for axis in chain.axes.tolist()]
+        offsets = []
+        before = Pose()
+        for frame, turn in zip(frames[:-1], aligned, strict=True):
+            offset = before.inverse() @ frame @ turn
+            offsets.append((offset.position, offset.quaternion))
+            before = turn
+        return cls(
+            tuple(offsets),
+            before.inverse() @ frames[-1],
+            tuple(chain.revolute.tolist()),
+            tuple(chain.lower.tolist()),
+            tuple(chain.upper.tolist()),
+        )
+
+    def forward(self, positions: Sequence[float]) -> Pose:
+        """Pose of the tool in the base link's frame."""
+        return self._frames(positions)[0]
+
+    def step(
+        self, positions: Sequence[float], target: Pose, longest: Sequence[float]
+    ) -> tuple[float, ...]:
+        """Joint positions that bring the tool near a pose that is a step away.
+
+        Two iterations of damped least squares that share one Jacobian: for a step of 5 cm the
+        tool ends within a few tenths of a millimetre. Where that would take a joint further than
+        allowed, the whole step is shortened.
+
+        Args:
+            positions: Where the joints are, rad or m.
+            target: Of the tool, in the base link's frame.
+            longest: How far each joint may move, rad or m.
+        """
+        tool, axes, origins = self._frames(positions)
+        inverse = self._damped_inverse(tool, axes, origins)
+        first = (inverse @ _error(tool, target)).tolist()
+        halfway = [q + d for q, d in zip(positions, first, strict=True)]
+        second = (inverse @ _error(self._frames(halfway)[0], target)).tolist()
+        move = [a + b for a, b in zip(first, second, strict=True)]
+        share = max(abs(d) / most for d, most in zip(move, longest, strict=True))
+        if share > 1.0:
+            move = [d / share for d in move]
+        return tuple(
+            min(max(q + d, low), high)
+            for q, d, low, high in zip(positions, move, self.lower, self.upper, strict=True)
+        )
+
+    def _frames(self, positions: Sequence[float]) -> tuple[Pose, list[Vec3], list[Vec3]]:
+        """The tool's pose, and each joint's axis and origin, in the base link's frame."""
+        at: Vec3 = (0.0, 0.0, 0.0)
+        x, y, z, w = 0.0, 0.0, 0.0, 1.0
+        axes, origins = [], []
+        for (offset, turn), position, turns in zip(
+            self.offsets, positions, self.turns, strict=True
+        ):
+            at = add(at, rotate((x, y, z, w), offset))
+            x, y, z, w = multiply((x, y, z, w), turn)
+            axis = (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y))
+            if turns:
+                s, c = math.sin(position / 2.0), math.cos(position / 2.0)
+                x, y, z, w = x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s
+            else:
+                at = add(at, scale(axis, position))
+            axes.append(axis)
+            origins.append(at)
+        tool = Pose(
+            add(at, rotate((x, y, z, w), self.tool.position)),
+            multiply((x, y, z, w), self.tool.quaternion),
+        )
+        return tool, axes, origins
+
+    def _damped_inverse(
+        self, tool: Pose, axes: list[Vec3], origins: list[Vec3]
+    ) -> NDArray[np.float64]:
+        """(n, 6) damped inverse of the Jacobian, rotations weighed in metres."""
+        columns = []
+        for axis, origin, turns in zip(axes, origins, self.turns, strict=True):
+            if turns:
+                arm = cross(axis, subtract(tool.position, origin))
+                columns.append((*arm, *scale(axis, METRES_PER_RADIAN)))
+            else:
+                columns.append((*axis, 0.0, 0.0, 0.0))
+        transposed = np.array(columns)
+        square = transposed.T @ transposed
+        square.flat[::7] += DAMPING * DAMPING
+        inverse: NDArray[np.float64] = transposed @ np.linalg.inv(square)
+        return inverse
+
+
+def _error(tool: Pose, target: Pose) -> tuple[float, ...]:
+    """Position error (m), then rotation vector error weighed in metres."""
+    x, y, z, w = multiply(target.quaternion, conjugate(tool.quaternion))
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    sine = math.sqrt(x * x + y * y + z * z)
+    # angle / sin(angle / 2), which tends to 2 for small angles
+    factor = METRES_PER_RADIAN * (2.0 * math.atan2(sine, w) / sine if sine > 1e-9 else 2.0)
+    return (*subtract(target.position, tool.position), x * factor, y * factor, z * factor)
+
+
+def _pose(matrix: NDArray[np.float64]) -> Pose:
+    x, y, z, position = (tuple(column) for column in matrix[:3].T.tolist())
+    return Pose(position, from_axes(x, y, z))
+
+
+def _z_to(axis: Sequence[float]) -> Pose:
+    """A frame turned such that its z axis is the given one."""
+    z = unit((axis[0], axis[1], axis[2]))
+    helper: Vec3 = (1.0, 0.0, 0.0) if abs(z[0]) < 0.9 else (0.0, 1.0, 0.0)
+    x = cross(helper, z)
+    x = scale(x, 1.0 / norm(x))
+    return Pose((0.0, 0.0, 0.0), from_axes(x, cross(z, x), z))
