@@ -59,7 +59,7 @@ def build_world(
         objects = {name: _build_object(loader, name, spec) for name, spec in scene.objects.items()}
         sites = {name: _build_site(client, name, spec) for name, spec in scene.sites.items()}
         heard = tuple(loader.heard)
-        world = World(task.spec, scene, client, robots, objects, sites, floor, heard)
+        world = World(task, scene, client, robots, objects, sites, floor, heard)
         _put_all(world)
         world.keep_as_built()
     except BaseException:
@@ -121,21 +121,27 @@ def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> Thing:
         return _build_articulated(loader, name, spec, asset)
     parts = parts_of(spec, asset)
     body = loader.body(parts, name, spec)
-    return Thing(name, spec, body, {part: bounds(made.shape) for part, made in parts.items()}, {})
+    boxes = {part: bounds(made.shape) for part, made in parts.items()}
+    frames = {part: written.pose for part, written in (spec.parts or {}).items()}
+    return Thing(name, spec, body, boxes, frames | _grasp_frames(spec))
+
+
+def _grasp_frames(spec: ObjectSpec) -> dict[str, Pose]:
+    return {name: Pose(grasp.at) for name, grasp in spec.grasps.items()}
 
 
 def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) -> Thing:
     size = (spec.shape.scale if spec.shape else None) or 1.0
     body = loader.urdf(urdf, name, spec.pose, fixed=spec.fixed, size=size)
     body.set_friction(spec.friction)
-    start = {}
-    for joint in urdf.moving_joints:
-        index = body.joints[joint.name].index
-        (start[index],) = joint_values([joint], [spec.joints.get(joint.name, 0.0)])
+    moving = urdf.moving_joints
+    indices = tuple(body.joints[joint.name].index for joint in moving)
+    written = [spec.joints.get(joint.name, 0.0) for joint in moving]
+    body.reset_joints(indices, joint_values(moving, written))
+    for index in indices:
         body.set_joint_friction(index, JOINT_FRICTION)
-    body.reset_joints(tuple(start), tuple(start.values()))
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
-    return Thing(name, spec, body, boxes, start)
+    return Thing(name, spec, body, boxes, _grasp_frames(spec), indices)
 
 
 def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:

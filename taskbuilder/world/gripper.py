@@ -25,13 +25,15 @@ rotor, which a URDF leaves out, adds about this much.
 def build_gripper(body: Body, model: RobotModel) -> Motors:
     """Couple, brace and motorise the joints of a gripper, in the order of the robot file.
 
-    In each finger the joint nearest the palm is driven; joints further out are geared to it, and
-    the driven joints to each other.
+    In each finger the joint nearest the palm is driven; joints further out are geared to it, the
+    driven joints to each other, and whatever else the linkage has to the first of them.
     """
     spec = model.spec.gripper
     chains = [_chain(model, finger[-1]) for finger in spec.fingers]
+    driven = [chain[0] for chain in chains]
+    beside = [joint for joint in spec.joints if not any(joint in chain for chain in chains)]
     gears = [gear for chain in chains for gear in pairwise(chain)]
-    gears += [(chains[0][0], chain[0]) for chain in chains[1:]]
+    gears += [(driven[0], joint) for joint in (*driven[1:], *beside)]
     for leader, follower in gears:
         ratio = _travel(model, follower) / _travel(model, leader)
         couple(
@@ -43,11 +45,10 @@ def build_gripper(body: Body, model: RobotModel) -> Motors:
     for finger in spec.fingers:
         for link in finger:
             body.set_grip(body.links[link], spec.friction)
-    follow = {joint for chain in chains for joint in chain[1:]}
     return Motors(
         body,
         [body.joints[joint].index for joint in spec.joints],
-        forces=[0.0 if joint in follow else spec.force for joint in spec.joints],
+        forces=[spec.force if joint in driven else 0.0 for joint in spec.joints],
     )
 
 

@@ -124,7 +124,9 @@ def _place_group(
         if obstacle is None:
             return
         in_the_way[obstacle] += 1
-    raise PlacementError([_does_not_fit(first, in_the_way)])
+    kind = "objects" if first in world.objects else "sites"
+    location = world.task.source.locate(("scene", kind, first, "place"), key=True)
+    raise PlacementError([_does_not_fit(first, in_the_way).at(location)])
 
 
 def _does_not_fit(name: str, in_the_way: Counter[str]) -> Finding:

@@ -26,26 +26,34 @@ class EpisodeRandomness:
         return self._generator(0)
 
     def variation(self) -> np.random.Generator:
-        """For the randomised quantities, and for the variation where it is drawn."""
+        """For which variation it is, where that is drawn."""
         return self._generator(1)
 
     def noise(self) -> np.random.Generator:
         """For noise on observations."""
         return self._generator(2)
 
+    def quantities(self) -> np.random.Generator:
+        """For the values of the quantities that the task file lists under ``randomize``."""
+        return self._generator(3)
+
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 
 
-def randomize(world: World, drawn: Mapping[str, Distribution], rng: np.random.Generator) -> None:
-    """Set every quantity that the task can randomise: drawn where asked for, else as written.
-
-    A snapshot restores none of these, so they are all set, every time.
-    """
+def written(world: World) -> dict[str, Any]:
+    """The quantities that the task can randomise, as its file writes them."""
+    things = {**world.scene.objects, **world.scene.sites}
+    values = {}
     for key in world.spec.randomize:
         thing, _, quantity = key.rpartition(".")
-        value = draw(drawn[key], rng) if key in drawn else _written(world, thing, quantity)
-        _set(world, thing, quantity, value)
+        values[key] = getattr(things[thing], quantity)
+    return values
+
+
+def drawn(world: World, rng: np.random.Generator) -> dict[str, Any]:
+    """The quantities that the task can randomise, drawn."""
+    return {key: draw(distribution, rng) for key, distribution in world.spec.randomize.items()}
 
 
 def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
@@ -56,9 +64,11 @@ def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
     return choices[int(rng.integers(len(choices)))]
 
 
-def _written(world: World, thing: str, quantity: str) -> Any:
-    spec = world.scene.sites[thing] if thing in world.sites else world.scene.objects[thing]
-    return getattr(spec, quantity)
+def apply(world: World, values: Mapping[str, Any]) -> None:
+    """Give quantities of a world, such as ``stick.mass``, their values."""
+    for key, value in values.items():
+        thing, _, quantity = key.rpartition(".")
+        _set(world, thing, quantity, value)
 
 
 def _set(world: World, thing: str, quantity: str, value: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.body import Body
@@ -39,12 +40,24 @@ class Robot:
     @property
     def tcp(self) -> Pose:
         """The tool centre point in the world: z the direction of approach, y that of closing."""
-        link = self.body.links[self.model.spec.tcp.link]
-        return self.body.link_pose(link) @ self.model.spec.tcp.pose
+        return self.body.link_pose(self.tcp_link) @ self._tcp_offset
+
+    @cached_property
+    def tcp_link(self) -> int:
+        """Index of the link that the tool centre point is fixed to."""
+        return self.body.links[self.model.spec.tcp.link]
+
+    @cached_property
+    def _tcp_offset(self) -> Pose:
+        return self.model.spec.tcp.pose
 
     def arm_state(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Positions and velocities of the arm's joints, in rad or m and a second."""
         return self.body.joint_states(self.arm.indices)
+
+    def speeds(self) -> tuple[float, ...]:
+        """Velocities of all joints, the arm's and then the gripper's, in rad/s or m/s."""
+        return self.body.joint_states(self.arm.indices + self.gripper.indices)[1]
 
     def opening(self) -> float:
         """How far the gripper is open, from 0 (closed) to 1, averaged over its joints."""

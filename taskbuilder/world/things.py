@@ -19,20 +19,16 @@ class Thing:
         spec: What the task file says of it.
         body: Its body in the simulation.
         boxes: Bounding box of each part or link, in its own frame.
-        joints: Start positions of a URDF's joints by index, in rad or m.
+        frames: Pose of each part and grasp point, in the object's frame.
+        joints: Indices of the joints that move.
     """
 
     name: str
     spec: ObjectSpec
     body: Body
     boxes: Mapping[str, Box]
-    joints: Mapping[int, float]
-
-    def part_pose(self, part: str) -> Pose:
-        """The frame of a part, or of a link of a URDF, in the world."""
-        if self.spec.parts is not None:
-            return self.body.pose() @ self.spec.parts[part].pose
-        return self.body.link_pose(self.body.links[part])
+    frames: Mapping[str, Pose]
+    joints: tuple[int, ...] = ()
 
 
 @dataclass

@@ -5,36 +5,44 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 from taskbuilder.errors import Finding, UnknownNameError
-from taskbuilder.geometry import Box, Pose, Vec3, add, cross, dot, norm, scale, subtract
+from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, subtract
 from taskbuilder.sim import faults
-from taskbuilder.sim.body import BASE, Body
+from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import Contact, contacts
-from taskbuilder.sim.snapshots import Snapshot, restore, save
+from taskbuilder.sim.contacts import contacts
+from taskbuilder.sim.snapshots import Snapshot, release, restore, save
 from taskbuilder.spec.explain import suggestion
+from taskbuilder.spec.load import TaskFile
 from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.task import Distribution, TaskSpec
+from taskbuilder.world.frames import Frames
 from taskbuilder.world.placement import place_all
-from taskbuilder.world.randomness import EpisodeRandomness, randomize
+from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.things import Site, Thing
-
-GRASP_FORCE_N = 0.5
-"""What each finger must press with to hold something: well above the noise of a touch."""
-
-_OPPOSING = -0.7  # cosine of the angle between the forces of two fingers; -1 is straight against
+from taskbuilder.world.touch import Touch
 
 
 @dataclass(frozen=True)
 class WorldState:
-    """A moment of a world, for going back to within the same world."""
+    """A moment of a world, for going back to within the same world.
+
+    Attributes:
+        snapshot: The physics and the motors' targets.
+        time: Seconds since the episode began.
+        sites: Where each site is, in the world or in what it rides on.
+        quantities: Values of what the task can randomise.
+        touching: Whether anything touched anything.
+    """
 
     snapshot: Snapshot
     time: float
     sites: Mapping[str, Pose]
+    quantities: Mapping[str, Any]
+    touching: bool
 
 
 class World:
@@ -44,7 +52,8 @@ class World:
     that looks at a control step sees the same world. It is the `WorldView` of descriptions.
 
     Attributes:
-        spec: The task file's content.
+        task: The task file.
+        spec: Its content.
         scene: The scene that was built: the plain one or a variation.
         client: The physics.
         robots: The agents, in file order.
@@ -53,11 +62,12 @@ class World:
         floor: The floor's body, if the scene has one.
         warnings: What the engine said while it loaded assets.
         time: Seconds since the episode began.
+        quantities: Values of what the task can randomise, in this episode.
     """
 
     def __init__(
         self,
-        spec: TaskSpec,
+        task: TaskFile,
         scene: SceneSpec,
         client: Client,
         robots: Mapping[str, Robot],
@@ -66,7 +76,8 @@ class World:
         floor: Body | None,
         warnings: tuple[Finding, ...] = (),
     ) -> None:
-        self.spec = spec
+        self.task = task
+        self.spec = task.spec
         self.scene = scene
         self.client = client
         self.robots = robots
@@ -75,11 +86,12 @@ class World:
         self.floor = floor
         self.warnings = warnings
         self.time = 0.0
-        self._poses: dict[str, Pose] = {}
-        self._contacts: dict[tuple[int, int], tuple[Contact, ...]] = {}
+        self.quantities: Mapping[str, Any] = written(self)
+        self._frames = Frames(robots, objects, sites)
+        self._touch = Touch(client, robots, objects)
         self._built: WorldState | None = None
 
-    # --- time
+    # Time
 
     def keep_as_built(self) -> WorldState:
         """Take the present state for the one that every episode starts from."""
@@ -99,11 +111,9 @@ class World:
         """
         randomness = EpisodeRandomness(seed)
         self.restore(self._built or self.keep_as_built())
-        drawn: Mapping[str, Distribution] = self.spec.randomize
-        if drawn:
-            randomize(self, drawn if randomized else {}, randomness.variation())
+        if randomized:
+            self._set_quantities(drawn(self, randomness.quantities()))
         place_all(self, randomness.placement())
-        self.client.collide()
         self.step()
         self.time = 0.0
 
@@ -119,50 +129,75 @@ class World:
             ExplosionError: The physics diverged; build the world anew.
         """
         timing = self.spec.timing
-        ramps = [
-            self.robots[name].ramp(target, timing.substeps)
-            for name, target in (arm_targets or {}).items()
-        ]
-        ramps += [robot.push() for robot in self.robots.values() if robot.pushes]
-        self.client.step(timing.substeps, partial(_advance, ramps) if ramps else None)
+        targets = arm_targets or {}
+        drives = [self.robots[name].ramp(to, timing.substeps) for name, to in targets.items()]
+        drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
+        self.client.step(timing.substeps, partial(_advance, drives) if drives else None)
         self.time += 1.0 / timing.control_hz
         self.refresh()
         self._check()
 
     def refresh(self) -> None:
         """Forget what was read of the physics."""
-        self._poses.clear()
-        self._contacts.clear()
+        self._frames.refresh()
+        self._touch.refresh()
 
     def save(self) -> WorldState:
-        """The world at this moment, motors' targets included."""
+        """The world at this moment, motors' targets included; about 3 ms and 250 KB.
+
+        `release` it when done with it.
+        """
         motors = [group for robot in self.robots.values() for group in (robot.arm, robot.gripper)]
         sites = {name: site.pose for name, site in self.sites.items()}
-        return WorldState(save(self.client, motors), self.time, sites)
+        touching = bool(contacts(self.client))
+        snapshot = save(self.client, motors)
+        return WorldState(snapshot, self.time, sites, self.quantities, touching)
 
     def restore(self, state: WorldState) -> None:
         """Go back to a moment of this world, to the bit."""
+        if not state.touching:
+            self._part()
         restore(state.snapshot)
         self.time = state.time
         for name, pose in state.sites.items():
             self.sites[name].pose = pose
+        self._set_quantities(state.quantities)
         self.refresh()
+
+    def release(self, state: WorldState) -> None:
+        """Free the memory of a moment, which cannot be gone back to afterwards."""
+        release(state.snapshot)
 
     def close(self) -> None:
         """Free the physics."""
         self.client.close()
 
+    def _part(self) -> None:
+        """Move everything apart, so that nothing touches.
+
+        Bullet restores the contacts of a snapshot, but where it has none it keeps the present
+        ones, whose forces would carry over.
+        """
+        bodies = [thing.body for thing in self.objects.values()]
+        bodies += [robot.body for robot in self.robots.values()]
+        for number, body in enumerate(bodies, start=1):
+            body.place(Pose((0.0, 0.0, 1000.0 * number)))
+        self.client.collide()
+
+    def _set_quantities(self, values: Mapping[str, Any]) -> None:
+        """Give what the task can randomise its values; the physics' snapshots hold none of them."""
+        apply(self, {k: value for k, value in values.items() if value != self.quantities[k]})
+        self.quantities = values
+
     def _check(self) -> None:
         for name, thing in self.objects.items():
             faults.check_pose(name, self.pose(name))
-            if thing.body.joints:
-                _, speeds = thing.body.joint_states(range(len(thing.body.joints)))
-                faults.check_joints(name, speeds)
+            if thing.joints:
+                faults.check_joints(name, thing.body.joint_states(thing.joints)[1])
         for name, robot in self.robots.items():
-            _, speeds = robot.arm_state()
-            faults.check_joints(name, speeds)
+            faults.check_joints(name, robot.speeds())
 
-    # --- names
+    # Names
 
     @cached_property
     def robot_names(self) -> tuple[str, ...]:
@@ -174,11 +209,16 @@ class World:
         """The objects, in file order."""
         return tuple(self.objects)
 
+    @cached_property
+    def movable(self) -> tuple[str, ...]:
+        """The objects that are not bolted down, in file order."""
+        return tuple(name for name, thing in self.objects.items() if not thing.spec.fixed)
+
     def is_solid(self, name: str) -> bool:
         """Whether a name stands for a body rather than for a site."""
         return name not in self.sites
 
-    # --- where things are
+    # Where things are
 
     def pose(self, frame: str) -> Pose:
         """The pose of a named frame in the world.
@@ -186,133 +226,47 @@ class World:
         Raises:
             UnknownNameError: The scene has no such frame.
         """
-        known = self._poses.get(frame)
-        if known is None:
-            known = self._poses[frame] = self._read_pose(frame)
-        return known
+        return self._frames.pose(frame)
 
     def position(self, frame: str) -> Vec3:
         """The position of a named frame in the world, in metres."""
-        return self.pose(frame).position
+        return self._frames.pose(frame).position
 
     def velocity(self, frame: str) -> tuple[Vec3, Vec3]:
-        """Linear (m/s) and angular (rad/s) velocity of a body, part or tcp in the world."""
-        owner, _, inner = frame.partition(".")
-        if owner in self.robots:
-            robot = self.robots[owner]
-            link = BASE if inner == "base" else robot.body.links[robot.model.spec.tcp.link]
-            state = robot.body.link_state(link)
-        elif owner in self.objects:
-            thing = self.objects[owner]
-            own_link = inner and thing.spec.parts is None and inner not in thing.spec.grasps
-            state = thing.body.link_state(thing.body.links[inner] if own_link else BASE)
-        else:
-            site = self._site(frame)
-            return self.velocity(site.rides_on) if site.rides_on else ((0.0,) * 3, (0.0,) * 3)
-        arm = subtract(self.position(frame), state.pose.position)
-        linear, angular = state.velocity
-        return add(linear, cross(angular, arm)), angular
+        """Linear (m/s) and angular (rad/s) velocity of a named frame, in world axes."""
+        return self._frames.velocity(frame)
 
     def box(self, body: str) -> Box:
         """Bounding box of an object, a part or a site's marker, in its own frame."""
-        owner, _, part = body.partition(".")
-        if owner in self.objects:
-            thing = self.objects[owner]
-            return thing.boxes[part] if part else thing.body.bounds()
-        box = self._site(body).box
-        if box is None:
-            raise UnknownNameError(f'the site "{body}" has no marker, hence no volume')
-        return box
+        return self._frames.box(body)
 
     def joint(self, name: str) -> float:
         """Position of an articulated object's joint, in rad or m."""
-        owner, _, joint = name.partition(".")
-        body = self.objects[owner].body
-        positions, _ = body.joint_states((body.joints[joint].index,))
-        return positions[0]
+        return self._frames.joint(name)
 
-    def _read_pose(self, frame: str) -> Pose:
-        owner, _, inner = frame.partition(".")
-        if owner in self.objects:
-            thing = self.objects[owner]
-            if not inner:
-                return thing.body.pose()
-            if inner in thing.spec.grasps:
-                return self.pose(owner) @ Pose(thing.spec.grasps[inner].at)
-            return thing.part_pose(inner)
-        if owner in self.robots:
-            robot = self.robots[owner]
-            return robot.tcp if inner == "tcp" else robot.body.pose()
-        site = self._site(frame)
-        return self.pose(site.rides_on) @ site.pose if site.rides_on else site.pose
-
-    def _site(self, name: str) -> Site:
-        if name not in self.sites:
-            known = (*self.objects, *self.sites, *(f"{robot}.tcp" for robot in self.robots))
-            help_ = suggestion(name, known, what="it has")
-            raise UnknownNameError(f'the world has no frame "{name}"; {help_}')
-        return self.sites[name]
-
-    # --- what touches what
+    # What touches what
 
     def held(self, body: str, robot: str) -> bool:
         """Whether fingers of a robot press on an object or part from opposite sides."""
-        pushes = [push for push in self._pushes(body, robot) if norm(push.force) > GRASP_FORCE_N]
-        return any(_opposed(one, other) for i, one in enumerate(pushes) for other in pushes[:i])
+        return self._touch.held(body, robot)
 
     def grip_forces(self, body: str, robot: str) -> tuple[float, ...]:
         """Force in newtons with which each finger of a robot presses on an object or part."""
-        return tuple(norm(push.force) for push in self._pushes(body, robot))
+        return self._touch.grip_forces(body, robot)
 
     def fingers_touch(self, body: str, robot: str) -> bool:
         """Whether any finger of a robot touches an object or part."""
-        fingers = {link for finger in self.robots[robot].fingers for link in finger}
-        return any(contact.link_a in fingers for contact in self._touches(robot, body))
+        return self._touch.fingers_touch(body, robot)
 
     def touching(self, first: str, second: str) -> bool:
         """Whether two things touch: objects, parts, or robots."""
-        return bool(self._touches(first, second))
+        return bool(self._touch.between(first, second))
 
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which one object or part carries another."""
-        return sum(c.normal_on_b[2] * c.force for c in self._touches(body, below))
+        return self._touch.support(body, below)
 
-    def _pushes(self, body: str, robot: str) -> list[_Push]:
-        """What each finger of a robot does to an object or part."""
-        touches = self._touches(robot, body)
-        pushes = []
-        for finger in self.robots[robot].fingers if touches else ():
-            own = [contact for contact in touches if contact.link_a in finger]
-            force = _total([scale(contact.normal_on_b, -contact.force) for contact in own])
-            middle = _total([scale(contact.position_on_b, 1.0 / len(own)) for contact in own])
-            pushes.append(_Push(force, middle))
-        return pushes
-
-    def _touches(self, first: str, second: str) -> tuple[Contact, ...]:
-        """Contacts of two named things, with the first as body a."""
-        one, one_link = self._body(first)
-        other, other_link = self._body(second)
-        key = (one.id, other.id)
-        if key not in self._contacts:
-            self._contacts[key] = contacts(self.client, one, other)
-        return tuple(
-            contact
-            for contact in self._contacts[key]
-            if one_link in (None, contact.link_a) and other_link in (None, contact.link_b)
-        )
-
-    def _body(self, name: str) -> tuple[Body, int | None]:
-        """The body of a name and, for a part or link, its index."""
-        owner, _, part = name.partition(".")
-        if owner in self.robots:
-            return self.robots[owner].body, None
-        if owner not in self.objects:
-            help_ = suggestion(owner, (*self.objects, *self.robots), what="it has")
-            raise UnknownNameError(f'the world has no body "{owner}"; {help_}')
-        body = self.objects[owner].body
-        return body, body.links[part] if part else None
-
-    # --- cameras
+    # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
         """What a named camera sees now: fixed, or riding on its mount.
@@ -341,28 +295,6 @@ class World:
                 site.marker.place(self.pose(name))
 
 
-@dataclass(frozen=True, slots=True)
-class _Push:
-    """Force of a finger on a body (N), and where it acts, in the world."""
-
-    force: Vec3
-    at: Vec3
-
-
-def _advance(ramps: Sequence[Iterator[None]]) -> None:
-    for ramp in ramps:
-        next(ramp)
-
-
-def _opposed(one: _Push, other: _Push) -> bool:
-    """Whether two fingers press against, and towards, each other: with their inner sides."""
-    across = subtract(other.at, one.at)
-    against = dot(one.force, other.force) < _OPPOSING * norm(one.force) * norm(other.force)
-    return against and dot(one.force, across) > 0.0
-
-
-def _total(vectors: Sequence[Vec3]) -> Vec3:
-    total: Vec3 = (0.0, 0.0, 0.0)
-    for vector in vectors:
-        total = add(total, vector)
-    return total
+def _advance(drives: Sequence[Iterator[None]]) -> None:
+    for drive in drives:
+        next(drive)

@@ -66,20 +66,19 @@ class Script:
             self.world.position(grasp), min(turns, key=lambda turn: turn_between(now, turn))
         )
 
-    def go(self, goals: Mapping[str, Pose], *, max_step: float = MAX_STEP_M) -> None:
+    def go(self, goals: Mapping[str, Pose]) -> None:
         """Bring tcps to poses in the world, all at once, each at its greatest speed."""
         while True:
             moving = {name: goal for name, goal in goals.items() if self.commanded[name] != goal}
             if not moving:
                 return
-            self.step({n: _towards(self.commanded[n], g, max_step) for n, g in moving.items()})
+            self.step({n: _towards(self.commanded[n], g) for n, g in moving.items()})
 
     def grip(self, *names: str, opening: float, steps: int) -> None:
         """Open or close grippers and give them some control steps for it."""
         for name in names:
             self.world.robots[name].move_gripper(opening)
-        for _ in range(steps):
-            self.step({})
+        self.wait(steps)
 
     def step(self, poses: Mapping[str, Pose]) -> Outcome:
         """One control step, at the end of which tcps are told to be at poses near by."""
@@ -96,7 +95,12 @@ class Script:
         self.outcomes.append(self.referee.judge(self.world))
         return self.outcomes[-1]
 
-    def carry(self, name: str, thing: str, goal: Pose) -> Pose:
+    def wait(self, steps: int) -> None:
+        """Let control steps pass."""
+        for _ in range(steps):
+            self.step({})
+
+    def carrying(self, name: str, thing: str, goal: Pose) -> Pose:
         """Where a robot's tcp must be for a thing that it holds to be at a pose."""
         return goal @ self.world.pose(thing).inverse() @ self.world.pose(f"{name}.tcp")
 
@@ -107,10 +111,10 @@ def tool_down(heading: float) -> Quat:
     return from_axes(cross(closing, approach), closing, approach)
 
 
-def _towards(start: Pose, goal: Pose, max_step: float) -> Pose:
+def _towards(start: Pose, goal: Pose) -> Pose:
     way = subtract(goal.position, start.position)
     turn = turn_between(start.quaternion, goal.quaternion)
-    share = max(norm(way) / max_step, turn / MAX_TURN)
+    share = max(norm(way) / MAX_STEP_M, turn / MAX_TURN)
     if share <= 1.0:
         return goal
     return Pose(

@@ -1,0 +1,224 @@
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from written_tasks import NAMES, read
+
+from taskbuilder.errors import PlacementError
+from taskbuilder.geometry import Pose, turn_between
+from taskbuilder.sim.contacts import closest_distance
+from taskbuilder.world.building import build_world
+from taskbuilder.world.placement import GAP
+
+ROOM = """
+scene:
+  robots:
+    arm: {model: ur5e, base: {position: [-2, 0, 0]}}
+  objects:
+    table: {shape: {box: [1, 1, 0.1]}, fixed: true, position: [0, 0, 0.45]}
+"""
+
+
+def region_of(world, name):
+    """A placed thing's centre of region, size, and its own place seen from there."""
+    spec = world.scene.objects.get(name) or world.scene.sites[name]
+    place = spec.place
+    frame = world.pose(place.frame) if place.frame != "world" else Pose()
+    return place, frame.inverse().apply(world.position(name))
+
+
+@pytest.mark.parametrize("name", NAMES)
+class TestPlacement:
+    def test_things_are_placed_inside_their_regions(self, library, name):
+        world = library[name]
+        things = {**world.scene.objects, **world.scene.sites}
+        for seed in range(30):
+            world.reset(seed)
+            for thing in (thing for thing, spec in things.items() if spec.place is not None):
+                place, at = region_of(world, thing)
+                for axis, (center, size) in enumerate(zip(place.center, place.size, strict=True)):
+                    assert abs(at[axis] - center) <= size / 2 + 2e-3, (thing, seed)
+
+    def test_things_are_placed_apart(self, library, name):
+        world = library[name]
+        bodies = {name: world.objects[name].body for name in world.object_names}
+        bodies |= {name: robot.body for name, robot in world.robots.items()}
+        for seed in range(30):
+            world.reset(seed)
+            for thing, spec in world.scene.objects.items():
+                if spec.place is None:
+                    continue
+                rests_on = {thing, spec.place.surface.partition(".")[0], spec.place.frame}
+                for other in bodies.keys() - rests_on:
+                    if thing in str(world.scene.objects.get(other)):
+                        continue  # rests on this one
+                    gap = closest_distance(bodies[thing], bodies[other], within=GAP)
+                    assert gap is None or gap > GAP / 2, (thing, other, seed)
+
+    def test_placements_spread_over_their_regions(self, library, name):
+        world = library[name]
+        things = {**world.scene.objects, **world.scene.sites}
+        placed = [thing for thing, spec in things.items() if spec.place is not None]
+        seen = {thing: [] for thing in placed}
+        for seed in range(60):
+            world.reset(seed)
+            for thing in placed:
+                seen[thing].append(region_of(world, thing))
+        for thing, draws in seen.items():
+            for axis, size in enumerate(draws[0][0].size):
+                values = [at[axis] for _, at in draws]
+                assert max(values) - min(values) > 0.7 * size, (thing, axis)
+
+
+def test_yaw_and_orientation_are_drawn_as_written(build):
+    world = build(
+        ROOM
+        + """
+    rod:
+      shape: {cylinder: {radius: 0.02, length: 0.2}}
+      mass: 0.1
+      place:
+        {surface: table, center: [0, 0], size: [0.4, 0.4], rpy_deg: [0, 90, 0], yaw_deg: [20, 40]}
+"""
+    )
+    yaws = []
+    for seed in range(20):
+        world.reset(seed)
+        axis = world.pose("rod").axis(2)
+        yaws.append(math.degrees(math.atan2(axis[1], axis[0])))
+        assert abs(axis[2]) < 0.02
+        assert world.position("rod")[2] == pytest.approx(0.52, abs=2e-3)
+    assert 19 <= min(yaws) < 25
+    assert 35 < max(yaws) <= 41
+
+
+def test_children_follow_their_parents(build):
+    world = build(
+        ROOM
+        + """
+    tray:
+      parts:
+        floor: {box: [0.3, 0.2, 0.02]}
+      mass: 0.5
+      place: {surface: table, center: [0, 0], size: [0.5, 0.5], yaw_deg: [-90, 90]}
+    cup: {shape: {box: [0.04, 0.04, 0.04]}, mass: 0.1, in: tray, position: [0.1, 0, 0.0305]}
+    lid: {shape: {box: [0.02, 0.02, 0.02]}, mass: 0.1, in: cup, position: [0, 0, 0.0305]}
+    dice:
+      shape: {box: [0.02, 0.02, 0.02]}
+      mass: 0.02
+      place: {surface: tray.floor, in: tray, center: [-0.1, 0], size: [0.05, 0.1]}
+  sites:
+    mark: {in: tray, position: [0, 0.05, 0.01]}
+    spot: {marker: {sphere: 0.01}, place: {in: tray, center: [0, 0, 0.2], size: [0.1, 0.1, 0]}}
+"""
+    )
+    for seed in range(10):
+        world.reset(seed)
+        tray = world.pose("tray")
+        seen = {name: tray.inverse() @ world.pose(name) for name in ("cup", "lid", "dice", "spot")}
+        assert seen["cup"].position == pytest.approx((0.1, 0.0, 0.03), abs=2e-3)
+        assert seen["lid"].position == pytest.approx((0.1, 0.0, 0.06), abs=3e-3)
+        assert turn_between(world.pose("cup").quaternion, tray.quaternion) < 0.02
+        assert abs(seen["dice"].position[0] + 0.1) < 0.027
+        assert seen["dice"].position[2] == pytest.approx(0.02, abs=2e-3)
+        assert abs(seen["spot"].position[0]) < 0.052
+        assert world.position("mark") == pytest.approx(tray.apply((0, 0.05, 0.01)))
+        assert world.support("dice", "tray") > 0.0
+
+
+def test_a_thing_without_room_is_named_with_what_is_in_its_way(build):
+    text = (
+        ROOM
+        + """
+    block: {shape: {box: [0.3, 0.3, 0.3]}, fixed: true, position: [0, 0, 0.65]}
+    ball:
+      shape: {sphere: 0.05}
+      mass: 0.1
+      place: {surface: table, center: [0, 0], size: [0.1, 0.1]}
+"""
+    )
+    world = build(text)
+    with pytest.raises(PlacementError) as caught:
+        world.reset(0)
+    (finding,) = caught.value.findings
+    assert (finding.code, finding.path) == ("TB305", "ball")
+    assert "all overlap block" in finding.message
+    assert "enlarge place.size or move its center" in finding.message
+    assert finding.location is not None
+    line = (finding.location.file.read_text(encoding="utf-8")).splitlines()[
+        finding.location.line - 1
+    ]
+    assert line.strip().startswith("place:")
+
+
+def test_a_thing_is_not_put_into_a_robot(build):
+    world = build(
+        ROOM
+        + """
+    ball: {shape: {sphere: 0.05}, mass: 0.1, place: {center: [-2, 0, 0.1], size: [0.02, 0.02, 0]}}
+"""
+    )
+    with pytest.raises(PlacementError, match="all overlap arm"):
+        world.reset(0)
+
+
+def test_a_world_that_found_no_room_can_be_reset_again(build):
+    world = build(
+        ROOM
+        + """
+    block:
+      shape: {box: [0.3, 0.3, 0.3]}
+      fixed: true
+      place: {center: [0, 0, 0.7], size: [1, 1, 0]}
+    ball: {shape: {sphere: 0.1}, mass: 0.1, place: {center: [0, 0, 0.7], size: [0.01, 0.01, 0]}}
+"""
+    )
+    outcomes = []
+    for seed in range(30):
+        try:
+            world.reset(seed)
+            outcomes.append(True)
+        except PlacementError:
+            outcomes.append(False)
+    assert len(set(outcomes)) == 2
+
+
+length = st.floats(0.02, 0.3).map(lambda value: round(value, 3))
+offset = st.floats(-0.4, 0.4).map(lambda value: round(value, 3))
+extent = st.floats(0.0, 0.6).map(lambda value: round(value, 3))
+item = st.tuples(
+    st.tuples(length, length, length), st.tuples(offset, offset), st.tuples(extent, extent)
+)
+
+
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(items=st.lists(item, min_size=1, max_size=5), seed=st.integers(0, 2**31))
+def test_whatever_is_asked_for_is_placed_apart_or_refused(tmp_path, items, seed):
+    text = ROOM
+    for number, (edges, center, size) in enumerate(items):
+        region = f"surface: table, center: {list(center)}, size: {list(size)}"
+        text += f"    thing_{number}:\n      shape: {{box: {list(edges)}}}\n      mass: 0.1\n"
+        text += f"      place: {{{region}, yaw_deg: [-180, 180]}}\n"
+    world = build_world(read(tmp_path, text))
+    try:
+        if _places(world, seed):
+            bodies = [world.objects[f"thing_{number}"].body for number in range(len(items))]
+            for one, other in combinations(bodies, 2):
+                gap = closest_distance(one, other, within=GAP)
+                assert gap is None or gap > -1e-3
+    finally:
+        world.close()
+
+
+def _places(world, seed):
+    try:
+        world.reset(seed)
+    except PlacementError as refusal:
+        return not refusal.findings
+    return True
