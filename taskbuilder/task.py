@@ -64,6 +64,8 @@ def load_task(
         file = read_task(entry, catalogue)
     except FileError as error:
         findings += error.findings
+        if any(finding.code == "TB001" for finding in findings):
+            raise  # there is no task file: what lies beside it means nothing
     try:
         if guarded and not entry.module:
             try_import(entry)

@@ -93,6 +93,8 @@ def _shape(element: Element, subject: str, report: Report, files: Files) -> Urdf
         report.error(codes.GEOMETRY, geometry or element, subject, message)
         return None
     solid = solids[0]
+    if solid.tag not in _KINDS:
+        return None  # which has been reported
     pose = read_pose(element)
     if solid.tag == "mesh":
         scale = _scale(solid, subject, report)

@@ -91,7 +91,7 @@ def size_warning(mesh: Mesh, scale: Vec3 = _UNIT_SCALE) -> str:
     if reach <= PLAUSIBLE_M:
         return ""
     return (
-        f"{mesh.path.name}: reaches {reach:.3g} m from its origin; "
+        f"{mesh.path.name}: reaches {reach:,.0f} m from its origin; "
         "a mesh in millimetres needs scale 0.001 0.001 0.001"
     )
 

@@ -122,6 +122,7 @@ def _is_known(child: Element, parent: Element, report: Report, subject: str) -> 
         if parent.tag == "geometry":
             code, note = codes.GEOMETRY, report.error
         note(code, child, subject, f"<{child.tag}> is not read in <{parent.tag}>; {right}")
+        return parent.tag == "geometry"  # kept, so as not to be reported as missing too
     return False
 
 

@@ -34,7 +34,12 @@ def check_names(elements: Iterable[Element], report: Report) -> dict[str, Elemen
 def check_tree(
     robot: Element, links: Mapping[str, Element], joints: Sequence[Element], report: Report
 ) -> str:
-    """The name of the root link; reports everything that keeps the links from being a tree."""
+    """The name of the root link; reports everything that keeps the links from being a tree.
+
+    Where links lack names of their own, which has been reported, nothing can be said of the tree.
+    """
+    if len(links) < len(list(robot.all("link"))):
+        return ""
     above = _links_above(links, joints, report)
     roots = [name for name in links if name not in above]
     if not links:

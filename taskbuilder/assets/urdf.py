@@ -38,12 +38,9 @@ def read_urdf(path: Path, roots: Sequence[Path], *, trusted: bool = False) -> Ur
     robot = cleaned(robot, report)
     files = Files(path.resolve().parent, roots, trusted=trusted, report=report)
     name = _robot_name(robot, report)
-    root = check_tree(
-        robot,
-        check_names(robot.all("link"), report),
-        list(check_names(robot.all("joint"), report).values()),
-        report,
-    )
+    named_links = check_names(robot.all("link"), report)
+    check_names(robot.all("joint"), report)
+    root = check_tree(robot, named_links, list(robot.all("joint")), report)
     joints = _joints(robot, report)
     links = _links(robot, report, files)
     for material in robot.all("material"):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
+from inspect import get_annotations
 
 from taskbuilder.description.description import Description
-from taskbuilder.description.measures import Measure
-from taskbuilder.description.node import Condition, Node, walk
+from taskbuilder.description.fitting import fits, wanted
+from taskbuilder.description.measures import CustomMeasure, Measure
+from taskbuilder.description.node import Argument, Condition, CustomCondition, Node
 from taskbuilder.description.rewards import Term
 from taskbuilder.errors import Finding, Location
 from taskbuilder.spec.names import SceneNames
@@ -24,39 +24,50 @@ def check_description(
         names: The names of the scene.
         file: Where the class is written, for findings that belong to no expression in it.
     """
-    findings = list(_check_attributes(description, file))
+    findings = [
+        *_check_attributes(description, file),
+        *_check_reward(description, file),
+        *_check_stages(description, file),
+    ]
     roots = tuple(_expressions(description))
-    for node in walk(roots):
+    for node in _written(roots):
         findings += _check_node(node, names, file)
     findings += _check_labels(tuple(node for node in roots if isinstance(node, Term)), file)
     return findings
 
 
 def _check_attributes(description: type[Description], file: Location) -> Iterator[Finding]:
-    wanted = (
+    expected = (
         ("success", Condition, 'a condition, such as Inside("cube", "tray")'),
         ("failure", Condition, 'a condition, such as Below("cube", height=0.3)'),
+        ("progress", Measure, 'a measure, such as Closeness("cube", "goal")'),
     )
-    for name, sort, example in wanted:
+    for name, sort, example in expected:
         value = getattr(description, name, None)
-        if value is None:
-            yield Finding("TB210", f"{description.__name__} defines no {name}; {example}", "", file)
-        elif not isinstance(value, sort):
+        if value is None and name != "progress":
+            yield Finding(
+                "TB210", f"{description.__name__} defines no {name}; write {example}", "", file
+            )
+        elif value is not None and not isinstance(value, sort):
             message = f"{name} is {_described(value)}; it must be {example}"
-            yield Finding("TB210", message, "", file)
-    reward = getattr(description, "reward", None)
+            yield Finding("TB210", message, "", _origin(value, file))
+
+
+def _check_reward(description: type[Description], file: Location) -> Iterator[Finding]:
+    reward = getattr(description, "reward", ())
     example = 'a tuple of terms, such as (Bonus("done", success, 1.0),)'
-    if not reward:
-        yield Finding("TB210", f"{description.__name__} defines no reward; {example}", "", file)
-    elif not isinstance(reward, tuple):
+    if not isinstance(reward, tuple):
         message = f"reward is {_described(reward)}; it must be {example}"
-        yield Finding("TB210", message, "", file)
+        yield Finding("TB210", message, "", _origin(reward, file))
+    elif not reward:
+        yield Finding(
+            "TB210", f"{description.__name__} defines no reward; write {example}", "", file
+        )
     else:
         for index, term in enumerate(reward):
             if not isinstance(term, Term):
                 message = f"reward[{index}] is {_described(term)}; it must be a reward term"
                 yield Finding("TB210", message, "", _origin(term, file))
-    yield from _check_stages(description, file)
 
 
 def _check_stages(description: type[Description], file: Location) -> Iterator[Finding]:
@@ -65,13 +76,14 @@ def _check_stages(description: type[Description], file: Location) -> Iterator[Fi
         message = f"stages is {_described(stages)}; it must be a dict of names and conditions"
         yield Finding("TB210", message, "", file)
         return
+    attributes = description.attributes()
     for name, value in stages.items():
         if not isinstance(value, Condition) or not isinstance(name, str):
             message = f"stages[{name!r}] is {_described(value)}; it must be a condition"
             yield Finding("TB210", message, "", _origin(value, file))
-    if description.progress is not None and not isinstance(description.progress, Measure):
-        message = f"progress is {_described(description.progress)}; it must be a measure"
-        yield Finding("TB210", message, "", file)
+        elif attributes.get(name, value) != value:
+            message = f'the stage "{name}" is not what the attribute {name} is; rename one of them'
+            yield Finding("TB211", message, "", _origin(value, file))
 
 
 def _expressions(description: type[Description]) -> Iterator[Node]:
@@ -80,42 +92,77 @@ def _expressions(description: type[Description]) -> Iterator[Node]:
     stages = description.stages
     candidates = (
         *(getattr(description, name, None) for name in ("success", "failure", "progress")),
-        *(value for value in vars(description).values() if isinstance(value, Condition)),
+        *description.attributes().values(),
         *(stages.values() if isinstance(stages, dict) else ()),
         *(reward if isinstance(reward, tuple) else ()),
     )
     yield from (value for value in candidates if isinstance(value, Node))
 
 
+def _written(roots: tuple[Node, ...]) -> Iterator[Node]:
+    """Every node, parts first; equal ones too, where they are written in several places."""
+    seen: dict[int, Node] = {}
+
+    def visit(node: Node) -> None:
+        if id(node) in seen:
+            return
+        for part in node.parts:
+            if isinstance(part, Node):
+                visit(part)
+        seen[id(node)] = node
+
+    for root in roots:
+        visit(root)
+    yield from seen.values()
+
+
 def _check_node(node: Node, names: SceneNames, file: Location) -> Iterator[Finding]:
-    subject = _headline(node)
     where = _origin(node, file)
+    try:
+        arguments = tuple(node.arguments())
+    except (NameError, AttributeError, TypeError, SyntaxError) as error:
+        message = f"its annotations cannot be read ({error}); import what they name, always"
+        yield Finding("TB212", message, type(node).__name__, where)
+        return
+    subject = _headline(node)
     for kind, name in node.references():
         if problem := names.problem(kind, name):
             yield Finding("TB207", problem, subject, where)
-    wrong = list(_check_numbers(node))
-    if not wrong:
-        wrong = list(node.problems(names))
+    wrong = list(_misfits(node, arguments)) or list(node.problems(names))
     yield from (Finding("TB212", problem, subject, where) for problem in wrong)
 
 
-def _check_numbers(node: Node) -> Iterator[str]:
-    """Fields declared as numbers that hold something else."""
-    if not is_dataclass(node):
-        return
-    for field in fields(node):
-        value = getattr(node, field.name)
-        absent = value is None and field.type == "float | None"
-        if absent or field.type not in ("float", "float | None", "int"):
-            continue
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not math.isfinite(value):
-            yield f"{field.name} is {value!r}; it must be a finite number"
+def _misfits(node: Node, arguments: tuple[Argument, ...]) -> Iterator[str]:
+    """What keeps a node from being an expression: a value of the wrong sort, or one that varies."""
+    for argument in arguments:
+        if not fits(argument.value, argument.annotation):
+            needed = wanted(argument.annotation)
+            yield f"{argument.name} is {_described(argument.value)}; it must be {needed}"
+            return
+    sort = type(node)
+    if get_annotations(sort) and "__dataclass_fields__" not in vars(sort):
+        yield f"has fields that are never set; put @dataclass(frozen=True) on {sort.__name__}"
+    elif isinstance(node, Term) and not getattr(node, "name", ""):
+        yield "has no name; logs show the term by it"
+    elif problem := _unhashable(node):
+        yield f"can change ({problem}); use @dataclass(frozen=True), and tuples in place of lists"
+
+
+def _unhashable(node: Node) -> str | None:
+    """Why a node has no hash, unless it is for want of one in its parts."""
+    try:
+        hash(node)
+    except TypeError as error:
+        inside = any(_unhashable(part) for part in node.parts if isinstance(part, Node))
+        return None if inside else str(error)
+    return None
 
 
 def _check_labels(terms: tuple[Term, ...], file: Location) -> Iterator[Finding]:
     seen: set[str] = set()
     for term in terms:
+        if not hasattr(term, "name"):
+            continue
         if term.label in seen:
             message = f'two reward terms are "{term.label}"; give each its own name or agent'
             yield Finding("TB211", message, "", _origin(term, file))
@@ -124,11 +171,11 @@ def _check_labels(terms: tuple[Term, ...], file: Location) -> Iterator[Finding]:
 
 def _headline(node: Node) -> str:
     """How a node begins in the source: ``Near("stik", …)``."""
-    texts = [name for _, name in node.references()]
-    if hasattr(node, "call"):
-        return f"{node!r}"
-    first = f'"{getattr(node, "name", None) or texts[0]}"' if texts or hasattr(node, "name") else ""
-    return f"{type(node).__name__}({first}{', ' if first else ''}…)"
+    if isinstance(node, CustomCondition | CustomMeasure):
+        return repr(node)
+    values = [argument.value for argument in node.arguments()]
+    text = next((f'"{value}", ' for value in values if isinstance(value, str)), "")
+    return f"{type(node).__name__}({text}…)"
 
 
 def _origin(value: object, file: Location) -> Location:
@@ -136,4 +183,11 @@ def _origin(value: object, file: Location) -> Location:
 
 
 def _described(value: object) -> str:
-    return f"{type(value).__name__} {value!r}"[:60]
+    if isinstance(value, Node):
+        return f"{type(value).__name__}(…)"
+    if isinstance(value, type):
+        return f"the class {value.__name__}, without its arguments"
+    if callable(value):
+        return "a function"
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:39]}…"

@@ -120,6 +120,9 @@ class Referee:
                 local[term.agent] += pay
         share = common / len(local)
         local = {agent: own + share for agent, own in local.items()}
+        team = 0.0
+        for pay in local.values():  # not sum(), whose rounding differs between Python versions
+            team += pay
         progress = self.description.progress
         return Outcome(
             success=conditions["success"],
@@ -129,5 +132,5 @@ class Referee:
             conditions=conditions,
             terms=terms,
             local=local,
-            team=sum(local.values()),
+            team=team,
         )

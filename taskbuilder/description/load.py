@@ -10,18 +10,23 @@ import hashlib
 import importlib
 import importlib.util
 import linecache
+import os
+import re
+import signal
 import subprocess
 import sys
 import traceback
 from pathlib import Path
 from types import ModuleType
 
+from taskbuilder.description.aside import printing_aside
 from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.spec.catalogue import Entry
+from taskbuilder.spec.explain import suggestion
 
 TRIAL_LIMIT_S = 10.0
-_FINISHED = "the import came to its end"
+_FINISHED = 73  # exit status of the child process; one that nothing else is likely to use
 
 
 def load_description(entry: Entry) -> type[Description]:
@@ -32,7 +37,8 @@ def load_description(entry: Entry) -> type[Description]:
     """
     file = entry.description_file
     if not file.is_file():
-        message = f"there is no {file.name} beside {entry.file.name}; it holds the description"
+        there = f"{file.name} is a folder" if file.is_dir() else f"there is no {file.name}"
+        message = f"{there} beside {entry.file.name}; that file holds the description"
         raise FileError([Finding("TB206", message, location=Location(entry.file))])
     module = _import(entry, file)
     found = [
@@ -44,8 +50,8 @@ def load_description(entry: Entry) -> type[Description]:
         and value.__module__ == module.__name__
     ]
     if len(found) != 1:
-        names = ", ".join(cls.__name__ for cls in found) or "none"
-        message = f"holds {names} as subclass of Description; exactly one is the task's description"
+        names = " and ".join(cls.__name__ for cls in found) or "none"
+        message = f"its subclasses of Description: {names}; exactly one is the task's description"
         raise FileError([Finding("TB209", message, location=Location(file, 1, 1))])
     return found[0]
 
@@ -62,27 +68,37 @@ def try_import(entry: Entry, limit_s: float = TRIAL_LIMIT_S) -> None:
     if not file.is_file():
         return
     command = [sys.executable, "-m", "taskbuilder.description.load", str(file)]
+    # No pipes, and a session of its own: nothing that it starts can outlive or hold up the trial.
+    child = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
     try:
-        child = subprocess.run(  # no shell, this interpreter, a file of the user's choice
-            command, capture_output=True, text=True, timeout=limit_s, check=False
-        )
+        status = child.wait(limit_s)
     except subprocess.TimeoutExpired:
         message = f"its import did not end within {limit_s:g} s; a description only declares"
         raise FileError([Finding("TB213", message, location=Location(file, 1, 1))]) from None
-    if _FINISHED not in child.stdout:
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+    if status != _FINISHED:
         message = "its import ended the interpreter; a description only declares"
         raise FileError([Finding("TB213", message, location=Location(file, 1, 1))])
 
 
 def _import(entry: Entry, file: Path) -> ModuleType:
     try:
-        # What a description prints while it loads must not mix with what a command prints.
-        with contextlib.redirect_stdout(sys.stderr):
+        with printing_aside():
             if entry.module:
                 return importlib.import_module(entry.module)
             return _import_path(file)
     except (Exception, SystemExit) as error:
-        raise FileError([_explain(error, file)]) from error
+        finding = explain(error, file, "TB208", "fails to import")
+        raise FileError([finding or _elsewhere(error, file)]) from error
 
 
 def _import_path(file: Path) -> ModuleType:
@@ -105,21 +121,40 @@ def _import_path(file: Path) -> ModuleType:
     return module
 
 
-def _explain(error: BaseException, file: Path) -> Finding:
-    """The failure of an import, at the line of the description that caused it."""
-    what = f"{type(error).__name__}: {error}".splitlines()[0]
+def explain(error: BaseException, file: Path, code: str, what: str) -> Finding | None:
+    """An error as a finding at the line of the description where it arose, if it has one."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
         location = Location(file, error.lineno or 1, error.offset or 1)
-        what = f"SyntaxError: {error.msg}"
+        said = f"SyntaxError: {error.msg}"
     else:
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(file)]
-        line = frames[-1].lineno if frames else 1
-        location = Location(file, line or 1, 1)
+        if not frames:
+            return None
+        location = Location(file, frames[-1].lineno or 1, (frames[-1].colno or 0) + 1)
+        said = _said(error)
     excerpt = linecache.getline(str(file), location.line).strip()
-    return Finding("TB208", f"fails to import: {what}", location=location, excerpt=excerpt)
+    return Finding(code, f"{what}: {said}", location=location, excerpt=excerpt)
+
+
+def _elsewhere(error: BaseException, file: Path) -> Finding:
+    """A finding for a file that could not even be begun."""
+    return Finding("TB208", f"fails to import: {_said(error)}", location=Location(file, 1, 1))
+
+
+def _said(error: BaseException) -> str:
+    """What an error says, in a line, with a hint at what was meant."""
+    said = f"{type(error).__name__}: {error}".splitlines()[0]
+    vocabulary: list[str] = sys.modules["taskbuilder.description"].__all__
+    if isinstance(error, NameError) and error.name in vocabulary:
+        return f"{said}; import it from taskbuilder.description"
+    missing = re.match(r"ImportError: cannot import name '(\w+)' from '([\w.]+)'", said)
+    if not missing:
+        return said
+    ours = missing[2] == "taskbuilder.description"
+    return f"{missing[0]}; {suggestion(missing[1], vocabulary)}" if ours else missing[0]
 
 
 if __name__ == "__main__":
     with contextlib.suppress(Exception, SystemExit):
         _import_path(Path(sys.argv[1]))
-    print(_FINISHED)  # noqa: T201  # read by the parent process
+    sys.exit(_FINISHED)

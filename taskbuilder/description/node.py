@@ -105,7 +105,7 @@ class Node:
     def references(self) -> Iterator[tuple[Kind, str]]:
         """Every name among the node's own arguments, with what it must stand for."""
         for argument in self.arguments():
-            for kind in _kinds(argument.annotation):
+            for kind in dict.fromkeys(_kinds(argument.annotation)):
                 yield from ((kind, name) for name in _texts(argument.value))
 
 
@@ -216,7 +216,10 @@ class Call(Generic[Result]):
         Raises:
             TypeError: The arguments do not fit the function.
         """
-        bound = signature(function).bind(None, *args, **kwargs)
+        try:
+            bound = signature(function).bind(None, *args, **kwargs)
+        except TypeError as error:
+            raise TypeError(f"{function.__name__}(): {error}") from None
         bound.apply_defaults()
         return cls(function, tuple(bound.arguments.items())[1:])
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ from taskbuilder.geometry import (
     from_axes,
     multiply,
     norm,
-    rotate,
     scale,
     subtract,
     unit,
@@ -32,6 +31,14 @@ from taskbuilder.sim.kinematics import METRES_PER_RADIAN, Chain
 
 DAMPING = 0.02
 """Metres of tool motion per radian below which a direction counts as singular and is damped."""
+
+
+class Frames(NamedTuple):
+    """Where everything is at some joint positions, in the base link's frame."""
+
+    tool: Pose
+    axes: list[Vec3]
+    origins: list[Vec3]
 
 
 @dataclass(frozen=True)
@@ -73,10 +80,14 @@ class ArmStepper:
 
     def forward(self, positions: Sequence[float]) -> Pose:
         """Pose of the tool in the base link's frame."""
-        return self._frames(positions)[0]
+        return self.frames(positions).tool
 
     def step(
-        self, positions: Sequence[float], target: Pose, longest: Sequence[float]
+        self,
+        positions: Sequence[float],
+        target: Pose,
+        longest: Sequence[float],
+        frames: Frames | None = None,
     ) -> tuple[float, ...]:
         """Joint positions that bring the tool near a pose that is a step away.
 
@@ -88,12 +99,13 @@ class ArmStepper:
             positions: Where the joints are, rad or m.
             target: Of the tool, in the base link's frame.
             longest: How far each joint may move, rad or m.
+            frames: Those of the positions, where they are known already.
         """
-        tool, axes, origins = self._frames(positions)
-        inverse = self._damped_inverse(tool, axes, origins)
-        first = (inverse @ _error(tool, target)).tolist()
+        here = frames or self.frames(positions)
+        inverse = self._damped_inverse(here)
+        first = (inverse @ _error(here.tool, target)).tolist()
         halfway = [q + d for q, d in zip(positions, first, strict=True)]
-        second = (inverse @ _error(self._frames(halfway)[0], target)).tolist()
+        second = (inverse @ _error(self.forward(halfway), target)).tolist()
         move = [a + b for a, b in zip(first, second, strict=True)]
         share = max(abs(d) / most for d, most in zip(move, longest, strict=True))
         if share > 1.0:
@@ -103,38 +115,43 @@ class ArmStepper:
             for q, d, low, high in zip(positions, move, self.lower, self.upper, strict=True)
         )
 
-    def _frames(self, positions: Sequence[float]) -> tuple[Pose, list[Vec3], list[Vec3]]:
+    def frames(self, positions: Sequence[float]) -> Frames:
         """The tool's pose, and each joint's axis and origin, in the base link's frame."""
-        at: Vec3 = (0.0, 0.0, 0.0)
+        # Written out, for this is most of a control step's Python: `at` moves by the offset turned
+        # by the quaternion so far, which then takes the offset's turn and the joint's own.
         x, y, z, w = 0.0, 0.0, 0.0, 1.0
+        px = py = pz = 0.0
         axes, origins = [], []
-        for (offset, turn), position, turns in zip(
+        for ((ox, oy, oz), (a, b, c, d)), position, turns in zip(
             self.offsets, positions, self.turns, strict=True
         ):
-            at = add(at, rotate((x, y, z, w), offset))
-            x, y, z, w = multiply((x, y, z, w), turn)
+            tx, ty, tz = 2.0 * (y * oz - z * oy), 2.0 * (z * ox - x * oz), 2.0 * (x * oy - y * ox)
+            px += ox + w * tx + y * tz - z * ty
+            py += oy + w * ty + z * tx - x * tz
+            pz += oz + w * tz + x * ty - y * tx
+            x, y, z, w = (
+                w * a + x * d + y * c - z * b,
+                w * b - x * c + y * d + z * a,
+                w * c + x * b - y * a + z * d,
+                w * d - x * a - y * b - z * c,
+            )
             axis = (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y))
             if turns:
                 s, c = math.sin(position / 2.0), math.cos(position / 2.0)
                 x, y, z, w = x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s
             else:
-                at = add(at, scale(axis, position))
+                px, py, pz = add((px, py, pz), scale(axis, position))
             axes.append(axis)
-            origins.append(at)
-        tool = Pose(
-            add(at, rotate((x, y, z, w), self.tool.position)),
-            multiply((x, y, z, w), self.tool.quaternion),
-        )
-        return tool, axes, origins
+            origins.append((px, py, pz))
+        tool = Pose((px, py, pz), (x, y, z, w)) @ self.tool
+        return Frames(tool, axes, origins)
 
-    def _damped_inverse(
-        self, tool: Pose, axes: list[Vec3], origins: list[Vec3]
-    ) -> NDArray[np.float64]:
+    def _damped_inverse(self, frames: Frames) -> NDArray[np.float64]:
         """(n, 6) damped inverse of the Jacobian, rotations weighed in metres."""
         columns = []
-        for axis, origin, turns in zip(axes, origins, self.turns, strict=True):
+        for axis, origin, turns in zip(frames.axes, frames.origins, self.turns, strict=True):
             if turns:
-                arm = cross(axis, subtract(tool.position, origin))
+                arm = cross(axis, subtract(frames.tool.position, origin))
                 columns.append((*arm, *scale(axis, METRES_PER_RADIAN)))
             else:
                 columns.append((*axis, 0.0, 0.0, 0.0))

@@ -114,16 +114,18 @@ class Catalogue:
         if reference in known:
             return known[reference]
         help_ = suggestion(reference, known, what="there are")
+        beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
+        if beside and beside.is_file():
+            help_ = f"did you mean the file {display_path(beside)}?"
         raise UnknownNameError(f'no {sort} "{reference}"; {help_}')
 
     def _at_path(self, sort: Sort, path: Path) -> Entry:
-        if path.is_dir() and sort == "robot" and (path / "robot.yaml").is_file():
+        if not _exists(path):
+            raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
+        if sort == "robot" and (path / "robot.yaml").is_file():
             path = path / "robot.yaml"
-        if not path.is_file():
-            shown = display_path(path)
-            if path.is_dir():
-                raise UnknownNameError(f"{shown} is a folder; name the YAML file in it")
-            raise UnknownNameError(f"there is no file {shown}{_similar(path)}")
+        if path.is_dir():
+            raise UnknownNameError(f"{display_path(path)} is a folder; name the YAML file in it")
         actual = path.resolve()
         # A catalogued file opened by its path is the same task, with the same description class.
         for entry in self._entries(sort):
@@ -144,14 +146,25 @@ def looks_like_path(reference: str) -> bool:
     """Whether a reference is a path rather than a name: by its ending, or by leading to a file."""
     if reference.endswith((".yaml", ".yml")) or reference.startswith((".", "/", "~")):
         return True
-    return os.sep in reference and Path(reference).exists()
+    return os.sep in reference and _exists(Path(reference))
 
 
-def _similar(path: Path) -> str:
+def _exists(path: Path) -> bool:
+    """Whether a path leads anywhere; one that no file can have does not."""
+    try:
+        path.stat()
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def similar(path: Path) -> str:
     """A hint at the file that a wrong path was probably meant to lead to."""
     try:
+        if path.is_symlink():
+            return "; it is a link that leads nowhere"
         beside = [file.name for file in path.parent.iterdir()]
-    except OSError:
+    except (OSError, ValueError):
         return ""
     near = closest(path.name, beside)
     return f"; did you mean {display_path(path.with_name(near))}?" if near else ""
@@ -168,7 +181,10 @@ def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _packaged(sort: Sort, package: str, prefix: str) -> Iterator[Entry]:
-    spec = find_spec(package)
+    try:
+        spec = find_spec(package)
+    except ImportError:  # an installed package that lost its tasks: the others are still there
+        spec = None
     for location in spec.submodule_search_locations or () if spec else ():
         for name, file in _files(sort, Path(location)):
             yield Entry(f"{prefix}{name}", file, f"{package}.{name}", trusted=True)

@@ -43,7 +43,9 @@ class Order(Model):
     def _one_verb(self) -> Order:
         exactly_one("an order", self, *VERBS)
         if (self.bring is None) != (self.to is None):
-            raise PydanticCustomError("choice", "bring and to go together")
+            raise PydanticCustomError(
+                "choice", "bring and to go together: {bring: stick, to: goal}"
+            )
         return self
 
 

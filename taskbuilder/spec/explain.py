@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
@@ -47,6 +48,7 @@ def parse(model: type[Spec], source: Source) -> tuple[Spec | None, tuple[Finding
         # A misspelt key is one mistake: its right spelling is not reported as missing too.
         meant = {_meant(detail, model) for detail in details if detail["type"] == "extra_forbidden"}
         shown = [d for d in details if d["type"] != "missing" or d["loc"] not in meant]
+        shown = [d for d in shown if not _miscounted(d)]
         return None, tuple(_finding(detail, model, source) for detail in shown)
 
 
@@ -56,6 +58,11 @@ def suggestion(wrong: str, known: Iterable[str], *, what: str = "known keys") ->
     if close := closest(wrong, names):
         return f'did you mean "{close}"?'
     return f"{what}: {', '.join(names)}" if names else "there are none"
+
+
+def _miscounted(detail: ErrorDetails) -> bool:
+    """Whether a list is called too short only because its items, reported too, are wrong."""
+    return detail["type"] == "too_short" and len(detail["input"]) >= detail["ctx"]["min_length"]
 
 
 def _meant(detail: ErrorDetails, model: type[Model]) -> Path_:
@@ -99,7 +106,7 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
     value, context = detail["input"], detail.get("ctx", {})
     if kind == "missing" and isinstance(path[-1], int):
         wanted = _fixed_length(_type_at(model, path[:-1])) or path[-1] + 1
-        return "TB104", f"has {len(value)} values; {wanted} are needed", False
+        return "TB104", f"has {_values(len(value))}; {wanted} are needed", False
     if kind == "missing":
         field = _field_at(model, path)
         hint = (field.description or "").rstrip(".") if field else ""
@@ -117,14 +124,31 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         key, words = _BOUNDS[kind]
         return "TB104", f"is {_shown(value)}; must be {words} {context[key]:g}", False
     if kind == "too_long" and (most := _fixed_length(_type_at(model, path))):
-        return "TB104", f"has {len(value)} values; {most} are needed", False
+        return "TB104", f"has {_values(len(value))}; {most} are needed", False
     if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
         return "TB104", _length_message(kind, context, value), False
     if kind in _NEEDED:
-        return "TB103", f"is {_described(value)}; {_NEEDED[kind]} is needed", False
+        return "TB103", f"is {_described(value)}; {_needed(kind, value)}", False
     if kind in _OWN:
         return _OWN[kind], detail["msg"], False
     return "TB103", f"{detail['msg']} (got {_described(value)})", False
+
+
+def _values(count: int, unit: str = "values") -> str:
+    return f"{count} {unit.removesuffix('s') if count == 1 else unit}"
+
+
+def _needed(kind: str, value: Any) -> str:
+    """What is needed in place of a value, and how the value that was probably meant is written."""
+    needed = f"{_NEEDED[kind]} is needed"
+    if not isinstance(value, str) or kind not in ("float_type", "int_type"):
+        return needed
+    if re.fullmatch(r"[-+]?\d+,\d+", value):
+        return f"{needed}, and decimals take a point: {value.replace(',', '.')}"
+    number = re.match(r"[-+]?\d+(\.\d*)?([eE][-+]?\d+)?", value)
+    if number and number[0] == value:
+        return f"{needed}, without quotation marks"
+    return f"{needed}, without a unit" if number else needed
 
 
 def _length_message(kind: str, context: Mapping[str, Any], value: Any) -> str:
@@ -133,7 +157,7 @@ def _length_message(kind: str, context: Mapping[str, Any], value: Any) -> str:
     if least == 1:
         return "is empty; at least one is needed"
     allowed = f"at least {least} are needed" if least else f"at most {most} are allowed"
-    return f"has {context.get('actual_length', len(value))} {unit}; {allowed}"
+    return f"has {_values(context.get('actual_length', len(value)), unit)}; {allowed}"
 
 
 def _shown(value: Any) -> str:

@@ -48,10 +48,6 @@ class TaskFile:
     names: SceneNames
     warnings: tuple[Finding, ...] = ()
 
-    def locate(self, *path: str | int, key: bool = False) -> Finding:
-        """An empty finding at a place of the file, to be filled in by `dataclasses.replace`."""
-        return Finding("", "", dotted(path), self.source.locate(path, key=key))
-
 
 @dataclass
 class _Loading:
@@ -172,8 +168,10 @@ def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
     if spec.task != loading.entry.file.stem:
         message = f'is "{spec.task}"; the file is "{loading.entry.file.name}": use one name'
         loading.report("TB109", message, ("task",))
-    for name in spec.scene.robots if spec.observe is not None else ():
-        if name not in (spec.observe or {}):
+    observers = spec.observe if spec.observe is not None else spec.scene.robots
+    unknown = set(observers) - set(spec.scene.robots)
+    for name in spec.scene.robots:
+        if name not in observers and not unknown:  # else it may be the one that was meant
             message = f'has no entry for the robot "{name}"; list what it observes, if only []'
             loading.report("TB101", message, ("observe",), key=True)
     loading.findings += _check_joints(loading, spec.scene)

@@ -62,14 +62,14 @@ class SceneNames:
             return None
         if name in self.known("robot") and kind == "frame":
             return f'"{name}" is a robot; name a frame of it: {name}.tcp or {name}.base'
-        what = "frame" if kind == "frame" else kind
+        several = "bodies" if kind == "body" else f"{kind}s"
         if any(name in self.known(other) for other in _KNOWN):
-            return f'"{name}" is no {what}; {suggestion(name, known, what=f"{what}s")}'
+            return f'"{name}" is no {kind}; {suggestion(name, known, what=several)}'
         owner, _, inner = name.partition(".")
         if inner and owner in (*self.objects, *self.robots):
             own = [other.partition(".")[2] for other in known if other.startswith(f"{owner}.")]
-            has = f"it has {', '.join(own)}" if own else f"it has no {what}s"
-            return f'"{owner}" has no {what} "{inner}"; {has}'
+            has = suggestion(inner, own, what="it has") if own else f"it has no {several}"
+            return f'"{owner}" has no {kind} "{inner}"; {has}'
         return f'the scene has no "{name}"; {suggestion(name, known, what="it has")}'
 
     def joint_type(self, name: str) -> str | None:

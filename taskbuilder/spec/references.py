@@ -152,9 +152,13 @@ def _frame_keys(group: str, name: str) -> tuple[Path_, ...]:
 
 def _channels(source: Source, names: SceneNames) -> Iterator[Finding]:
     for robot, listed in source.entries("observe"):
+        if robot not in names.robots:
+            continue  # which has been reported; "self" would mean nothing
         for index, text in enumerate(listed if isinstance(listed, tuple) else ()):
             yield from _channel(source, names, ("observe", robot, index), text, robot)
     for robot, _ in source.entries("observation_noise"):
+        if robot not in names.robots:
+            continue
         for text, _ in source.entries("observation_noise", robot):
             yield from _channel(source, names, ("observation_noise", robot, text), text, robot)
     state = source.get("state")

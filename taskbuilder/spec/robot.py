@@ -49,14 +49,14 @@ class GripperSpec(Model):
 class RobotSpec(Model):
     """An arm with a gripper, over a URDF."""
 
-    robot: Name
+    robot: Name = Field(description="The name of its folder.")
     summary: Text
     urdf: Text = Field(description="Relative to this file, or package://pybullet_data/….")
     arm: Annotated[tuple[LinkName, ...], Field(min_length=1, max_length=16)] = Field(
         description="The arm's joints, base to wrist."
     )
-    tcp: Tcp
+    tcp: Tcp = Field(description="The tool centre point, such as {link: tool}.")
     home_deg: tuple[float, ...] = Field(
         description="An arm joint each: degrees, or metres where it slides."
     )
-    gripper: GripperSpec
+    gripper: GripperSpec = Field(description="Its joints, fingers, stroke and force.")

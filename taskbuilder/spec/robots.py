@@ -113,18 +113,53 @@ def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: Entry) -> Iterato
             help_ = suggestion(name, moving, what="joints that move")
             yield finding(path, f'the URDF\'s joint "{name}" {what}; {help_}', key=path[0] != "arm")
     if len(spec.home_deg) != len(spec.arm):
-        message = f"has {len(spec.home_deg)} values for {len(spec.arm)} arm joints; give one each"
+        given = f"{len(spec.home_deg)} value{'s' * (len(spec.home_deg) != 1)}"
+        message = f"has {given} for {len(spec.arm)} arm joints; give one each"
         yield finding(("home_deg",), message)
     elif not unknown:
         joints = [moving[name] for name in spec.arm]
         yield from check_joint_values(source, ("home_deg",), joints, spec.home_deg)
     if unknown:
         return
+    yield from (finding(path, misfit) for path, misfit in _misfits(spec, urdf))
     for name, ends in spec.gripper.joints.items():
         for key, value in (("open", ends.open), ("closed", ends.closed)):
             path = ("gripper", "joints", name, key)
             if problem := _beyond(moving[name], value):
                 yield finding(path, problem)
+
+
+def _misfits(spec: RobotSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
+    """Joints and links that are there, but not where arm, tcp and fingers need them."""
+    links = {link.name for link in urdf.links}
+    for index, name in enumerate(spec.arm):
+        if name in spec.arm[:index] or name in spec.gripper.joints:
+            yield ("arm", index), f'"{name}" stands twice; a joint is of the arm or of the gripper'
+            return
+    if spec.tcp.link in links:
+        above = [joint.name for joint in _joints_above(urdf, spec.tcp.link)]
+        moving = tuple(name for name in reversed(above) if name in spec.arm)
+        for index, name in enumerate(spec.arm):
+            if name not in above:
+                yield ("arm", index), f'"{name}" does not move the tcp; name the joints that do'
+                return
+        if moving != spec.arm:
+            yield ("arm",), f"not from base to wrist; that is {', '.join(moving)}"
+    for i, finger in enumerate(spec.gripper.fingers):
+        for j, link in enumerate(finger):
+            above = [joint.name for joint in _joints_above(urdf, link)] if link in links else []
+            if link in links and not set(above) & set(spec.gripper.joints):
+                yield ("gripper", "fingers", i, j), f'no joint of the gripper moves "{link}"'
+    if all(ends.open == ends.closed for ends in spec.gripper.joints.values()):
+        yield ("gripper", "joints"), "open and closed are the same; write where its joints go"
+
+
+def _joints_above(urdf: Urdf, link: str) -> Iterator[UrdfJoint]:
+    """The joints from a link up to the root."""
+    joint = urdf.joint_above(link)
+    while joint is not None:
+        yield joint
+        joint = urdf.joint_above(joint.parent)
 
 
 def check_joint_values(

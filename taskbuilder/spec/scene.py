@@ -308,7 +308,7 @@ class RobotEntry(Model):
     """A robot of the scene: an agent."""
 
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
-    base: Base
+    base: Base = Field(description="Where it stands, such as {position: [0, 0, 0.4]}.")
     home: Home | None = Field(None, description="The model's own home where not given.")
     action: ActionSpec = ActionSpec()
 
@@ -316,7 +316,9 @@ class RobotEntry(Model):
 class SceneSpec(Model):
     """What is there."""
 
-    robots: Annotated[Mapping[Name, RobotEntry], Field(min_length=1), AfterValidator(frozen)]
+    robots: Annotated[Mapping[Name, RobotEntry], Field(min_length=1), AfterValidator(frozen)] = (
+        Field(description="The agents, by name.")
+    )
     objects: Annotated[Mapping[Name, ObjectSpec], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({})
     )

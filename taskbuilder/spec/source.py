@@ -99,6 +99,11 @@ def read_source(file: Path) -> Source:
     return _Reader(file).read(_read_text(file))
 
 
+def is_text(plain: str) -> bool:
+    """Whether a scalar without quotation marks is read as text."""
+    return plain not in _SPECIAL and not any(form.fullmatch(plain) for form, _ in _NUMBERS)
+
+
 def dotted(path: Path_) -> str:
     """A path as people write it: ``expert[2].left.grasp``."""
     text = ""
@@ -174,10 +179,7 @@ class _Reader:
         try:
             yield from yaml.parse(text, Loader=_LOADER)
         except yaml.MarkedYAMLError as error:
-            place = error.problem_mark or error.context_mark
-            mark = (place.line + 1, place.column + 1) if place else None
-            what = ", ".join(part for part in (error.context, error.problem) if part)
-            raise self._fatal("TB003", f"not valid YAML: {what}", mark) from None
+            raise self._fatal("TB003", *_syntax_problem(error, text)) from None
         except yaml.YAMLError as error:
             bad = re.search(
                 r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", text
@@ -204,12 +206,10 @@ class _Reader:
             raise self._fatal("TB006", f"nested deeper than {MAX_DEPTH} levels", mark)
         if isinstance(event, yaml.AliasEvent):
             return self._alias(event, mark, depth)
-        if event.tag is not None:
-            message = f'the tag "{event.tag}" is not read; write the plain value'
-            self.findings.append(self._finding("TB005", message, mark))
+        self._check_tag(event, mark)
         self._count(1, mark)
         if isinstance(event, yaml.ScalarEvent):
-            plain = event.implicit[0] or event.style is None
+            plain = event.implicit[0] or (event.tag and not event.style)
             node = _Node(mark, self._scalar(event.value, mark) if plain else event.value)
         elif isinstance(event, yaml.SequenceStartEvent):
             items = []
@@ -228,21 +228,27 @@ class _Reader:
             key_mark = _mark(event)
             if not isinstance(event, yaml.ScalarEvent):
                 raise self._fatal("TB003", "a key must be a plain name", key_mark)
+            self._check_tag(event, key_mark)
             self._count(1, key_mark)
             node = self._node(next(events), events, depth + 1)
             key = event.value
-            if key == "<<" and event.style is None:
+            if key == "<<" and event.implicit[0]:
                 message = (
                     "merge keys belong to YAML 1.1; write the keys out, or repeat one by *alias"
                 )
-                self.findings.append(self._finding("TB005", message, key_mark))
-            elif key in entries:
+                raise self._fatal("TB005", message, key_mark)
+            if key in entries:
                 line = entries[key][0][0]
                 message = f'the key "{key}" stands here for the second time; it is on line {line}'
                 self.findings.append(self._finding("TB004", message, key_mark))
             else:
                 entries[key] = (key_mark, node)
         return _branch(mark, entries, [node for _, node in entries.values()])
+
+    def _check_tag(self, event: Any, mark: tuple[int, int]) -> None:
+        if event.tag is not None:
+            message = f'the tag "{event.tag}" is not read; write the plain value'
+            self.findings.append(self._finding("TB005", message, mark))
 
     def _alias(self, event: Any, mark: tuple[int, int], depth: int) -> _Node:
         node = self.anchors.get(event.anchor)
@@ -267,15 +273,26 @@ class _Reader:
         if number is None:
             return text
         if len(text) > MAX_DIGITS:
-            message = f"a number of over {MAX_DIGITS} digits"
-            self.findings.append(self._finding("TB104", message, mark))
-            return 0
+            raise self._fatal("TB104", f"a number of over {MAX_DIGITS} digits", mark)
         return number(text)
 
 
 def _branch(mark: tuple[int, int], content: Any, children: list[_Node]) -> _Node:
     size = 1 + sum(1 + child.size for child in children)
     return _Node(mark, content, size, 1 + max((child.height for child in children), default=0))
+
+
+def _syntax_problem(error: Any, text: str) -> tuple[str, tuple[int, int] | None]:
+    """What the parser stumbled over and where, so that the place is that of the mistake."""
+    place, start = error.problem_mark or error.context_mark, error.context_mark
+    what = ", ".join(part for part in (error.context, error.problem) if part)
+    if place and text[place.index : place.index + 1] == "\t":
+        what = "a tab; indent by spaces"
+    elif start and "simple key" in what:  # noticed only on the next line
+        place, what = start, "a key without ': ' after it"
+    elif start and place and start.line < place.line:
+        what += f"; it begins on line {start.line + 1}"
+    return f"not valid YAML: {what}", (place.line + 1, place.column + 1) if place else None
 
 
 def _mark(event: Any) -> tuple[int, int]:

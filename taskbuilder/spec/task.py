@@ -90,7 +90,7 @@ class TaskSpec(Model):
         "required", description="Whether one robot alone must not be able to succeed."
     )
     timing: Timing = Timing()
-    scene: SceneSpec
+    scene: SceneSpec = Field(description="What is there: robots, objects, sites, cameras.")
     observe: Annotated[Mapping[Name, tuple[Reference, ...]], AfterValidator(frozen)] | None = Field(
         None, description="Channels of each agent; where not given, all of the scene."
     )

@@ -64,7 +64,13 @@ class Shorthand:
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
         def spell_out(value: Any) -> Any:
-            return self.meaning if value == self.word else value
+            if isinstance(value, str) and value != self.word:
+                raise PydanticCustomError(
+                    "choice",
+                    'is the text "{value}"; the only word that may stand here is "{word}"',
+                    {"value": value, "word": self.word},
+                )
+            return self.meaning if isinstance(value, str) else value
 
         return core_schema.no_info_before_validator_function(spell_out, handler(source))
 
@@ -74,7 +80,7 @@ class Shorthand:
         return {"anyOf": [{"const": self.word}, handler(schema)]}
 
 
-_RESERVED = {"self", "world", "all", "together", "time_left", "description"}
+RESERVED = {"self", "world", "all", "together", "time_left", "description"}
 
 
 def _check_name(name: str) -> str:
@@ -82,7 +88,7 @@ def _check_name(name: str) -> str:
         raise PydanticCustomError(
             "name", "not a name; a letter, then letters, digits and _, at most 40 in all"
         )
-    if name in _RESERVED:
+    if name in RESERVED:
         raise PydanticCustomError("name", "a reserved word; choose another name")
     return name
 
@@ -97,7 +103,7 @@ Reference = Annotated[str, Field(min_length=1, max_length=100)]
 """A name, or a dotted name such as ``tray.left_handle``, to be resolved in the scene."""
 
 Coordinate = Annotated[float, Field(ge=-100.0, le=100.0)]
-Length = Annotated[float, Field(gt=0.0, ge=0.0005, le=100.0)]
+Length = Annotated[float, Field(ge=0.0005, le=100.0)]
 Extent = Annotated[float, Field(ge=0.0, le=100.0)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Mass = Annotated[float, Field(ge=1e-4, le=1000.0)]

@@ -64,7 +64,9 @@ def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterat
         if quantity and thing in (*names.robots, *names.objects, *names.sites, *names.cameras):
             allowed = _randomizable(thing, names)
             if quantity not in allowed:
-                help_ = suggestion(quantity, allowed, what=f"of {thing}, these can")
+                help_ = "only what objects and sites have can be"
+                if allowed:
+                    help_ = suggestion(quantity, allowed, what=f"of {thing}, these can")
                 message = f'"{key}" cannot be randomised; {help_}'
                 yield Finding("TB205", message, dotted(path), source.locate(path, key=True))
                 continue

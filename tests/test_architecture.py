@@ -1,0 +1,157 @@
+"""Which part of the library may import which. The table is the documentation of the layers."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+FOUNDATION = ("errors", "geometry")
+
+FILES = ("spec", "assets", *FOUNDATION)
+TASKS_LOADED = ("task", "description", *FILES)
+SIMULATED = ("world", "sim", *TASKS_LOADED)
+
+# Each part of taskbuilder, top to bottom, and the parts that it may import besides itself.
+# What is not listed is refused: nothing imports upward, and neighbours do not know each other.
+LAYERS: dict[str, tuple[str, ...]] = {
+    "cli": (
+        *("validate", "bench", "learn", "data", "expert", "portrait", "render", "env"),
+        *("codes", *SIMULATED),
+    ),
+    "validate": ("expert", "render", "env", "codes", *SIMULATED),
+    "bench": ("expert", "render", "env", *SIMULATED),
+    "learn": ("env", *FOUNDATION),
+    "data": ("expert", "render", "env", *SIMULATED),
+    "expert": ("env", *SIMULATED),
+    "portrait": ("render", *SIMULATED),
+    "render": SIMULATED,
+    "env": SIMULATED,
+    "codes": (),
+    "task": ("description", *FILES),
+    "world": ("sim", *FILES),
+    "sim": ("assets", *FOUNDATION),
+    "description": FILES,
+    "spec": ("assets", *FOUNDATION),
+    "assets": FOUNDATION,
+    "geometry": (),
+    "errors": (),
+    "_version": (),
+}
+
+# Packages that only some modules may import, so that they can be told apart, replaced, or left
+# unloaded by commands that do without them.
+ONLY_IN: dict[str, tuple[str, ...]] = {
+    "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/chatter.py"),
+    "pydantic": ("taskbuilder/spec/",),
+    "pydantic_core": ("taskbuilder/spec/",),
+    "yaml": ("taskbuilder/spec/",),
+    "argparse": ("taskbuilder/cli/",),
+    "cv2": ("taskbuilder/render.py", "taskbuilder/portrait.py", "taskbuilder/sim/cameras.py"),
+}
+
+# Checking files takes no numpy, so that it takes no time.
+WITHOUT_NUMPY = {"codes", *TASKS_LOADED}
+
+# These stand above the layers: they hand out, by name, what is below.
+ABOVE = tuple(f"taskbuilder/{name}.py" for name in ("__init__", "__main__", "_gymnasium"))
+
+MOST_LINES = 400
+
+LIBRARY = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "taskbuilder").rglob("*.py"))
+TASKS = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "tasks").glob("*.py"))
+
+
+def imports(file: str) -> Iterator[tuple[int, str]]:
+    """Line and dotted name of all that a file imports, inside functions and conditions too."""
+    for node in ast.walk(ast.parse((ROOT / file).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file}:{node.lineno}: a relative import; write it out"
+            # `from taskbuilder import geometry` imports a part as much as its own module does.
+            for alias in node.names:
+                yield node.lineno, f"{node.module}.{alias.name}"
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            names = [name for name in node.args[:1] if isinstance(name, ast.Constant)]
+            yield from ((node.lineno, str(name.value)) for name in names)
+
+
+def part_of(file: str) -> str:
+    return file.removeprefix("taskbuilder/").partition("/")[0].removesuffix(".py")
+
+
+def test_every_part_of_the_library_has_its_layer():
+    parts = {part_of(file) for file in LIBRARY if file not in ABOVE}
+    assert parts <= set(LAYERS), "a new part: give it a row in LAYERS"
+
+
+def test_layers_import_only_from_layers_below():
+    order = list(LAYERS)
+    for part, allowed in LAYERS.items():
+        below = order[order.index(part) + 1 :]
+        assert set(allowed) <= set(below), part
+
+
+@pytest.mark.parametrize("file", [file for file in LIBRARY if file not in ABOVE])
+def test_a_module_imports_no_part_that_its_layer_may_not(file):
+    allowed = {part_of(file), *LAYERS[part_of(file)], "_version", "__version__"}
+    wrong = [
+        f"{file}:{line} imports {name}"
+        for line, name in imports(file)
+        if name.split(".")[0] in ("taskbuilder", "tasks", "robots")
+        and [*name.split("."), ""][1] not in allowed
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("file", LIBRARY)
+def test_a_package_with_a_home_of_its_own_is_imported_only_there(file):
+    wrong = [
+        f"{file}:{line} imports {name}"
+        for line, name in imports(file)
+        if not file.startswith(ONLY_IN.get(name.split(".")[0], ("",)))
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("file", [file for file in TASKS if not file.endswith("__init__.py")])
+def test_a_task_needs_nothing_but_the_description_package(file):
+    known = {*sys.stdlib_module_names, "numpy"}
+    wrong = [
+        f"{file}:{line} imports {name}"
+        for line, name in imports(file)
+        if name.split(".")[0] not in known
+        and not (name.startswith("taskbuilder.description.") and name.count(".") == 2)
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("file", [file for file in LIBRARY if part_of(file) in WITHOUT_NUMPY])
+def test_checking_files_takes_no_numpy(file):
+    assert "numpy" not in {name.split(".")[0] for _, name in imports(file)}
+
+
+@pytest.mark.parametrize("file", LIBRARY)
+def test_a_module_is_short_enough_to_be_read(file):
+    lines = (ROOT / file).read_text(encoding="utf-8").count("\n")
+    assert lines <= MOST_LINES, "split it"
+
+
+def test_the_walk_sees_imports_wherever_they_stand(tmp_path, monkeypatch):
+    text = """
+import a
+if TYPE_CHECKING:
+    from b.c import d
+def f():
+    import e.f as g
+    importlib.import_module("pybullet")
+"""
+    (tmp_path / "x.py").write_text(text)
+    monkeypatch.setattr(sys.modules[__name__], "ROOT", tmp_path)
+    assert sorted(name for _, name in imports("x.py")) == ["a", "b.c.d", "e.f", "pybullet"]

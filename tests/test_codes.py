@@ -1,0 +1,185 @@
+"""The registry of finding codes: complete, and its examples do what they say."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from taskbuilder.assets import codes as asset_codes
+from taskbuilder.codes import CODES, Example
+from taskbuilder.errors import FileError, Finding
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.source import read_source
+from taskbuilder.validate.run import validate_task
+
+ROOT = Path(__file__).resolve().parents[1]
+REGISTRIES = {"taskbuilder/codes.py", "taskbuilder/assets/codes.py"}
+SOURCES = sorted((ROOT / "taskbuilder").rglob("*.py"))
+
+TASK = """
+task: example
+summary: The left arm brings the cube to the goal.
+cooperation: optional
+timing: {control_hz: 10, physics_hz: 120, episode_steps: 50}
+scene:
+  robots:
+    left: {model: ur5e, base: {position: [-0.8, 0, 0.4]}}
+    right: {model: ur5e, base: {position: [0.8, 0, 0.4], rpy_deg: [0, 0, 180]}}
+  objects:
+    table: {shape: {box: [2, 1, 0.04]}, fixed: true, position: [0, 0, 0.38]}
+    cube:
+      shape: {box: [0.045, 0.045, 0.045]}
+      mass: 0.08
+      place: {surface: table, center: [0, -0.2], size: [0.1, 0.1]}
+    tray:
+      shape: {box: [0.2, 0.2, 0.02]}
+      mass: 0.3
+      place: {surface: table, center: [0.4, 0], size: [0.02, 0.02]}
+  sites:
+    goal: {position: [0, 0, 0.6]}
+  cameras:
+    front: {position: [0, -1.7, 1.35], look_at: [0, 0, 0.5]}
+observe: {left: [self.tcp], right: [self.tcp]}
+"""
+IMPORTS = "from taskbuilder.description import *\n\n\n"
+ATTRIBUTES = """class Example(Description):
+    success = Near("cube", "goal", within=0.05)
+    reward = (Distance("carry", "cube", "goal"),)
+"""
+# They have tests of their own, below.
+OF_FOLDERS = {"TB001", "TB008"}
+WITH_EXAMPLE = sorted(code for code, entry in CODES.items() if entry.example)
+
+
+def texts_in(file: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def used_codes() -> set[str]:
+    return {
+        text
+        for file in SOURCES
+        if file.relative_to(ROOT).as_posix() not in REGISTRIES
+        for text in texts_in(file)
+        if re.fullmatch(r"TB\d{3}", text)
+    }
+
+
+def test_every_code_in_the_source_is_in_a_registry():
+    assert used_codes() <= {*CODES, *asset_codes.CODES}
+
+
+def test_every_code_of_the_registry_is_in_the_source():
+    assert set(CODES) <= used_codes()
+
+
+def test_every_asset_code_is_used_by_its_name_or_as_it_is():
+    names = {value: name for name, value in vars(asset_codes).items() if isinstance(value, str)}
+    elsewhere = "\n".join(
+        file.read_text(encoding="utf-8") for file in SOURCES if file.name != "codes.py"
+    )
+    by_name = {c for c in asset_codes.CODES if re.search(rf"\bcodes\.{names[c]}\b", elsewhere)}
+    assert set(asset_codes.CODES) <= by_name | used_codes()
+
+
+def test_no_code_has_two_meanings():
+    assert not set(CODES) & set(asset_codes.CODES)
+    assert [*CODES] == sorted(CODES)
+
+
+def test_only_checks_that_gather_codes_have_no_example():
+    assert {code for code, entry in CODES.items() if not entry.example} == {
+        "TB000",
+        "TB100",
+        "TB200",
+        "TB300",
+        "TB400",
+    }
+
+
+def test_the_registry_imports_nothing_else_of_the_library():
+    command = "import sys, taskbuilder.codes; print(*(n for n in sys.modules if n[:5] == 'taskb'))"
+    done = subprocess.run(
+        [sys.executable, "-c", command], capture_output=True, text=True, check=True
+    )
+    loaded = set(done.stdout.split())
+    assert not {name for name in loaded if name.count(".") > 1}
+    assert not loaded & {"taskbuilder.errors", "taskbuilder.spec", "taskbuilder.assets"}
+
+
+def updated(text: str, under: str, keys: Path) -> str:
+    """A YAML file with the keys of another one set in the mapping at a dotted path."""
+    data: Any = yaml.safe_load(text)
+    inner = data
+    for step in under.split(".") if under else ():
+        inner = inner[step]
+    inner.update(read_source(keys).data)  # whose numbers and booleans are those of task files
+    return json.dumps(data)  # which is YAML
+
+
+def findings(folder: Path, example: Example, snippet: str, code: str) -> tuple[Finding, ...]:
+    """What a task is found to have when a snippet is put into it."""
+    task, description = TASK, IMPORTS + ATTRIBUTES
+    keys = folder / "keys"
+    keys.write_text(snippet, encoding="utf-8")
+    if example.where == "file":
+        task = snippet
+    elif example.where == "task":
+        task = updated(TASK, example.under, keys)
+    elif example.where == "description":
+        description += f"    {snippet}\n"
+    elif example.where == "module":
+        ready = snippet.replace("    ...", ATTRIBUTES.partition("\n")[2])
+        description = IMPORTS + ready
+    elif example.where == "robot":
+        arm = ROOT / "robots" / "ur5e"
+        shutil.copytree(arm, folder / "ur5e")
+        own = folder / "ur5e" / "robot.yaml"
+        own.write_text(updated(own.read_text(), example.under, keys))
+        task = TASK.replace("left: {model: ur5e", "left: {model: ur5e/robot.yaml")
+    encoding = "latin-1" if snippet.endswith("Latin-1") else "utf-8"
+    (folder / "example.yaml").write_text(task, encoding=encoding)
+    if example.where != "folder" or "example.py" in snippet:
+        (folder / "example.py").write_text(description)
+    level = "full" if code >= "TB303" else "static"
+    report = validate_task(folder / "example.yaml", level=level, seeds=3)
+    return report.findings
+
+
+@pytest.mark.parametrize("code", sorted(set(WITH_EXAMPLE) - OF_FOLDERS))
+def test_an_example_gives_its_code_and_its_mend_does_not(code, tmp_path):
+    example = CODES[code].example
+    (tmp_path / "bad").mkdir()
+    (tmp_path / "good").mkdir()
+    bad = findings(tmp_path / "bad", example, example.bad, code)
+    good = findings(tmp_path / "good", example, example.good, code)
+    assert code in {finding.code for finding in bad}, bad
+    if example.where == "file":  # a line of a file; the rest of it is missing
+        assert code not in {finding.code for finding in good}
+    else:
+        assert good == ()
+
+
+def test_a_folder_is_no_task_file(tmp_path):
+    with pytest.raises(FileError) as caught:
+        read_source(tmp_path)
+    assert caught.value.findings[0].code == "TB001"
+
+
+def test_two_tasks_of_one_name_are_refused(tmp_path):
+    (tmp_path / "handover.yaml").write_text("task: handover")
+    with pytest.raises(FileError) as caught:
+        Catalogue.discover([tmp_path]).task("handover")
+    assert caught.value.findings[0].code == "TB008"
