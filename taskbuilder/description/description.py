@@ -79,13 +79,18 @@ class Referee:
     def __init__(self, description: type[Description], agents: Sequence[str]) -> None:
         self.description = description
         self.agents = tuple(agents)
-        self._named = description.conditions()
+        named = description.conditions()
         progress = (description.progress,) if description.progress is not None else ()
         stages = description.stages.values()
-        roots: tuple[Node, ...] = (*self._named.values(), *stages, *description.reward, *progress)
+        roots: tuple[Node, ...] = (*named.values(), *stages, *description.reward, *progress)
         self._nodes = tuple(walk(roots))
-        self._index = {node: index for index, node in enumerate(self._nodes)}
-        self._parts = tuple(tuple(self._index[part] for part in node.parts) for node in self._nodes)
+        # Where in the list of nodes everything is, so that no node is hashed while judging.
+        index = {node: position for position, node in enumerate(self._nodes)}
+        self._parts = tuple(tuple(index[part] for part in node.parts) for node in self._nodes)
+        self._conditions = tuple((name, index[node]) for name, node in named.items())
+        self._stages = tuple(index[node] for node in stages)
+        self._terms = tuple((t.label, t.agent, index[t]) for t in description.reward)
+        self._progress = index[progress[0]] if progress else None
         self.memory: tuple[tuple[Memory, ...], int] = ((), 0)
 
     def start(self, world: WorldView) -> Outcome:
@@ -102,33 +107,32 @@ class Referee:
             value, kept = node.update(world, tuple(values[part] for part in parts), memory)
             values.append(value)
             remembered.append(kept)
-        for number, reached in enumerate(self.description.stages.values(), start=1):
-            stage = max(stage, number) if values[self._index[reached]] else stage
+        for number, reached in enumerate(self._stages, start=1):
+            stage = max(stage, number) if values[reached] else stage
         self.memory = (tuple(remembered), stage)
         return self._outcome(values, stage)
 
     def _outcome(self, values: list[Any], stage: int) -> Outcome:
-        conditions = {name: values[self._index[node]] for name, node in self._named.items()}
+        conditions = {name: values[position] for name, position in self._conditions}
         local = dict.fromkeys(self.agents, 0.0)
         common = 0.0
         terms = {}
-        for term in self.description.reward:
-            pay = terms[term.label] = values[self._index[term]]
-            if term.agent is None:
+        for label, agent, position in self._terms:
+            pay = terms[label] = values[position]
+            if agent is None:
                 common += pay
             else:
-                local[term.agent] += pay
+                local[agent] += pay
         share = common / len(local)
         local = {agent: own + share for agent, own in local.items()}
         team = 0.0
         for pay in local.values():  # not sum(), whose rounding differs between Python versions
             team += pay
-        progress = self.description.progress
         return Outcome(
             success=conditions["success"],
             failure=conditions["failure"],
             stage=stage,
-            progress=values[self._index[progress]] if progress is not None else 0.0,
+            progress=values[self._progress] if self._progress is not None else 0.0,
             conditions=conditions,
             terms=terms,
             local=local,

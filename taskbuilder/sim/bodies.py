@@ -95,7 +95,11 @@ def create_body(
     for part in parts.values():
         check_shape(part.shape)
     pieces = _weighed(list(parts.values()), mass)
-    body_id = _multibody(client, name, pieces, pose, moving=mass > 0.0, collides=collides)
+    collisions = [
+        _collision_shape(client, part, moving=mass > 0.0) if collides else NO_SHAPE
+        for part in parts.values()
+    ]
+    body_id = _multibody(client, name, pieces, pose, collisions)
     for index, piece in enumerate(pieces, start=BASE):
         if mass:
             set_inertia(client, body_id, index, piece.mass, piece.moments)
@@ -177,13 +181,13 @@ def _weighed(parts: Sequence[Part], mass: float) -> list[_Piece]:
 
 
 def _multibody(
-    client: Client, name: str, pieces: Sequence[_Piece], pose: Pose, *, moving: bool, collides: bool
+    client: Client,
+    name: str,
+    pieces: Sequence[_Piece],
+    pose: Pose,
+    collisions: Sequence[int],
 ) -> int:
     """Make the first piece the base and fix the others to it, all in the body's frame."""
-    collisions = [
-        _collision_shape(client, piece.part, moving=moving) if collides else NO_SHAPE
-        for piece in pieces
-    ]
     visuals = [_visual_shape(client, piece.part) for piece in pieces]
     base, *others = pieces
     count = len(others)
@@ -261,7 +265,7 @@ def _collision_shape(client: Client, part: Part, *, moving: bool) -> int:
 
 
 def _visual_shape(client: Client, part: Part) -> int:
-    options = _geometry(part.shape)
+    options = _geometry(part.look or part.shape)
     # Matte: plastic highlights would depend on the camera.
     options |= {"rgbaColor": part.color, "specularColor": (0.0, 0.0, 0.0)}
     return _made(client.bullet.createVisualShape, part, "visual", options)

@@ -12,8 +12,8 @@ from taskbuilder.sim.bullet import Calls, p
 from taskbuilder.sim.chatter import captured
 from taskbuilder.sim.renderers import Renderer, load_egl
 
-# Thirty let a held stick slip by 16 mm where 60 do by half a millimetre; more cost a fifth more time
-# while something is held, and gain nothing.
+# Thirty let a held stick slip by 16 mm where 60 do by half a millimetre; a hundred take a fifth
+# more time while something is held, and gain nothing.
 SOLVER_ITERATIONS = 60
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from taskbuilder.geometry import Vec3
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
+class Contact(NamedTuple):
     """A point where two links touch.
 
     Attributes:

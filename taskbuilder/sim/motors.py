@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 from taskbuilder.errors import SimulationError
@@ -69,16 +70,25 @@ class Motors:
         self.forces = tuple(forces)
         self.command = FREE
         self._idle = (0.0,) * count
-        self._gains = {
-            "positionGains": (position_gain,) * count,
-            "velocityGains": (velocity_gain,) * count,
-        }
+        self._to_positions = partial(
+            body.client.bullet.setJointMotorControlArray,
+            body.id,
+            self.indices,
+            p.POSITION_CONTROL,
+            forces=self.forces,
+            positionGains=(position_gain,) * count,
+            velocityGains=(velocity_gain,) * count,
+        )
         self._velocities = None if velocities is None else tuple(velocities)
         self.release()
 
     def position(self, positions: Sequence[float]) -> None:
         """Drive the joints to positions (rad or m) and hold them there."""
         self.issue(Command("position", tuple(positions)))
+
+    def pass_by(self, positions: Sequence[float]) -> None:
+        """Drive towards a waypoint that a command soon to follow leads beyond; not remembered."""
+        self._to_positions(targetPositions=positions)
 
     def velocity(self, velocities: Sequence[float]) -> None:
         """Turn or slide the joints at velocities (rad/s or m/s)."""
@@ -111,14 +121,7 @@ class Motors:
             case "position":
                 if self.command.mode != "position":
                     self._limit_velocities()
-                control(
-                    body,
-                    joints,
-                    p.POSITION_CONTROL,
-                    targetPositions=values,
-                    forces=self.forces,
-                    **self._gains,
-                )
+                self._to_positions(targetPositions=values)
             case "velocity":
                 control(
                     body, joints, p.VELOCITY_CONTROL, targetVelocities=values, forces=self.forces

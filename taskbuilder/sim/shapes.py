@@ -65,11 +65,14 @@ class Part:
 
     Attributes:
         color: Red, green, blue and opacity, each 0 to 1.
+        look: What is drawn in place of the shape, or None for the shape itself. Bullet draws
+            every body, if only as its collision shape.
     """
 
     shape: Shape
     pose: Pose = AT_ORIGIN
     color: RGBA = (0.6, 0.6, 0.6, 1.0)
+    look: Shape | None = None
 
 
 @dataclass(frozen=True)

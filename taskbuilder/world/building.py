@@ -33,7 +33,7 @@ ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
 ARM_SPEED = 3.14  # rad/s or m/s, likewise
 ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
 JOINT_FRICTION = 0.5  # N or N m: what keeps a drawer where it was left
-FLOOR_COLOR: RGBA = (0.80, 0.81, 0.83, 1.0)
+FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
 def build_world(
@@ -69,7 +69,13 @@ def build_world(
 
 
 def _build_floor(client: Client) -> Body:
-    slab = Part(BoxShape((8.0, 8.0, 0.1)), Pose((0.0, 0.0, -0.05)), FLOOR_COLOR)
+    """A wide floor to fall on, of which the middle is seen.
+
+    Beyond a few metres shadows end in a hard line, which a floor that fades into the backdrop
+    does not show.
+    """
+    wide, seen = BoxShape((20.0, 20.0, 0.1)), BoxShape((3.6, 2.6, 0.1))
+    slab = Part(wide, Pose((0.0, 0.0, -0.05)), FLOOR_COLOR, look=seen)
     return create_body(client, {"floor": slab}, name="floor")
 
 

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.kinematics import Chain
@@ -79,12 +81,10 @@ class Robot:
         A target that jumps once a control step makes the arm jerk and overshoot.
         """
         command = self.arm.command
-        start = command.values if command.mode == "position" else self.arm_state()[0]
-        rates = [(end - begin) / steps for begin, end in zip(start, positions, strict=True)]
-        for step in range(1, steps):
-            self.arm.position(
-                [begin + rate * step for begin, rate in zip(start, rates, strict=True)]
-            )
+        start = np.array(command.values if command.mode == "position" else self.arm_state()[0])
+        shares = np.arange(1, steps)[:, None] / steps
+        for waypoint in (start + shares * (np.array(positions) - start)).tolist():
+            self.arm.pass_by(waypoint)
             yield
         self.arm.position(positions)
         yield

@@ -1,0 +1,181 @@
+"""The keys of task and robot files, from the models that read them."""
+
+from __future__ import annotations
+
+import json
+import types
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from generators.markdown import code, number
+from generators.markdown import table as as_table
+from generators.meanings import MEANINGS, SECTIONS, VALUES
+from taskbuilder.spec import expert, robot, scene, task, values
+from taskbuilder.spec.values import PALETTE, Shorthand, rgb
+
+MODELS: Mapping[str, type[BaseModel]] = {
+    name: model
+    for module in (scene, task, robot, expert)
+    for name, model in vars(module).items()
+    if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
+}
+
+# What the aliases of the models' vocabulary are called.
+_ALIASES: tuple[tuple[Any, str], ...] = (
+    (values.Position, "[x, y, z], m"),
+    (values.Edges, "[x, y, z], m"),
+    (values.RpyDeg, "[roll, pitch, yaw], degrees"),
+    (values.Coordinate, "m"),
+    (values.Length, "m"),
+    (values.Extent, "m"),
+    (values.Degrees, "degrees"),
+    (values.Mass, "kg"),
+    (values.Friction, "number"),
+    (values.Positive, "number"),
+    (values.Pixels, "pixels"),
+    (values.Name, "name"),
+    (values.Reference, "name in the scene"),
+    (values.Text, "text"),
+    (values.Color, "[colour](#colours)"),
+    (robot.LinkName, "name in the URDF"),
+)
+_UNITS = {"_deg": "degrees", "_hz": "Hz"}
+_METRES = {"max_step", "stroke"}
+_UNBOUNDED = (values.Name, values.Reference, values.Text, robot.LinkName)
+
+
+def table(name: str) -> str:
+    """The keys of a model: what each takes, its default, what it means.
+
+    Raises:
+        ValueError: A key has no meaning, or a meaning has no key.
+    """
+    model = MODELS[name]
+    hints = get_type_hints(model, include_extras=True)
+    given = MEANINGS[name]
+    rows = []
+    for key, field in model.model_fields.items():
+        shown = field.alias or key
+        own = field.description or _inner_description(hints[key])
+        meaning = own or given.get(shown)
+        if not meaning:
+            raise ValueError(f"{name}.{shown} has no meaning; write one in meanings.py")
+        value = VALUES.get((name, shown)) or _with_unit(shown, describe(hints[key]))
+        rows.append([code(shown), value, _default(field), meaning])
+    if gone := set(given) - {field.alias or key for key, field in model.model_fields.items()}:
+        raise ValueError(f"meanings.py speaks of {name}.{', '.join(gone)}, which does not exist")
+    return as_table(["key", "value", "default", "meaning"], rows)
+
+
+def colours(_: str) -> str:
+    """The palette."""
+    swatches = []
+    for name in PALETTE:
+        shade = "".join(f"{round(part * 255):02x}" for part in rgb(name))
+        swatches.append(
+            f'<div><span class="swatch" style="background:#{shade}"></span>'
+            f'<span class="name">{name}</span></div>'
+        )
+    return f'<div class="swatches">\n{"".join(swatches)}\n</div>'
+
+
+def describe(hint: Any) -> str:
+    """What a value of an annotation is, in a few words."""
+    origin, inner = get_origin(hint), get_args(hint)
+    for alias, words in _ALIASES:
+        if hint == alias:
+            bounds = _range(inner[0]) if origin is tuple else _range(hint)
+            return f"{words}{bounds}"
+    if origin is Annotated:
+        return _annotated(inner)
+    if origin in (Union, types.UnionType):
+        return " or ".join(describe(part) for part in inner if part is not type(None))
+    if origin is Literal:
+        return ", ".join(code("true" if choice is True else choice) for choice in inner)
+    if origin is tuple:
+        if inner[-1] is Ellipsis:
+            return f"list of {describe(inner[0])}"
+        parts = [describe(part) for part in inner]
+        alike = len(set(parts)) == 1
+        return f"{len(parts)} × {parts[0]}" if alike else f"[{', '.join(parts)}]"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return f"{describe(inner[0])} → {describe(inner[1])}"
+    if isinstance(hint, type) and issubclass(hint, BaseModel):
+        return f"[{SECTIONS[hint.__name__]}](#{SECTIONS[hint.__name__].replace(' ', '-')})"
+    return {bool: "true or false", int: "whole number", float: "number", str: "text"}.get(
+        hint, "any value"
+    )
+
+
+def _annotated(inner: tuple[Any, ...]) -> str:
+    words = describe(inner[0]) + _range(Annotated[inner])
+    for extra in inner[1:]:
+        if isinstance(extra, Shorthand):
+            words += f", or the word {code(extra.word)}"
+    return words
+
+
+def _range(hint: Any) -> str:
+    """The bounds of an annotated number, such as ``, 0 to 10``."""
+    if any(hint == alias for alias in _UNBOUNDED):
+        return ""
+    bounds = dict(_bounds(hint))
+    least = max((bounds[key] for key in ("ge", "gt") if key in bounds), default=None)
+    most = min((bounds[key] for key in ("le", "lt") if key in bounds), default=None)
+    if least is None or most is None:
+        return ""
+    if least == bounds.get("gt") and least != bounds.get("ge"):
+        return f", above {number(least)} to {number(most)}"
+    return f", {number(least)} to {number(most)}"
+
+
+def _bounds(hint: Any) -> Iterator[tuple[str, float]]:
+    for extra in getattr(hint, "__metadata__", ()):
+        for limit in extra.metadata if isinstance(extra, FieldInfo) else (extra,):
+            for key in ("ge", "gt", "le", "lt"):
+                if (bound := getattr(limit, key, None)) is not None:
+                    yield key, bound
+
+
+def _inner_description(hint: Any) -> str | None:
+    for extra in getattr(hint, "__metadata__", ()):
+        if isinstance(extra, FieldInfo) and extra.description:
+            return extra.description
+    return None
+
+
+def _with_unit(key: str, words: str) -> str:
+    unit = next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
+    unit = unit or ("m" if key in _METRES else "")
+    if not unit or unit in words:
+        return words
+    for plain in ("whole number", "number", "m,"):
+        if words.startswith(plain):
+            return unit + words.removeprefix(plain.rstrip(","))
+    return f"{words}, {unit}"
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "required"
+    value = field.get_default(call_default_factory=True)
+    if isinstance(value, BaseModel):
+        return "its keys' own"
+    if isinstance(value, Mapping):
+        return ", ".join(code(name) for name in value) or "none"
+    if value is None or value == ():
+        return "none"
+    if value == ("all",):
+        return code("all")
+    plain = json.dumps(_plain(value)).strip('"') if not isinstance(value, str) else value
+    return code(plain)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    whole = isinstance(value, float) and value.is_integer()
+    return int(value) if whole else value

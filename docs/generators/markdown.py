@@ -1,0 +1,36 @@
+"""Pieces of Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table; a bar in a cell is escaped."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(_cell(cell) for cell in line)} |" for line in lines)
+
+
+def fence(language: str, text: str) -> str:
+    """A block of code."""
+    return f"```{language}\n{text.rstrip()}\n```"
+
+
+def code(text: str) -> str:
+    """A word of code."""
+    return f"`{text}`"
+
+
+def number(value: float) -> str:
+    """A number as people write it, with a true minus."""
+    return f"{value:g}".replace("-", "−")
+
+
+def first_sentences(doc: str | None) -> str:
+    """The first paragraph of a docstring, on one line, its code marked for Markdown."""
+    paragraph = (doc or "").strip().split("\n\n")[0]
+    return " ".join(paragraph.replace("``", "`").split())
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")

@@ -1,0 +1,154 @@
+"""What keys mean where their models do not say it themselves, and where each model is explained.
+
+A model's own word comes first. The build fails where a key has no meaning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+SECTIONS: Mapping[str, str] = {
+    "TaskSpec": "top level",
+    "Timing": "timing",
+    "SceneSpec": "scene",
+    "RobotEntry": "robot",
+    "Base": "base",
+    "Home": "home",
+    "TcpPose": "tcp pose",
+    "ActionSpec": "action",
+    "ObjectSpec": "object",
+    "Shape": "shape",
+    "Cylinder": "cylinder",
+    "PartSpec": "part",
+    "Grasp": "grasp point",
+    "Place": "place",
+    "SiteSpec": "site",
+    "Marker": "marker",
+    "CameraSpec": "camera",
+    "Noise": "noise",
+    "Distribution": "distribution",
+    "Order": "order",
+    "Together": "together",
+    "RobotSpec": "robot file",
+    "Tcp": "tcp",
+    "GripperSpec": "gripper",
+    "GripperJoint": "gripper joint",
+}
+"""Model -> heading of the section that explains it."""
+
+_CYLINDER = "Radius and length, along z."
+_CAPSULE = "A cylinder with round ends; the length is that of the straight part."
+_RPY = "Orientation."
+
+MEANINGS: Mapping[str, Mapping[str, str]] = {
+    "TaskSpec": {
+        "timing": "Rates, and the length of an episode.",
+        "scene": "What is there.",
+        "observation_noise": "Robot, then channel, to the noise on it.",
+        "expert": "How the task is done, stage by stage.",
+    },
+    "SceneSpec": {
+        "robots": "The agents, in this order; at least one.",
+        "objects": "Everything with a body that is not a robot.",
+        "sites": "Named frames without a body: goals, meeting points.",
+        "cameras": "What `render` takes pictures with.",
+    },
+    "RobotEntry": {
+        "base": "Where it stands.",
+        "action": "What the agent's action means.",
+    },
+    "Base": {"position": "Of the base frame, in the world.", "rpy_deg": _RPY},
+    "Home": {"tcp": "A pose of the tool centre point; joints are found for it."},
+    "TcpPose": {
+        "position": "In the world.",
+        "rpy_deg": "Orientation; z is the direction of approach, so [180, 0, 0] points down.",
+    },
+    "ActionSpec": {
+        "arm": "What the arm's numbers are.",
+        "frame": "Frame of the translation of `tcp_delta`.",
+        "turn": "How the tool may turn.",
+        "max_turn_deg": "Largest turn in a control step.",
+        "gripper": "Open or closed, or an opening width.",
+    },
+    "ObjectSpec": {
+        "position": "Where it stands; either this or `place`.",
+        "rpy_deg": "Orientation at `position`.",
+        "place": "Region that it is put in anew each episode.",
+        "shape": "One shape; either this or `parts`.",
+        "parts": "Named primitives that make one rigid body.",
+        "friction": "Lateral friction; the engine multiplies those of two bodies that touch.",
+        "rolling_friction": "Against rolling, for each newton of contact force, in m.",
+        "restitution": "0 keeps no speed in a bounce, 1 all of it.",
+        "color": "Colour, or that of the parts that have none.",
+        "grasps": "Where a gripper can take it.",
+    },
+    "Shape": {"cylinder": _CYLINDER, "capsule": _CAPSULE},
+    "Cylinder": {"radius": "Radius.", "length": "Length along z."},
+    "PartSpec": {
+        "cylinder": _CYLINDER,
+        "capsule": _CAPSULE,
+        "at": "Position of its centre in the body's frame.",
+        "rpy_deg": "Orientation in the body's frame.",
+    },
+    "Grasp": {},
+    "Place": {
+        "center": "Middle of the region: [x, y] on a surface, [x, y, z] without.",
+        "size": "Full edge lengths of the region; 0 pins an axis.",
+    },
+    "SiteSpec": {
+        "position": "Where it is; either this or `place`.",
+        "rpy_deg": "Orientation at `position`.",
+        "place": "Region that it is put in anew each episode.",
+        "marker": "How it looks; without one it is invisible and has no volume.",
+        "color": "Of the marker.",
+    },
+    "Marker": {"cylinder": _CYLINDER},
+    "CameraSpec": {
+        "position": "Where it stands, in the world or in its mount's frame.",
+        "look_at": "The point it looks at, in the same frame.",
+        "fov_deg": "Vertical field of view.",
+    },
+    "Timing": {},
+    "Noise": {},
+    "Distribution": {"choice": "Values, equally likely."},
+    "Order": {},
+    "Together": {
+        "together": "The robots that hold the load.",
+        "bring": "What they bring.",
+        "to": "Frame that it goes to.",
+        "above": "Metres above that frame.",
+    },
+    "RobotSpec": {
+        "robot": "The name of the folder that the file is in.",
+        "summary": "One line: maker, model, joints, gripper.",
+        "tcp": "The tool centre point.",
+        "gripper": "How it opens and closes.",
+    },
+    "Tcp": {
+        "link": "The link that it is fixed to.",
+        "position": "In the link's frame.",
+        "rpy_deg": "Orientation in the link's frame.",
+    },
+    "GripperSpec": {"joints": "Every joint of the gripper that moves."},
+    "GripperJoint": {
+        "open": "Position when the gripper is open, in m or rad.",
+        "closed": "Position when it is closed, in m or rad.",
+    },
+}
+"""Model -> key -> meaning."""
+
+VALUES: Mapping[tuple[str, str], str] = {
+    ("TaskSpec", "observe"): "robot → list of [channels](#observation-channels)",
+    ("TaskSpec", "observation_noise"): "robot → channel → [noise](#noise)",
+    ("TaskSpec", "state"): "list of [channels](#observation-channels), or the word `all`",
+    ("TaskSpec", "expert"): "list of [stages](#expert)",
+    ("TaskSpec", "variations"): "list of [changes](#variations-and-randomisation)",
+    ("TaskSpec", "randomize"): "`thing.key` → [distribution](#distribution)",
+    ("RobotEntry", "model"): "name or path",
+    ("Shape", "mesh"): "path",
+    ("Shape", "urdf"): "path",
+    ("RobotSpec", "urdf"): "path",
+    ("Noise", "std"): "number, 0 to 100",
+    ("ObjectSpec", "joints"): "joint → number",
+}
+"""Values that a type says less well than words."""

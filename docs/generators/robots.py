@@ -1,0 +1,33 @@
+"""The robots of the library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from generators.markdown import number, table
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.robots import load_robot
+
+IMAGES = Path(__file__).parents[1] / "images"
+
+
+def library(_: str) -> str:
+    """A table of the robots, and their pictures."""
+    robots = [load_robot(entry) for entry in Catalogue().robots.values() if entry.module]
+    rows = [
+        [
+            f"`{robot.name}`",
+            str(len(robot.arm)),
+            f"{number(robot.spec.gripper.stroke * 1000)} mm",
+            robot.spec.summary,
+        ]
+        for robot in robots
+    ]
+    figures = [
+        f"```{{figure}} images/robot-{robot.name}.png\n:alt: {robot.spec.summary}\n\n"
+        f"{robot.name}\n```"
+        for robot in robots
+        if (IMAGES / f"robot-{robot.name}.png").is_file()
+    ]
+    gallery = "\n\n".join(("::::{container} gallery", *figures, "::::")) if figures else ""
+    return f"{table(['robot', 'joints', 'opens', 'what it is'], rows)}\n\n{gallery}"

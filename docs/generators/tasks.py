@@ -1,0 +1,259 @@
+"""Pages about the tasks of the library, from their files."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from generators.markdown import code, number, table
+from taskbuilder.description import Bonus, Distance, Paid, Potential, Term
+from taskbuilder.description.node import All, Any_, Node, Not
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.expert import Order, Together
+from taskbuilder.spec.load import fill
+from taskbuilder.spec.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
+from taskbuilder.task import Task, load_task
+
+DOCS = Path(__file__).parents[1]
+
+# Terms of the published equations by task and name: number of the equation, and the symbol.
+PUBLISHED: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "pick_push_place": (
+        "(1)",
+        {"grasp": "c_g", "reach": "−‖bᵢ − oᵢ‖", "gather": "−‖o₁ − o₂‖", "place": "c_p"},
+    ),
+    "collaborative_lift": (
+        "(2)",
+        {"grasp": "c_g", "reach": "−‖bᵢ − hᵢ‖", "lift": "−‖g − o‖", "goal": "c_l"},
+    ),
+    "handover": (
+        "(3)",
+        {"grasp": "c_g", "reach": "−‖bᵢ − o‖", "carry": "−‖g − o‖", "handover": "c_h"},
+    ),
+}
+
+
+@cache
+def library() -> Mapping[str, Task]:
+    """The packaged tasks, by name."""
+    catalogue = Catalogue()
+    names = [name for name, entry in catalogue.tasks.items() if entry.module and "/" not in name]
+    return {name: load_task(name, catalogue=catalogue) for name in names}
+
+
+def title(name: str) -> str:
+    """What a task's Python file calls it in the first words of its docstring."""
+    doc = sys.modules[library()[name].description.__module__].__doc__ or name
+    return doc.partition(":")[0]
+
+
+def gallery(folder: str) -> str:
+    """A picture of every task, linked to its page; ``folder`` is where the tasks' pages are."""
+    cards = []
+    for name, task in library().items():
+        page = f"{folder}{name}"
+        known = (DOCS / "tasks" / f"{name}.md").is_file()
+        caption = f"[{title(name)}]({page}.md)" if known else title(name)
+        to_images = "images" if folder else "../images"
+        cards.append(
+            f"```{{figure}} {to_images}/{name}.png\n:alt: {task.file.spec.summary}\n\n"
+            f"{caption}: {task.file.spec.summary}\n```"
+        )
+    return "\n\n".join(("::::{container} gallery", *cards, "::::"))
+
+
+def page(name: str) -> str:
+    """What a task's files say: scene, observations, expert and reward."""
+    task = library()[name]
+    return "\n\n".join(_sections(task))
+
+
+def _sections(task: Task) -> Iterator[str]:
+    spec, name = task.file.spec, task.name
+    timing = spec.timing
+    yield f"```{{figure}} ../images/{name}.png\n:alt: {spec.summary}\n```"
+    yield spec.summary
+    yield from (f"> {fill(text, spec.scene)}" for text in spec.instructions)
+    seconds = number(timing.episode_steps / timing.control_hz)
+    yield (
+        f"An episode has {timing.episode_steps} control steps at {timing.control_hz} Hz "
+        f"({seconds} s), with physics at {timing.physics_hz} Hz. "
+        f"Cooperation is {spec.cooperation}."
+    )
+    yield "## Robots"
+    yield table(
+        ["robot", "model", "base", "arm", "gripper"],
+        (
+            [
+                code(robot),
+                code(entry.model),
+                _point(entry.base.position),
+                f"`{entry.action.arm}` in `{entry.action.frame}`, "
+                f"{number(entry.action.max_step * 100)} cm a step",
+                code(entry.action.gripper),
+            ]
+            for robot, entry in spec.scene.robots.items()
+        ),
+    )
+    yield "## Objects"
+    yield table(["object", "shape", "mass", "where"], map(_object, *_pairs(spec.scene.objects)))
+    yield "## Sites"
+    yield table(["site", "marker", "where"], map(_site, *_pairs(spec.scene.sites)))
+    yield "## Observations"
+    yield table(
+        ["robot", "sees"],
+        (
+            [code(robot), ", ".join(map(code, channels))]
+            for robot, channels in (spec.observe or {}).items()
+        ),
+    )
+    yield "## Success, failure and stages"
+    yield table(["", "holds when"], _conditions(task))
+    yield "## Reward"
+    yield "Every term is paid at every control step."
+    yield table(
+        ["term", "agent", "pays", f"in equation {_equation(name)}"],
+        (_term(name, term) for term in task.description.reward),
+    )
+    if spec.expert:
+        yield "## Expert"
+        yield "\n".join(f"1. {_stage(stage)}" for stage in spec.expert)
+    yield "## Files"
+    for ending, language in (("yaml", "yaml"), ("py", "python")):
+        yield (
+            f"```{{literalinclude}} ../../tasks/{name}.{ending}\n:language: {language}\n"
+            f":caption: tasks/{name}.{ending}\n```"
+        )
+
+
+def _pairs(things: Mapping[str, Any]) -> tuple[list[str], list[Any]]:
+    return list(things), list(things.values())
+
+
+def _object(name: str, spec: ObjectSpec) -> list[str]:
+    if spec.parts is not None:
+        shape = "; ".join(f"{part}: {_shape(inner)}" for part, inner in spec.parts.items())
+    else:
+        shape = _shape(spec.shape) if spec.shape else ""
+    mass = "fixed" if spec.fixed else f"{number(spec.mass)} kg" if spec.mass else "of its URDF"
+    return [code(name), shape, mass, _where(spec)]
+
+
+def _site(name: str, spec: SiteSpec) -> list[str]:
+    return [code(name), _shape(spec.marker) if spec.marker else "none", _where(spec)]
+
+
+def _shape(shape: Shape | PartSpec | Marker) -> str:
+    if shape.box is not None:
+        return f"box {' × '.join(number(edge * 1000) for edge in shape.box)} mm"
+    if shape.sphere is not None:
+        return f"sphere of radius {number(shape.sphere * 1000)} mm"
+    for kind in ("cylinder", "capsule"):
+        if round_ := getattr(shape, kind, None):
+            radius, length = number(round_.radius * 1000), number(round_.length * 1000)
+            return f"{kind} of radius {radius} mm and length {length} mm"
+    return next(file for file in (getattr(shape, "mesh", None), getattr(shape, "urdf", "")) if file)
+
+
+def _where(spec: ObjectSpec | SiteSpec) -> str:
+    if spec.place is not None:
+        return _region(spec.place)
+    inside = f" in `{spec.frame}`" if spec.frame != "world" else ""
+    return f"at {_point(spec.position or ())}{inside}"
+
+
+def _region(place: Place) -> str:
+    where = f"on `{place.surface}`" if place.surface else "in the air"
+    around = f" around {_point(place.center)}"
+    inside = f" of `{place.frame}`" if place.frame != "world" else ""
+    size = " × ".join(number(edge * 100) for edge in place.size)
+    turned = ""
+    if any(place.yaw_deg):
+        turned = f", turned {number(place.yaw_deg[0])}° to {number(place.yaw_deg[1])}°"
+    return f"{where}, {size} cm{around}{inside}{turned}"
+
+
+def _point(point: tuple[float, ...]) -> str:
+    return f"({', '.join(number(value) for value in point)}) m"
+
+
+def _conditions(task: Task) -> Iterator[list[str]]:
+    description = task.description
+    yield ["success", code(expression(description.success))]
+    yield ["failure", code(expression(description.failure))]
+    for number_, (name, stage) in enumerate(description.stages.items(), start=1):
+        same = stage == description.success
+        yield [f"stage {number_}: {name}", "as success" if same else code(expression(stage))]
+
+
+def expression(node: Node) -> str:
+    """A condition as it is written in a description."""
+    if isinstance(node, All | Any_):
+        return (" & " if isinstance(node, All) else " | ").join(
+            f"({expression(part)})" if isinstance(part, All | Any_) else expression(part)
+            for part in node.of
+        )
+    if isinstance(node, Not):
+        inner = expression(node.of)
+        return f"~({inner})" if isinstance(node.of, All | Any_) else f"~{inner}"
+    if hasattr(node, "call"):
+        return repr(node)
+    inside = []
+    for field in fields(node):  # type: ignore[arg-type]  # every node that is not a call is one
+        value = getattr(node, field.name)
+        if value != field.default:
+            text = expression(value) if isinstance(value, Node) else _literal(value)
+            inside.append(f"{field.name}={text}" if field.kw_only else text)
+    return f"{type(node).__name__}({', '.join(inside)})"
+
+
+def _literal(value: object) -> str:
+    return f'"{value}"' if isinstance(value, str) else repr(value).replace("'", '"')
+
+
+def _equation(name: str) -> str:
+    return PUBLISHED[name][0] if name in PUBLISHED else "(none)"
+
+
+def _term(task: str, term: Term) -> list[str]:
+    symbols = PUBLISHED[task][1] if task in PUBLISHED else {}
+    agent = code(term.agent) if term.agent else "shared"
+    return [code(term.name), agent, _pay(term), symbols.get(term.name, "not in it: ours")]
+
+
+def _pay(term: Term) -> str:
+    if isinstance(term, Bonus):
+        return f"{number(term.amount)} while `{expression(term.condition)}`"
+    if isinstance(term, Distance):
+        weight = f"{number(term.weight)} × " if term.weight != 1.0 else ""
+        return f"−{weight}distance of `{term.first}` and `{term.second}`, m"
+    if isinstance(term, Potential):
+        return f"{number(term.weight)} × what `{expression(term.measure)}` gains"
+    if isinstance(term, Paid):
+        return f"{number(term.weight)} × `{expression(term.measure)}`"
+    return code(expression(term))
+
+
+def _stage(stage: Mapping[str, Order] | Together) -> str:
+    if isinstance(stage, Together):
+        who = " and ".join(map(code, stage.together))
+        return f"{who} together: bring `{stage.bring}` to `{stage.to}`{_above(stage.above)}"
+    return "; ".join(f"`{robot}`: {_order(order)}" for robot, order in stage.items())
+
+
+def _order(order: Order) -> str:
+    if order.bring:
+        return f"bring `{order.bring}` to `{order.to}`{_above(order.above)}"
+    if order.retreat is not None:
+        return f"retreat {number(order.retreat * 100)} cm"
+    if order.release:
+        return "release"
+    return f"{order.verb} `{order.grasp or order.reach}`{_above(order.above)}"
+
+
+def _above(metres: float) -> str:
+    return f", {number(metres * 100)} cm above" if metres else ""

@@ -1,0 +1,146 @@
+"""What descriptions and observations are written in: conditions, measures, terms, channels."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator, Mapping
+from typing import Annotated, get_args, get_origin
+
+from generators.markdown import code, first_sentences, table
+from taskbuilder import description
+from taskbuilder.description import Condition, Measure, Term, WorldView
+from taskbuilder.description.node import Refers
+from taskbuilder.spec import channels as spec_channels
+from taskbuilder.spec.expert import VERBS, Order
+
+_BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
+_FUNCTIONS = {"Level": "Condition"}
+"""Public functions that make what reads like a class."""
+
+_KINDS: Mapping[str, str] = {
+    "robot": "a robot",
+    "object": "an object",
+    "body": "an object or a part of one: `tray`, `tray.left_handle`",
+    "frame": "anything with a pose: `tray`, `goal`, `left.tcp`, `left.base`, a part, a grasp point",
+    "site": "a site",
+    "joint": "a joint of an object that is a URDF: `cabinet.drawer_joint`",
+    "container": "a body, or a site with a marker",
+}
+_CHANNELS: Mapping[str, str] = {
+    "joints": "positions of the arm's joints, rad or m",
+    "joint_velocities": "their velocities, rad/s or m/s",
+    "tcp": "pose of the tool centre point",
+    "tcp_velocity": "its linear and angular velocity",
+    "gripper": "how far the gripper is open, 0 to 1",
+    "holding": "whether it holds something",
+    "force": "what each finger presses with, N",
+    "previous_action": "the action of the control step before",
+    "pose": "position and orientation",
+    "position": "position, m",
+    "orientation": "orientation",
+    "velocity": "linear and angular velocity",
+    "rgb": "colour image",
+    "depth": "depth image",
+    "mask": "which thing each pixel shows",
+    "points": "point cloud",
+    "time_left": "share of the episode that is left",
+}
+
+
+def nodes(base: str) -> str:
+    """The public subclasses of Condition, Measure or Term: how they are called, what they are.
+
+    Raises:
+        ValueError: There are none.
+    """
+    rows = [
+        [code(_call(name, thing)), first_sentences(thing.__doc__)]
+        for name, thing in _public()
+        if _is_a(name, thing, base)
+    ]
+    if not rows:
+        raise ValueError(f"no {base} is public")
+    return table([base.lower(), "what it is"], sorted(rows))
+
+
+def kinds(_: str) -> str:
+    """The annotations that mark names, and what each stands for."""
+    rows = []
+    for name, thing in _public():
+        if get_origin(thing) is Annotated:
+            kind = next(extra.kind for extra in get_args(thing) if isinstance(extra, Refers))
+            rows.append([code(name), _KINDS[kind]])
+    return table(["annotation", "a name of"], rows)
+
+
+def view(_: str) -> str:
+    """What a custom condition may ask the world."""
+    rows = []
+    for name, member in vars(WorldView).items():
+        if name.startswith("_"):
+            continue
+        asked = member.fget if isinstance(member, property) else member
+        call = f"world.{name}" + ("" if isinstance(member, property) else _parameters(asked))
+        rows.append([code(call), first_sentences(asked.__doc__)])
+    return table(["", "gives"], rows)
+
+
+def channels(_: str) -> str:
+    """The observation channels.
+
+    Raises:
+        LookupError: One has no explanation.
+    """
+    groups = (
+        ("a robot: `self`, `left`", spec_channels.ROBOT_QUANTITIES),
+        ("an object or a part", spec_channels.OBJECT_QUANTITIES),
+        ("a site, or another frame", spec_channels.POSE_QUANTITIES),
+        ("a camera", spec_channels.CAMERA_QUANTITIES),
+        ("none", spec_channels.EPISODE_QUANTITIES),
+    )
+    rows = [
+        [subject if first else "", code(quantity), _CHANNELS[quantity]]
+        for subject, quantities in groups
+        for first, quantity in _firsts(quantities)
+    ]
+    return table(["subject", "quantity", "what it is"], rows)
+
+
+def verbs(_: str) -> str:
+    """The verbs of the expert's orders."""
+    fields = Order.model_fields
+    return table(["verb", "takes"], ([code(v), fields[v].description or ""] for v in VERBS))
+
+
+def _firsts(items: tuple[str, ...]) -> Iterator[tuple[bool, str]]:
+    return ((index == 0, item) for index, item in enumerate(items))
+
+
+def _public() -> Iterator[tuple[str, object]]:
+    return ((name, getattr(description, name)) for name in description.__all__)
+
+
+def _is_a(name: str, thing: object, base: str) -> bool:
+    if name in _FUNCTIONS:
+        return _FUNCTIONS[name] == base
+    wanted = _BASES[base]
+    return isinstance(thing, type) and issubclass(thing, wanted) and thing is not wanted
+
+
+def _call(name: str, thing: object) -> str:
+    if not callable(thing):
+        raise TypeError(f"{name} cannot be called")
+    return name + _parameters(thing)
+
+
+def _parameters(thing: object) -> str:
+    """The parameters without their annotations."""
+    if not callable(thing):
+        return ""
+    signature = inspect.signature(thing)
+    bare = [
+        parameter.replace(annotation=inspect.Parameter.empty)
+        for parameter in signature.parameters.values()
+        if parameter.name != "self"
+    ]
+    return str(signature.replace(parameters=bare, return_annotation=inspect.Signature.empty))

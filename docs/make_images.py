@@ -1,0 +1,92 @@
+"""Make the pictures of the documentation: `python docs/make_images.py`.
+
+Writes, to docs/images/, one picture for each task of the library and each robot, and tasks.png,
+the three tasks of the README side by side.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import sys
+import tempfile
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from taskbuilder.cli import main as taskbuilder
+from taskbuilder.render import Pixels, save_image
+from taskbuilder.spec.catalogue import Catalogue
+
+IMAGES = Path(__file__).parent / "images"
+SHOWN = {
+    "pick_push_place": "Pick-Push-Place",
+    "collaborative_lift": "Collaborative Lift",
+    "handover": "Handover",
+}
+SIZE = (800, 600)
+THUMBNAIL = (480, 360)
+
+_PAPER, _INK = (255, 255, 255), (58, 62, 66)
+_GAP, _CAPTION = 16, 40
+
+
+def make_all() -> None:
+    """Make every picture anew."""
+    IMAGES.mkdir(exist_ok=True)
+    catalogue = Catalogue()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, entry in catalogue.tasks.items():
+            if entry.module:
+                _call("render", name, "--camera", "front", "--out", folder, *_options())
+                _keep(Path(folder, f"{name}-front.png"), f"{name}.png")
+        for name, entry in catalogue.robots.items():
+            if entry.module:
+                _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
+                _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
+    save_image(IMAGES / "tasks.png", _side_by_side())
+
+
+def _options() -> tuple[str, ...]:
+    # The renderer on the CPU draws the same picture on every machine.
+    return ("--renderer", "tiny", "--size", f"{SIZE[0]}x{SIZE[1]}")
+
+
+def _call(*words: str) -> None:
+    with contextlib.redirect_stdout(io.StringIO()):
+        status = taskbuilder(list(words))
+    if status:
+        sys.exit(status)
+
+
+def _keep(file: Path, name: str) -> None:
+    (IMAGES / name).write_bytes(file.read_bytes())
+
+
+def _read(name: str) -> Pixels:
+    picture = cv2.imread(str(IMAGES / f"{name}.png"))
+    if picture is None:
+        raise FileNotFoundError(name)
+    return picture[:, :, ::-1].astype(np.uint8)
+
+
+def _side_by_side() -> Pixels:
+    """The tasks of the README in a row, each with its name below."""
+    width, height = THUMBNAIL
+    page = np.full(
+        (height + _CAPTION, len(SHOWN) * (width + _GAP) - _GAP, 3), _PAPER, dtype=np.uint8
+    )
+    face = cv2.FontFace("sans")
+    for index, (name, caption) in enumerate(SHOWN.items()):
+        left = index * (width + _GAP)
+        small = cv2.resize(_read(name), THUMBNAIL, interpolation=cv2.INTER_AREA)
+        page[:height, left : left + width] = small
+        (_, _, length, _) = cv2.getTextSize(page.shape[:2], caption, (0, 0), face, 20, 500)
+        middle = left + (width - length) // 2
+        cv2.putText(page, caption, (middle, height + 28), _INK, face, 20, 500)
+    return page
+
+
+if __name__ == "__main__":
+    make_all()

@@ -1,0 +1,69 @@
+"""Examples in the pages work, and every task and robot of the library has its picture."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from taskbuilder import validate_task
+from taskbuilder.spec.catalogue import Catalogue
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+MOST_BYTES = 150_000
+
+SCENE = """
+task: example
+summary: An example.
+scene:
+  robots:
+    left: {model: ur5e, base: {position: [-0.8, 0, 0.4]}}
+    right: {model: ur5e, base: {position: [0.8, 0, 0.4], rpy_deg: [0, 0, 180]}}
+  objects:
+    table: {shape: {box: [2, 1, 0.04]}, position: [0, 0, 0.38], fixed: true}
+    cube: {shape: {box: [0.05, 0.05, 0.05]}, mass: 0.1, position: [-0.3, 0, 0.426]}
+    stick: {shape: {box: [0.28, 0.03, 0.03]}, mass: 0.08, position: [0, 0.3, 0.416]}
+    tray: {shape: {box: [0.2, 0.2, 0.02]}, mass: 0.3, position: [0.3, 0, 0.411]}
+  sites:
+    goal: {position: [0, 0, 0.7]}
+"""
+
+
+def descriptions() -> list[tuple[str, str]]:
+    """Every block of Python in the pages that is a whole description, with its page."""
+    return [
+        (page.name, block)
+        for page in sorted(DOCS.glob("*.md"))
+        for block in re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.M | re.S)
+        if "(Description):" in block
+    ]
+
+
+@pytest.mark.parametrize(("page", "block"), descriptions())
+def test_a_description_in_the_pages_is_sound(page, block, tmp_path):
+    (tmp_path / "example.yaml").write_text(SCENE)
+    (tmp_path / "example.py").write_text(block)
+    report = validate_task(tmp_path / "example.yaml", seeds=2)
+    assert report.findings == ()
+
+
+def test_there_are_such_descriptions():
+    assert len(descriptions()) >= 3
+
+
+def test_every_code_that_pages_speak_of_is_documented():
+    from taskbuilder.assets.codes import CODES as ASSET_CODES
+    from taskbuilder.codes import CODES
+
+    text = "".join(page.read_text(encoding="utf-8") for page in DOCS.rglob("*.md"))
+    mentioned = {code.upper() for code in re.findall(r"\bTB\d{3}\b", text, re.IGNORECASE)}
+    assert mentioned <= {*CODES, *ASSET_CODES}
+
+
+def test_every_task_and_robot_of_the_library_has_a_small_picture():
+    catalogue = Catalogue()
+    wanted = [name for name, entry in catalogue.tasks.items() if entry.module]
+    wanted += [f"robot-{name}" for name, entry in catalogue.robots.items() if entry.module]
+    for name in [*wanted, "tasks"]:
+        assert 1_000 < (DOCS / "images" / f"{name}.png").stat().st_size < MOST_BYTES, name

@@ -1,0 +1,38 @@
+"""Following the quickstart leads to a sound task."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from pathlib import Path
+
+from taskbuilder import validate_task
+from taskbuilder.cli import main
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "quickstart.md"
+
+
+def test_the_change_that_the_page_proposes_is_sound(tmp_path):
+    text = PAGE.read_text(encoding="utf-8")
+    ((addition,), (success, _)) = (
+        re.findall(rf"^```{language}\n(.*?)^```$", text, re.M | re.S)
+        for language in ("yaml", "python")
+    )
+    assert main(["new", "stack_cubes", "--dir", str(tmp_path)]) == 0
+    scene, description = tmp_path / "stack_cubes.yaml", tmp_path / "stack_cubes.py"
+    scene.write_text(re.sub(r"(  objects:.*\n)", rf"\1{addition}", scene.read_text()))
+    changed = re.sub(r"    success = .*\n", success, description.read_text())
+    changed = changed.replace("Near\n", "Near, On, Released\n")
+    description.write_text(changed)
+    report = validate_task(scene, seeds=3)
+    assert report.findings == ()
+    assert textwrap.dedent(success) in textwrap.dedent(changed).replace("\n    ", "\n")
+
+
+def test_the_loop_that_the_page_shows_runs(tmp_path, monkeypatch):
+    loop = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.M | re.S)[-1]
+    assert main(["new", "stack_cubes", "--dir", str(tmp_path)]) == 0
+    monkeypatch.chdir(tmp_path)
+    scope: dict[str, object] = {}
+    exec(loop, scope)
+    assert set(scope["rewards"]) == {"left", "right"}

@@ -1,0 +1,62 @@
+"""The README's example is a sound task, and its error output is real."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from taskbuilder import validate_task
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+
+
+def blocks(language: str) -> list[str]:
+    text = README.read_text(encoding="utf-8")
+    found = re.findall(rf"^( *)```{language}\n(.*?)^ *```$", text, re.MULTILINE | re.DOTALL)
+    return [textwrap.dedent(block) for _, block in found]
+
+
+@pytest.fixture
+def task(tmp_path: Path) -> Path:
+    """The example's task file, with its description beside it."""
+    ((scene,), (description,)) = blocks("yaml"), blocks("python")
+    name = re.match(r"task: (\w+)", scene)[1]
+    (tmp_path / f"{name}.py").write_text(description)
+    (tmp_path / f"{name}.yaml").write_text(scene)
+    return tmp_path / f"{name}.yaml"
+
+
+def test_the_example_is_sound(task):
+    report = validate_task(task, seeds=5)
+    assert report.ok
+    assert report.findings == ()
+
+
+def test_the_error_output_is_real(task, monkeypatch):
+    monkeypatch.chdir(task.parent)
+    (shown,) = blocks("text")
+    slips = (
+        (task, "left: {model:", "left: {modle:"),
+        (task.with_suffix(".py"), '~Held("stick"', '~Held("stik"'),
+    )
+    for line, (file, right, wrong) in zip(shown.splitlines(), slips, strict=True):
+        text = file.read_text()
+        file.write_text(text.replace(right, wrong, 1))
+        assert [str(f) for f in validate_task(task.name, level="static").findings] == [line]
+        file.write_text(text)
+
+
+def test_it_has_the_two_blocks_that_are_run_as_they_are():
+    main, tests = blocks("(?:sh|bash|shell)")
+    assert "validate --all" in main
+    assert "render --all --out renders" in main
+    assert "pytest" in tests
+
+
+def test_its_links_lead_somewhere():
+    targets = re.findall(r"\]\((?!https?:)([^)#]+)", README.read_text(encoding="utf-8"))
+    assert targets
+    assert [target for target in targets if not (README.parent / target).exists()] == []
