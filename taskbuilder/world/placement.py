@@ -26,6 +26,9 @@ TRIES = 100
 GAP = 0.005
 """Metres that placed things keep from each other."""
 
+SINK = 0.002
+"""Metres that a thing may reach into its surface: Bullet's hulls of meshes are 1 mm too large."""
+
 LIFT = 0.0005
 """Metres above its surface at which a thing is put, to settle from."""
 
@@ -179,7 +182,7 @@ def _obstacle(world: World, group: list[str], settled: list[str], place: Place) 
     surface = (place.surface or "").partition(".")[0]
     for thing in bodies:
         for name in settled:
-            gap = 0.0 if name in (surface, thing.spec.frame.partition(".")[0]) else GAP
+            gap = -SINK if name in (surface, thing.spec.frame.partition(".")[0]) else GAP
             if _too_near(thing, world.objects[name].body, gap):
                 return name
         for name, robot in world.robots.items():
@@ -189,5 +192,5 @@ def _obstacle(world: World, group: list[str], settled: list[str], place: Place) 
 
 
 def _too_near(thing: Thing, other: Body, gap: float) -> bool:
-    distance = closest_distance(thing.body, other, within=gap)
+    distance = closest_distance(thing.body, other, within=max(gap, 0.0))
     return distance is not None and distance < gap

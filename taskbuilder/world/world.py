@@ -282,10 +282,10 @@ class World:
         mount = self.pose(spec.mount) if spec.mount else Pose()
         width, height = size or spec.size
         eye, aim = mount.apply(spec.eye), mount.apply(spec.aim)
-        up = mount.axis(0) if spec.mount else (0.0, 0.0, 1.0)
+        up = mount.axis(2)
         sight = subtract(aim, eye)
-        if abs(dot(sight, up)) > 0.999 * norm(sight):  # straight down: the picture's top is +y
-            up = mount.axis(1)
+        if abs(dot(sight, up)) > 0.999 * norm(sight):  # straight along z
+            up = mount.axis(0 if spec.mount else 1)
         return CameraView(eye, aim, up, spec.fov_deg, width, height)
 
     def move_markers(self) -> None:
