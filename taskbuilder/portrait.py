@@ -35,7 +35,7 @@ def take_portrait(
 
     Raises:
         AssetError: The engine dies of the asset, or refuses it.
-        SimulationError: The asset cannot be loaded or has no extent.
+        SimulationError: The asset cannot be loaded.
     """
     with (
         tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder,

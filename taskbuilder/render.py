@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import tempfile
@@ -14,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.sim.cameras import STUDIO, Image, capture
+from taskbuilder.sim.cameras import LARGEST_SIDE, STUDIO, Image, capture
 from taskbuilder.world.world import World
 
 Modality = Literal["rgb", "depth", "mask"]
@@ -98,10 +99,12 @@ def take_still(world: World, camera: str, size: tuple[int, int] | None = None) -
         SimulationError: The picture would be too large.
     """
     world.move_markers()
+    view = world.camera(camera, size)
+    roomy = SUPERSAMPLE * max(view.width, view.height) <= LARGEST_SIDE
     image = capture(
         world.client,
-        world.camera(camera, size),
-        supersample=SUPERSAMPLE,
+        view,
+        supersample=SUPERSAMPLE if roomy else 1,
         shadow=world.scene.cameras[camera].mount is None,  # coarse when seen from near
         backdrop=STUDIO,
     )
@@ -155,8 +158,17 @@ def _write(
 
 
 def _shortened(text: str, width: int) -> str:
-    most = max(20, (width - 2 * _MARGIN) // 8)
-    return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
+    """A subtitle cut after as many words as fit on the page."""
+    shown, words = text, text.split()
+    while words and _width(shown) > width - 2 * _MARGIN:
+        words.pop()
+        shown = f"{' '.join(words)} …"
+    return shown
+
+
+def _width(text: str) -> int:
+    box = cv2.getTextSize((0, 0), text, (0, 0), cv2.FontFace("sans"), 15, 400)
+    return int(box[2])
 
 
 def save_image(path: Path, pixels: NDArray[Any]) -> None:
@@ -204,6 +216,8 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         OSError: It cannot be written.
     """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "is a folder; name a file", str(path))
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:

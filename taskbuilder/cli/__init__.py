@@ -10,8 +10,14 @@ import sys
 import traceback
 from collections.abc import Sequence
 
-from taskbuilder.cli.arguments import make_parser
-from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
+from taskbuilder.cli.arguments import parse
+from taskbuilder.errors import (
+    FileError,
+    PlacementError,
+    TaskbuilderError,
+    UnknownNameError,
+    UsageError,
+)
 
 OK, FINDINGS, USAGE, BROKEN, INTERRUPTED = 0, 1, 2, 70, 130
 """Exit statuses; 70 is for a defect of taskbuilder's own."""
@@ -28,11 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = make_parser().parse_args(words)
-    except SystemExit as stop:  # argparse has said why
-        return stop.code if isinstance(stop.code, int) else USAGE
-    try:
-        status: int = arguments.run(arguments)
+        status = _run(words)
         sys.stdout.flush()
     except BrokenPipeError:
         # Whoever read the output has seen enough; what is left must not fail at exit.
@@ -42,14 +44,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
-        if arguments.debug:
+        if "--debug" in words:
             raise
         return _fail(error)
     return status
 
 
+def _run(words: Sequence[str]) -> int:
+    try:
+        arguments = parse(words)
+    except SystemExit as stop:  # argparse has said why, or has shown what was asked for
+        return stop.code if isinstance(stop.code, int) else USAGE
+    status: int = arguments.run(arguments)
+    return status
+
+
 def _fail(error: Exception) -> int:
-    if isinstance(error, FileError):
+    if isinstance(error, FileError | PlacementError):
         print(error, file=sys.stderr)
         return FINDINGS
     if isinstance(error, UnknownNameError | UsageError):

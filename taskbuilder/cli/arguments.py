@@ -6,6 +6,7 @@ import argparse
 import difflib
 import re
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
@@ -22,21 +23,55 @@ class Parser(argparse.ArgumentParser):
         """Print what is wrong and exit with status 2."""
         wrong = re.match(r"argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)", message)
         if wrong:
-            _, word, listed = wrong.groups()
+            option, word, listed = wrong.groups()
             choices = [choice.strip().strip("'") for choice in listed.split(",")]
-            message = _no_choice(word, choices)
-        message = message.replace("the following arguments are required:", "missing:")
+            what = f'{option} "{word}"' if option.startswith("-") else f'"{word}"'
+            message = _no_such(what, word, choices)
+        for said, better in _BETTER:
+            message = re.sub(said, better, message)
         print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
         raise SystemExit(2)
 
+    def refuse(self, word: str) -> NoReturn:
+        """Say of a word that nothing of this command takes, what was probably meant."""
+        if not word.startswith("-"):
+            self.error(f'"{word}" is one word too many')
+        options = [text for action in self._actions for text in action.option_strings]
+        if word in options:
+            self.error(f"{word} stands before the command; options come after it")
+        listed = [text for text in options if text.startswith("--")]
+        self.error(_no_such(f"option {word}", word.partition("=")[0], listed))
 
-def _no_choice(word: str, choices: list[str]) -> str:
+
+# What argparse says -> how it is said here.
+_BETTER = (
+    (r"the following arguments are required:", "missing:"),
+    (r"^argument (\S+): expected .*", r"\1 needs a value"),
+    (r"^argument (\S+): not allowed with argument (\S+)", r"\1 does not go with \2"),
+    (r"^argument ", ""),
+)
+
+
+def _no_such(what: str, word: str, choices: list[str]) -> str:
     near = difflib.get_close_matches(word, choices, n=1)
     meant = f'did you mean "{near[0]}"?' if near else f"one of {', '.join(choices)}"
-    return f'there is no "{word}"; {meant}'
+    return f"there is no {what}; {meant}"
 
 
-def make_parser() -> argparse.ArgumentParser:
+def parse(words: Sequence[str]) -> argparse.Namespace:
+    """The arguments of a command line.
+
+    Raises:
+        SystemExit: There are none to carry out; it has been said why.
+    """
+    parser = make_parser()
+    arguments, unknown = parser.parse_known_args(words)
+    if unknown:
+        arguments.parser.refuse(unknown[0])
+    return arguments
+
+
+def make_parser() -> Parser:
     """The parser of the whole command line."""
     parser = Parser(
         prog="taskbuilder",
@@ -80,7 +115,7 @@ class _Adder:
             epilog=f"example: taskbuilder {self._name} {example}".rstrip(),
             parents=[self._common],
         )
-        parser.set_defaults(run=run)
+        parser.set_defaults(run=run, parser=parser)
         return parser
 
 
@@ -191,7 +226,9 @@ def _add_schema(adder: _Adder) -> None:
     parser = adder.command(
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
     )
-    parser.add_argument("sort", choices=("task", "robot"), help="of which files")
+    parser.add_argument(
+        "sort", choices=("task", "robot"), metavar="SORT", help="task or robot: of which files"
+    )
 
 
 _ADDERS = {

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import keyword
 import math
 import re
 from string import Template
 
+from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.render import write_whole
+from taskbuilder.spec.values import RESERVED
 
 _ROBOT = Template("""\
     $name:
@@ -98,6 +101,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(
             f'"{name}" is no name for a task; a small letter, then small letters, digits and _'
         )
+    if keyword.iskeyword(name) or name in {*RESERVED, "robot"}:
+        raise UsageError(f'"{name}" means something else already; choose another name')
+    if name in catalogue_of(arguments).tasks:
+        raise UsageError(f'the catalogue has a task "{name}"; choose another name')
     folder = arguments.dir
     files = {
         folder / f"{name}.yaml": _task(name, arguments.robots),
@@ -107,7 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
     for file in files:
         if file.exists():
             raise UsageError(f"{display_path(file)} exists already; choose another name or --dir")
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     for file, text in files.items():
         write_whole(file, text.encode())
         print(display_path(file))

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.tasks import asked_tasks, catalogue_of
+from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.render import contact_sheet, save_image, save_still, take_still
 from taskbuilder.spec.explain import suggestion
@@ -20,7 +20,7 @@ def run(arguments: argparse.Namespace) -> int:
     tasks = [load_task(name, catalogue=catalogue) for name in asked_tasks(arguments, catalogue)]
     for task in tasks:
         _check(task, arguments)
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    make_folder(arguments.out)
     listed = []
     for task in tasks:
         files = _render(task, arguments)

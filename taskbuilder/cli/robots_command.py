@@ -12,7 +12,7 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
-from taskbuilder.cli.tasks import catalogue_of
+from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import (
     FileError,
     Finding,
@@ -24,7 +24,7 @@ from taskbuilder.errors import (
 )
 from taskbuilder.portrait import take_portrait
 from taskbuilder.render import save_image
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.catalogue import Catalogue, Entry, similar
 from taskbuilder.spec.robots import RobotModel, load_robot
 
 
@@ -39,26 +39,30 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
-    robots = [load_robot(entry) for entry in catalogue.robots.values()]
+    robots = [_describe(entry, catalogue) for entry in catalogue.robots.values()]
     if arguments.json:
-        print_json({"robots": [_robot_data(robot) for robot in robots]})
+        print_json({"robots": robots})
         return 0
     rows = [["robot", "joints", "gripper", "summary"]]
     for robot in robots:
-        stroke = f"{robot.spec.gripper.stroke * 1000:.0f} mm"
-        rows.append([robot.entry.name, str(len(robot.arm)), stroke, robot.spec.summary])
+        stroke = f"{robot['stroke'] * 1000:.0f} mm" if robot["stroke"] else "-"
+        rows.append([robot["name"], str(robot["joints"] or "-"), stroke, robot["summary"]])
     print_table(rows)
+    for robot in robots:
+        if not robot["joints"]:
+            hint = f"to see what is wrong: taskbuilder robots check {robot['path']}"
+            print(paint(f"\n{hint}", "dim"))
     return 0
 
 
-def _robot_data(robot: RobotModel) -> dict[str, Any]:
-    return {
-        "name": robot.entry.name,
-        "path": display_path(robot.entry.file),
-        "joints": len(robot.arm),
-        "stroke": robot.spec.gripper.stroke,
-        "summary": robot.spec.summary,
-    }
+def _describe(entry: Entry, catalogue: Catalogue) -> dict[str, Any]:
+    known = {"name": entry.name, "path": display_path(entry.file)}
+    try:
+        robot = load_robot(entry, catalogue.folders)
+    except FileError:
+        return {**known, "joints": None, "stroke": None, "summary": "(has errors)"}
+    stroke = robot.spec.gripper.stroke
+    return {**known, "joints": len(robot.arm), "stroke": stroke, "summary": robot.spec.summary}
 
 
 def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -93,9 +97,11 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
 def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None]:
     if reference.endswith((".urdf", ".xml")):
         path = Path(reference).absolute()
-        if not path.is_file():
-            raise UnknownNameError(f"there is no file {display_path(path)}")
+        if not path.exists():
+            raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
         return read_urdf(path, (path.parent,)), None
+    if Path(reference).is_file() and not reference.endswith((".yaml", ".yml")):
+        raise UnknownNameError(f"{reference} is no robot; name a robot.yaml, a .urdf or an .xml")
     robot = load_robot(catalogue.robot(reference, Path()), catalogue.folders)
     return robot.urdf, robot
 
@@ -120,8 +126,10 @@ def _portrait(
         return None
     if not trusted:
         place = Location(urdf.path)
-        findings += [Finding("TB407", text, "", place, "warning") for text in said]
-    file.parent.mkdir(parents=True, exist_ok=True)
+        # Of missing inertia the check of the URDF tells more, and only where it matters.
+        told = [text for text in said if "<inertial>" not in text]
+        findings += [Finding("TB407", text, "", place, "warning") for text in told]
+    make_folder(file.parent)
     save_image(file, pixels)
     return file
 
@@ -129,7 +137,9 @@ def _portrait(
 def _print_robot(urdf: Urdf, robot: RobotModel | None) -> None:
     mass = sum(link.mass or 0.0 for link in urdf.links)
     name = robot.entry.name if robot else urdf.name
-    parts = f"{len(urdf.links)} links · {len(urdf.moving_joints)} joints that move · {mass:.1f} kg"
+    moving = len(urdf.moving_joints)
+    joints = "1 joint that moves" if moving == 1 else f"{moving} joints that move"
+    parts = f"{len(urdf.links)} links · {joints} · {mass:.1f} kg"
     print(paint(f"{name} · {parts} · {display_path(urdf.path)}", "bold"))
     print()
     roles = _roles(robot)

@@ -13,7 +13,7 @@ from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.spec.scene import Place, SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.places import finding_at
+from taskbuilder.validate.places import failure_of_description, finding_at, finding_of_scene
 from taskbuilder.validate.report import Check, FamilyResult, Progress, Result
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
@@ -29,9 +29,10 @@ class _Tally:
     episodes: int = 0
     misplaced: dict[str, Finding] = field(default_factory=dict)
     strayed: dict[str, int] = field(default_factory=dict)
-    solved: list[int] = field(default_factory=list)
-    failed: list[int] = field(default_factory=list)
+    solved: list[str] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
     exploded: list[str] = field(default_factory=list)
+    raised: list[Finding] = field(default_factory=list)
     places: dict[str, list[Vec3]] = field(default_factory=dict)
     seconds: list[float] = field(default_factory=list)
 
@@ -50,7 +51,9 @@ def reset_family(
         label = f"reset, variation {variation}" if variation else "reset"
         try:
             for seed in progress(range(seeds), label):
-                _begin(world, referee, seed, tally)
+                where = f"seed {seed}, variation {variation}" if variation else f"seed {seed}"
+                if not _begin(world, referee, seed, where, tally):
+                    break
         finally:
             world.close()
     if tally.seconds:
@@ -64,31 +67,38 @@ def reset_family(
 def _summary(tally: _Tally, measures: dict[str, float]) -> str:
     solved = "never solved" if not tally.solved else f"{len(tally.solved)} solved"
     time_taken = f", {measures['reset_ms']:.1f} ms each" if "reset_ms" in measures else ""
-    return f"{tally.episodes} episodes begun, {solved} at the start{time_taken}"
+    episodes = f"{tally.episodes} episode{'s' * (tally.episodes != 1)}"
+    return f"{episodes} begun, {solved} at the start{time_taken}"
 
 
-def _begin(world: World, referee: Referee, seed: int, tally: _Tally) -> None:
+def _begin(world: World, referee: Referee, seed: int, where: str, tally: _Tally) -> bool:
+    """Begin an episode and look at it; False if no further one can begin in this world."""
     started = time.perf_counter()
     try:
         world.reset(seed)
     except PlacementError as error:
         for finding in error.findings:
             tally.misplaced.setdefault(finding.path, finding)
-        return
+        return True
     except ExplosionError as error:
-        tally.exploded.append(str(error))
-        return
+        tally.exploded.append(f"{error} ({where})")
+        return False
     tally.seconds.append(time.perf_counter() - started)
     tally.episodes += 1
-    outcome = referee.start(world)
+    try:
+        outcome = referee.start(world)
+    except (Exception, SystemExit) as error:
+        tally.raised.append(failure_of_description(error, world.task.entry))
+        return False
     if outcome.success:
-        tally.solved.append(seed)
+        tally.solved.append(where)
     if outcome.failure:
-        tally.failed.append(seed)
+        tally.failed.append(where)
     for name, place in _regions(world.scene):
         tally.places.setdefault(name, []).append(world.position(name))
         if _outside(world, name, place):
             tally.strayed[name] = tally.strayed.get(name, 0) + 1
+    return True
 
 
 def _regions(scene: SceneSpec) -> Iterator[tuple[str, Place]]:
@@ -118,11 +128,9 @@ def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
         for name, count in tally.strayed.items()
     ]
     yield _counted("TB310", "placements stay inside their regions", strayed, len(strayed))
-    exploded = [
-        Finding("TB307", text, location=task.file.source.locate(("scene",), key=True))
-        for text in dict.fromkeys(tally.exploded)
-    ]
+    exploded = [finding_of_scene(task, "TB307", text) for text in tally.exploded]
     yield _counted("TB307", "resets do not explode", exploded, len(tally.exploded))
+    yield _counted("TB314", "the description can be asked", tally.raised, len(tally.raised))
     yield _never_at_start(task, "TB311", "success", tally.solved, tally.episodes)
     yield _never_at_start(task, "TB312", "failure", tally.failed, tally.episodes)
     yield _varies(task, tally)
@@ -132,13 +140,13 @@ def _counted(code: str, name: str, findings: list[Finding], count: int) -> Resul
     return Check(code, name, not findings, count, 0, "things"), findings
 
 
-def _never_at_start(task: Task, code: str, what: str, seeds: list[int], episodes: int) -> Result:
+def _never_at_start(task: Task, code: str, what: str, seeds: list[str], episodes: int) -> Result:
     findings = []
     if seeds:
         origin = getattr(task.description, what).origin
         message = (
-            f"{what} already holds at the start of {len(seeds)} of {episodes} episodes "
-            f"(seed {seeds[0]} first); it must be false when an episode begins"
+            f"holds already at the start of {len(seeds)} of {episodes} episodes "
+            f"({seeds[0]}); it must be false when an episode begins"
         )
         findings = [Finding(code, message, what, origin)]
     return Check(code, f"{what} is false at the start", not seeds, len(seeds), 0, "seeds"), findings

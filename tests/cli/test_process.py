@@ -1,0 +1,104 @@
+"""Commands as processes: how they start, and how they end when they are cut short."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import cv2
+import pytest
+
+from taskbuilder import __version__
+
+ROOT = Path(__file__).resolve().parents[2]
+MODULE = (sys.executable, "-m", "taskbuilder")
+
+_SAYS_WHAT_IT_IMPORTED = (
+    "import sys; from taskbuilder.cli import main; status = main(sys.argv[1:]); "
+    "names = {name.partition('.')[0] for name in sys.modules}; "
+    "heavy = {'pybullet', 'numpy', 'torch', 'cv2', 'pydantic', 'yaml', 'gymnasium'}; "
+    "print(*sorted(names & heavy), file=sys.stderr); sys.exit(status)"
+)
+
+
+def imported_by(*words: str, cwd: Path) -> set[str]:
+    command = [sys.executable, "-c", _SAYS_WHAT_IT_IMPORTED, *words]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=True)
+    return set(done.stderr.split())
+
+
+def wait_for(condition, seconds=30.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "nothing happened"
+        time.sleep(0.01)
+
+
+def loaded_pybullet(child: subprocess.Popen) -> bool:
+    return "pybullet" in Path(f"/proc/{child.pid}/maps").read_text()
+
+
+@pytest.mark.parametrize("start", [MODULE, (sys.executable, str(ROOT / "cli.py"))])
+def test_it_starts_as_a_module_and_from_a_checkout(start, tmp_path):
+    done = subprocess.run([*start, "--version"], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"taskbuilder {__version__}\n")
+
+
+def test_help_imports_nothing_heavy(tmp_path):
+    assert imported_by("--help", cwd=tmp_path) == set()
+
+
+def test_a_static_check_needs_no_physics(good):
+    imported = imported_by("validate", "good.yaml", "--level", "static", cwd=good.parent)
+    assert imported == {"pydantic", "yaml"}
+
+
+def test_listing_needs_neither_physics_nor_numbers(tmp_path):
+    assert imported_by("list", cwd=tmp_path) == {"pydantic", "yaml"}
+
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="no /proc here")
+
+
+@needs_proc
+def test_ctrl_c_ends_a_validation_with_130(tmp_path):
+    command = [*MODULE, "validate", "handover", "--seeds", "100000"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    ) as child:
+        wait_for(lambda: loaded_pybullet(child))
+        time.sleep(0.3)
+        child.send_signal(signal.SIGINT)
+        _, err = child.communicate(timeout=30)
+    assert (child.returncode, err) == (130, "interrupted\n")
+
+
+@needs_proc
+def test_ctrl_c_leaves_no_half_written_picture(tmp_path):
+    command = [*MODULE, "render", "--all", "--size", "800x600", "--renderer", "tiny"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    ) as child:
+        wait_for(lambda: list(tmp_path.glob("renders/*")))
+        child.send_signal(signal.SIGINT)
+        _, err = child.communicate(timeout=30)
+    assert (child.returncode, err) == (130, "interrupted\n")
+    for file in (tmp_path / "renders").iterdir():
+        assert file.suffix == ".png"
+        assert not file.name.startswith(".")
+        assert cv2.imread(str(file)) is not None
+
+
+@pytest.mark.parametrize("words", [("--help",), ("list",), ("schema", "task")])
+def test_a_reader_that_has_seen_enough_is_no_error(words, tmp_path):
+    end, start = os.pipe()
+    os.close(end)
+    done = subprocess.run(
+        [*MODULE, *words], stdout=start, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    )
+    os.close(start)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,68 @@
+"""`taskbuilder render`: what it writes and says."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import pytest
+
+SMALL = ("--size", "64x48", "--renderer", "tiny")
+
+
+def test_it_writes_each_camera_and_a_sheet_and_names_them(run):
+    ran = run("render", "handover", *SMALL)
+    names = ["front", "top", "left_wrist", "right_wrist", "sheet"]
+    files = [f"renders/handover-{name}.png" for name in names]
+    assert (ran.status, ran.err) == (0, "")
+    assert ran.out.splitlines() == files
+    assert sorted(map(str, Path("renders").iterdir())) == sorted(files)
+    assert cv2.imread(files[0]).shape == (48, 64, 3)
+
+
+def test_json_names_the_files(run, good):
+    one = run("render", "good.yaml", *SMALL, "--json", "--out", "pictures").data
+    files = ["pictures/good-front.png", "pictures/good-sheet.png"]
+    assert one == {"task": "good", "files": files}
+    many = run("render", "good.yaml", "handover", *SMALL, "--camera", "front", "--json").data
+    assert [task["task"] for task in many["tasks"]] == ["good", "handover"]
+
+
+def test_modalities_are_written_beside_each_other(run, good):
+    run("render", "good.yaml", *SMALL, "--modality", "rgb", "depth", "mask")
+    names = {"good-front.png", "good-front-depth.png", "good-front-mask.png"}
+    written = {file.name for file in Path("renders").iterdir()}
+    assert written == {*names, "good-front-mask.json", "good-sheet.png"}
+    depth = cv2.imread("renders/good-front-depth.png", cv2.IMREAD_UNCHANGED)
+    assert (depth.dtype, depth.shape) == ("uint16", (48, 64))
+    legend = json.loads(Path("renders/good-front-mask.json").read_text())
+    assert set(legend) == {"arm", "cube", "floor"}
+
+
+def test_a_camera_named_twice_is_taken_once(run, good):
+    ran = run("render", "good.yaml", *SMALL, "--camera", "front", "front")
+    assert len(ran.out.splitlines()) == 2
+
+
+@pytest.mark.parametrize("words", [("--seed", "1"), ("--seed", "2")])
+def test_the_same_command_writes_the_same_bytes(words, run):
+    taken = []
+    for folder in ("one", "two"):
+        run("render", "handover", *SMALL, *words, "--camera", "front", "--out", folder)
+        taken.append(Path(folder, "handover-front.png").read_bytes())
+    assert taken[0] == taken[1]
+
+
+def test_seeds_and_variations_make_other_pictures(run, good):
+    def picture(task, *words):
+        run("render", task, *SMALL, "--camera", "front", "--json", *words)
+        return Path(f"renders/{Path(task).stem}-front.png").read_bytes()
+
+    assert picture("handover") != picture("handover", "--seed", "1")
+    assert picture("good.yaml") != picture("good.yaml", "--variation", "1")
+
+
+def test_nothing_is_written_where_one_task_cannot_be_rendered(run, good):
+    assert run("render", "good.yaml", "handover", "--variation", "1").status == 2
+    assert not Path("renders").exists()

@@ -1,0 +1,52 @@
+"""`taskbuilder robots` and `robots check`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import pytest
+
+from taskbuilder.assets.paths import pybullet_data_folder
+from taskbuilder.spec.catalogue import Catalogue
+
+ROBOTS = sorted(Catalogue.discover().robots)
+
+
+def test_robots_are_listed(run):
+    ran = run("robots")
+    head, *rows = ran.out.splitlines()
+    assert head.split() == ["robot", "joints", "gripper", "summary"]
+    assert [row.split()[0] for row in rows] == ROBOTS
+
+
+def test_robots_as_json_have_the_documented_shape(run):
+    listed = run("robots", "--json").data["robots"]
+    assert [robot["name"] for robot in listed] == ROBOTS
+    assert all(set(robot) == {"name", "path", "joints", "stroke", "summary"} for robot in listed)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_a_robot_of_the_catalogue_is_sound(robot, run):
+    ran = run("robots", "check", robot, "--json")
+    data = ran.data
+    assert (ran.status, ran.err, data["ok"], data["findings"]) == (0, "", True, [])
+    assert data["picture"] == f"renders/{robot}.png"
+    picture = cv2.imread(data["picture"])
+    assert picture.shape == (480, 480, 3)
+    assert picture.std() > 10
+
+
+def test_the_table_names_the_part_that_each_joint_plays(run):
+    lines = run("robots", "check", "ur5e", "--out", "ur5e.png").out.splitlines()
+    roles = {line.split()[0]: " ".join(line.split()[-2:]) for line in lines if "revolute" in line}
+    assert roles["shoulder_pan_joint"] == "arm 1"
+    assert roles["wrist_3_joint"] == "arm 6"
+    assert lines[-2:] == ["ok", "ur5e.png"]
+
+
+def test_any_urdf_can_be_checked_by_its_path(run):
+    urdf = Path(pybullet_data_folder()) / "r2d2.urdf"
+    ran = run("robots", "check", str(urdf), "--json")
+    assert ran.data["ok"]
+    assert Path("renders/physics.png").is_file()

@@ -1,0 +1,100 @@
+"""Reports as a whole: over the catalogue, by level, twice."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from taskbuilder import catalogue, validate_task
+from taskbuilder.description.load import try_import
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.validate.report import as_data
+from taskbuilder.validate.run import LEVELS
+
+TASKS = sorted(catalogue().tasks)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_every_task_of_the_catalogue_is_sound(task):
+    report = validate_task(task, seeds=5)
+    assert report.ok, "\n".join(map(str, report.findings))
+    assert report.findings == ()
+    assert report.headline.startswith(f"{task} · ")
+
+
+def test_a_run_stops_after_the_family_that_fails(validate):
+    def families(report):
+        return [family.name for family in report.families]
+
+    assert families(validate(("mass: 0.1", "mass: heavy"))) == ["static"]
+    assert families(validate(("[0.5, 0, 0.0205]", "[0.5, 0, 2]"))) == ["static", "build"]
+    assert families(validate())[:3] == ["static", "build", "reset"]
+
+
+def test_levels_go_further_and_further(write):
+    file = write()
+    counts = [len(validate_task(file, level=level, seeds=1).families) for level in LEVELS]
+    assert counts[0] == 1
+    assert counts == sorted(counts)
+
+
+def test_what_was_measured_is_reported(validate):
+    report = validate()
+    assert report.measures["build_s"] > 0
+    assert report.measures["reset_ms"] > 0
+    assert all(family.seconds >= 0 for family in report.families)
+
+
+def test_the_same_task_gets_the_same_verdict_and_figures():
+    one, two = (as_data([validate_task("handover", seeds=5)])["tasks"][0] for _ in range(2))
+    assert one["checks"] == two["checks"]
+    assert one["findings"] == two["findings"]
+    assert one["measures"].keys() == two["measures"].keys()
+
+
+def test_a_task_is_found_by_name_and_by_path():
+    by_name = validate_task("handover", level="static")
+    by_path = validate_task(Path(catalogue().task("handover").file), level="static")
+    assert (by_name.task, by_name.headline) == (by_path.task, by_path.headline)
+
+
+def test_a_task_that_is_not_there_cannot_be_asked_about():
+    with pytest.raises(UnknownNameError, match="did you mean"):
+        validate_task("handovr")
+
+
+def test_a_task_that_does_not_load_is_reported_by_what_was_asked_for(validate, write):
+    report = validate(("mass: 0.1", "mass: heavy"))
+    assert report.task == report.headline == str(write())
+    assert report.families[0].summary == "1 error"
+
+
+def test_progress_is_told_of_every_seed(write):
+    told = []
+
+    def progress(items, label):
+        for item in items:
+            told.append((label, item))
+            yield item
+
+    validate_task(write(add="variations:\n  - {cube.color: green}\n"), seeds=2, progress=progress)
+    assert [item for item in told if item[0].startswith("reset")] == [
+        ("reset", 0),
+        ("reset", 1),
+        ("reset, variation 1", 0),
+        ("reset, variation 1", 1),
+    ]
+
+
+def test_a_description_that_hangs_is_given_up(write, monkeypatch):
+    file = write(("class Small", "while True:\n    pass\n\n\nclass Small"))
+    monkeypatch.setattr("taskbuilder.task.try_import", partial(try_import, limit_s=1.5))
+    started = time.monotonic()
+    report = validate_task(file, level="static")
+    (finding,) = [f for f in report.findings if f.code == "TB213"]
+    assert str(finding.location.file).endswith("small.py")
+    assert "did not end within 1.5 s" in finding.message
+    assert time.monotonic() - started < 15
