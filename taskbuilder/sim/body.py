@@ -179,6 +179,10 @@ class Body:
         positions, velocities, *_ = zip(*self._bullet.getJointStates(self.id, indices), strict=True)
         return positions, velocities
 
+    def joint_speeds(self, indices: Sequence[int]) -> tuple[float, ...]:
+        """Velocities of joints (rad/s or m/s), in the given order."""
+        return tuple(state[1] for state in self._bullet.getJointStates(self.id, indices))
+
     def reset_joints(self, indices: Sequence[int], positions: Sequence[float]) -> None:
         """Put joints at positions, at rest, past all limits and motors."""
         for index, position in zip(indices, positions, strict=True):

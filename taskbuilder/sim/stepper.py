@@ -149,16 +149,21 @@ class ArmStepper:
     def _damped_inverse(self, frames: Frames) -> NDArray[np.float64]:
         """(n, 6) damped inverse of the Jacobian, rotations weighed in metres."""
         columns = []
-        for axis, origin, turns in zip(frames.axes, frames.origins, self.turns, strict=True):
+        tx, ty, tz = frames.tool.position
+        for (x, y, z), (ox, oy, oz), turns in zip(
+            frames.axes, frames.origins, self.turns, strict=True
+        ):
             if turns:
-                arm = cross(axis, subtract(frames.tool.position, origin))
-                columns.append((*arm, *scale(axis, METRES_PER_RADIAN)))
+                ax, ay, az = tx - ox, ty - oy, tz - oz
+                m = METRES_PER_RADIAN
+                across = (y * az - z * ay, z * ax - x * az, x * ay - y * ax)
+                columns.append((*across, x * m, y * m, z * m))
             else:
-                columns.append((*axis, 0.0, 0.0, 0.0))
+                columns.append((x, y, z, 0.0, 0.0, 0.0))
         transposed = np.array(columns)
         square = transposed.T @ transposed
         square.flat[::7] += DAMPING * DAMPING
-        inverse: NDArray[np.float64] = transposed @ np.linalg.inv(square)
+        inverse: NDArray[np.float64] = np.linalg.solve(square, transposed.T).T
         return inverse
 
 

@@ -59,7 +59,11 @@ class Robot:
 
     def speeds(self) -> tuple[float, ...]:
         """Velocities of all joints, the arm's and then the gripper's, in rad/s or m/s."""
-        return self.body.joint_states(self.arm.indices + self.gripper.indices)[1]
+        return self.body.joint_speeds(self._moving)
+
+    @cached_property
+    def _moving(self) -> tuple[int, ...]:
+        return self.arm.indices + self.gripper.indices
 
     def opening(self) -> float:
         """How far the gripper is open, from 0 (closed) to 1, averaged over its joints."""

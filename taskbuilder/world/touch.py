@@ -32,7 +32,7 @@ class _Push:
 class Touch:
     """Contacts between named bodies, parts and robots.
 
-    The contacts of two bodies are read when first asked for, and kept until `refresh`.
+    The contacts of a body are read when first asked for, and kept until `refresh`.
     """
 
     def __init__(
@@ -41,8 +41,9 @@ class Touch:
         self._client = client
         self._robots = robots
         self._objects = objects
-        self._contacts: dict[tuple[int, int], tuple[Contact, ...]] = {}
+        self._contacts: dict[int, Mapping[int, tuple[Contact, ...]]] = {}
         self._held: dict[tuple[str, str], bool] = {}
+        self._bodies: dict[str, tuple[Body, int | None]] = {}  # names stay what they are
 
     def refresh(self) -> None:
         """Forget what was read."""
@@ -80,17 +81,24 @@ class Touch:
         """
         one, one_link = self._body(first)
         other, other_link = self._body(second)
-        key = (one.id, other.id)
-        found = self._contacts.get(key)
-        if found is None:
-            found = self._contacts[key] = contacts(self._client, one, other)
-        if one_link is None and other_link is None:
+        of_one = self._contacts.get(one.id)
+        if of_one is None:
+            of_one = self._contacts[one.id] = self._read(one)
+        found = of_one.get(other.id, ())
+        if not found or (one_link is None and other_link is None):
             return found
         return tuple(
             contact
             for contact in found
             if one_link in (None, contact.link_a) and other_link in (None, contact.link_b)
         )
+
+    def _read(self, body: Body) -> Mapping[int, tuple[Contact, ...]]:
+        """All contacts of a body, by the other body: mostly none, and one call finds them all."""
+        found: dict[int, tuple[Contact, ...]] = {}
+        for contact in contacts(self._client, body):
+            found[contact.body_b] = (*found.get(contact.body_b, ()), contact)
+        return found
 
     def _pushes(self, body: str, robot: str) -> list[_Push]:
         """What each finger of a robot does to an object or part; none if none touches."""
@@ -105,6 +113,12 @@ class Touch:
 
     def _body(self, name: str) -> tuple[Body, int | None]:
         """The body of a name and, for a part or link, its index."""
+        known = self._bodies.get(name)
+        if known is None:
+            known = self._bodies[name] = self._find(name)
+        return known
+
+    def _find(self, name: str) -> tuple[Body, int | None]:
         owner, _, part = name.partition(".")
         if owner in self._robots and not part:
             return self._robots[owner].body, None

@@ -44,7 +44,7 @@ def test_torque_lasts_one_physics_step_unless_repeated(client, panda):
     after_one = panda.joint_states([6])[1][0]
     client.step(1)
     assert panda.joint_states([6])[1][0] <= after_one
-    client.step(1, before_each=motors.repeat)
+    client.step(1, drives=[iter(motors.repeat, "never")])
     assert panda.joint_states([6])[1][0] > 1.5 * after_one
 
 

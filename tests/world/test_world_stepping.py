@@ -28,13 +28,16 @@ def test_targets_reach_their_end_with_the_last_physics_step(build, monkeypatch):
     world = build(bench())
     arm = world.robots["arm"]
     told: list[tuple[float, ...]] = []
-    issue = arm.arm.position
 
-    def listen(positions):
-        told.append(tuple(positions))
-        issue(positions)
+    def listening(issue):
+        def listen(positions):
+            told.append(tuple(positions))
+            issue(positions)
 
-    monkeypatch.setattr(arm.arm, "position", listen)
+        return listen
+
+    for way in ("pass_by", "position"):
+        monkeypatch.setattr(arm.arm, way, listening(getattr(arm.arm, way)))
     target = tuple(joint + 0.12 for joint in arm.home)
     world.step({"arm": target})
     assert told[-1] == target == arm.arm.command.values
