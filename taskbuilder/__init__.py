@@ -14,6 +14,7 @@ from taskbuilder._version import __version__
 if TYPE_CHECKING:
     from taskbuilder.env.joint import JointEnv
     from taskbuilder.env.parallel import TaskEnv, parallel_env
+    from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.spec.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.run import validate_task
@@ -25,11 +26,13 @@ __all__ = [
     "JointEnv",
     "Task",
     "TaskEnv",
+    "TaskVectorEnv",
     "World",
     "__version__",
     "build_world",
     "catalogue",
     "load_task",
+    "make_vec",
     "parallel_env",
     "validate_task",
 ]
@@ -39,9 +42,11 @@ _HOMES = {
     "JointEnv": "taskbuilder.env.joint",
     "Task": "taskbuilder.task",
     "TaskEnv": "taskbuilder.env.parallel",
+    "TaskVectorEnv": "taskbuilder.env.vector",
     "World": "taskbuilder.world.world",
     "build_world": "taskbuilder.world.building",
     "load_task": "taskbuilder.task",
+    "make_vec": "taskbuilder.env.vector",
     "parallel_env": "taskbuilder.env.parallel",
     "validate_task": "taskbuilder.validate.run",
 }

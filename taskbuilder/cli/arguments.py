@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
 
-_COMMANDS = ("list", "show", "new", "validate", "render", "robots", "schema")
+_COMMANDS = ("list", "show", "new", "validate", "render", "bench", "robots", "schema")
 
 
 class Parser(argparse.ArgumentParser):
@@ -222,6 +222,24 @@ def _add_robots(adder: _Adder) -> None:
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
+def _add_bench(adder: _Adder) -> None:
+    parser = adder.command(
+        "measure what a task's environment costs, beside its physics alone", "handover"
+    )
+    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "--episodes", type=_whole(1, 1000), default=10, metavar="N", help="to play (default 10)"
+    )
+    parser.add_argument(
+        "--workers",
+        type=_whole(0, 64),
+        default=2,
+        metavar="N",
+        help="measure scaling up to so many processes (default 2)",
+    )
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
 def _add_schema(adder: _Adder) -> None:
     parser = adder.command(
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
@@ -237,6 +255,7 @@ _ADDERS = {
     "new": _add_new,
     "validate": _add_validate,
     "render": _add_render,
+    "bench": _add_bench,
     "robots": _add_robots,
     "schema": _add_schema,
 }

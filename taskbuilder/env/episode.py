@@ -131,8 +131,8 @@ class Episode:
         targets: dict[str, Sequence[float]] = {}
         for agent, values in actions.items():
             mode = self.actions[agent]
-            physical = mode.physical(values) if self.options.normalize else values
-            target = mode.command(physical)
+            numbers: list[float] = values.tolist()
+            target = mode.command(mode.physical(numbers) if self.options.normalize else numbers)
             if target is not None:
                 targets[agent] = target
         self._previous = dict(actions)
@@ -163,7 +163,7 @@ class Episode:
         dt = 1.0 / self._file.spec.timing.control_hz
         scene = self._file.scenes[self._variation]
         return {
-            name: RobotActions(robot, scene.robots[name].action, dt)
+            name: RobotActions(self.world, robot, scene.robots[name].action, dt)
             for name, robot in self.world.robots.items()
         }
 

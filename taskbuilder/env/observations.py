@@ -87,7 +87,9 @@ class View:
             numbers = reading.read(episode)
             values += reading.noisy(numbers, episode.noise_rng) if self._noisy else numbers
         array = np.array(values, dtype=np.float32)
-        return np.clip(array, self.low, self.high, out=array)
+        np.maximum(array, self.low, out=array)  # np.clip takes four times as long
+        np.minimum(array, self.high, out=array)
+        return array
 
     def split(self, vector: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
         """A vector's channels by name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -97,6 +98,6 @@ def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np
         raise ActionError(agent, space, f"is {type(action).__name__}, not numbers") from None
     if values.shape != space.shape:
         raise ActionError(agent, space, f"has shape {values.shape}")
-    if not np.isfinite(values).all():
+    if not all(map(math.isfinite, values.tolist())):
         raise ActionError(agent, space, "has numbers that are not finite")
     return values

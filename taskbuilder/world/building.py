@@ -13,6 +13,7 @@ from taskbuilder.geometry import Pose
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.islands import unite
 from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.renderers import choose
@@ -61,6 +62,7 @@ def build_world(
         heard = tuple(loader.heard)
         world = World(task, scene, client, robots, objects, sites, floor, heard)
         _put_all(world)
+        unite(_movers(world))
         world.keep_as_built()
     except BaseException:
         client.close()
@@ -165,3 +167,9 @@ def _put_all(world: World) -> None:
         spec = world.scene.objects.get(name) or world.scene.sites[name]
         if spec.place is None:
             put(world, name)
+
+
+def _movers(world: World) -> list[Body]:
+    """The bodies that move, or have parts that do."""
+    things = [thing for thing in world.objects.values() if thing.joints or not thing.spec.fixed]
+    return [robot.body for robot in world.robots.values()] + [thing.body for thing in things]

@@ -1,0 +1,199 @@
+"""What an environment costs, beside the floor: the physics steps of the same episodes alone.
+
+Floor and environment are measured in one process, on the same motion: at rest the solver stops
+early and a physics step is a sixth cheaper than in motion.
+"""
+
+from __future__ import annotations
+
+import resource
+import statistics
+import sys
+import time
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.render import take_still
+from taskbuilder.sim.cameras import capture
+from taskbuilder.sim.motors import Command, Motors
+from taskbuilder.sim.renderers import probe_egl
+from taskbuilder.task import Task
+
+IMAGE_SIZES = ((84, 84), (128, 128), (640, 480))
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """Costs of a control step. The least of several timings counts, as noise only adds.
+
+    Attributes:
+        steps_per_second: Control steps in a second of one core.
+        real_time_factor: Simulated seconds in a second of one core.
+        overhead: A control step's time over that of its physics steps alone.
+        overhead_physics_steps: What a control step costs beyond its physics steps, in physics
+            steps.
+        physics_step_us: A bare physics step, in microseconds.
+        control_step_us: A control step, in microseconds.
+        substeps: Physics steps in a control step.
+    """
+
+    steps_per_second: float
+    real_time_factor: float
+    overhead: float
+    overhead_physics_steps: float
+    physics_step_us: float
+    control_step_us: float
+    substeps: int
+
+
+def measure_steps(task: Task, *, episodes: int = 10, repeats: int = 5, **options: Any) -> StepCost:
+    """Measure control steps under random actions, and the physics steps in them alone.
+
+    Args:
+        task: The task.
+        episodes: How many episodes are played.
+        repeats: How often each is timed; the least time counts, as noise only adds.
+        options: Of the environment.
+    """
+    env = parallel_env(task, **options)
+    timing = env.episode.world.spec.timing
+    whole = bare = 0.0
+    steps = 0
+    for seed in range(episodes):
+        actions = _random_actions(env, seed)
+        whole += min(_play(env, seed, actions) for _ in range(repeats))
+        told = _record(env, seed, actions)
+        bare += min(_physics_alone(env, seed, told) for _ in range(repeats))
+        steps += len(told)
+    env.close()
+    control, physics = whole / steps, bare / steps / timing.substeps
+    return StepCost(
+        steps_per_second=1.0 / control,
+        real_time_factor=1.0 / timing.control_hz / control,
+        overhead=whole / bare,
+        overhead_physics_steps=(whole - bare) / steps / physics,
+        physics_step_us=physics * 1e6,
+        control_step_us=control * 1e6,
+        substeps=timing.substeps,
+    )
+
+
+def measure_resets(task: Task, *, resets: int = 200, **options: Any) -> float:
+    """Median wall time of a reset, in milliseconds."""
+    env = parallel_env(task, **options)
+    times = []
+    for seed in range(resets):
+        started = time.perf_counter()
+        env.reset(seed=seed)
+        times.append(time.perf_counter() - started)
+    env.close()
+    return statistics.median(times) * 1000.0
+
+
+def measure_images(task: Task, renderer: str) -> dict[str, float]:
+    """Images a second of the scene's first camera, by size; stills a second as well."""
+    env = parallel_env(task, renderer=renderer)
+    env.reset(seed=0)
+    world = env.episode.world
+    camera = next(iter(world.scene.cameras))
+    rates = {}
+    for width, height in IMAGE_SIZES:
+        view = world.camera(camera, (width, height))
+        rates[f"{width}x{height}"] = _rate(lambda view=view: capture(world.client, view))
+    rates["still 640x480"] = _rate(lambda: take_still(world, camera, (640, 480)))
+    env.close()
+    return rates
+
+
+def renderers() -> tuple[str, ...]:
+    """The renderers that work on this machine."""
+    return ("tiny", "egl") if probe_egl().works else ("tiny",)
+
+
+def peak_memory_mb() -> float:
+    """The most memory that this process has held, in megabytes."""
+    unit = 1024.0 if sys.platform != "darwin" else 1.0  # macOS counts bytes, others kilobytes
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
+
+
+def as_data(cost: StepCost) -> dict[str, float]:
+    """A cost's figures by name."""
+    return asdict(cost)
+
+
+Actions = list[dict[str, np.ndarray[Any, np.dtype[np.float32]]]]
+
+
+def _random_actions(env: TaskEnv, seed: int) -> Actions:
+    rng = np.random.default_rng(seed)
+    sizes = {agent: env.episode.actions[agent].size for agent in env.possible_agents}
+    return [
+        {agent: rng.uniform(-1.0, 1.0, size).astype(np.float32) for agent, size in sizes.items()}
+        for _ in range(env.episode.horizon)
+    ]
+
+
+def _play(env: TaskEnv, seed: int, actions: Actions) -> float:
+    """Seconds of an episode's steps."""
+    env.reset(seed=seed)
+    started = time.perf_counter()
+    for action in actions:
+        env.step(action)
+        if not env.agents:
+            break
+    return time.perf_counter() - started
+
+
+Told = list[dict[Motors, Command]]
+
+
+def _record(env: TaskEnv, seed: int, actions: Actions) -> Told:
+    """What the motors were told at each step of an episode."""
+    env.reset(seed=seed)
+    told = []
+    for action in actions:
+        env.step(action)
+        robots = env.episode.world.robots.values()
+        told.append({m: m.command for robot in robots for m in (robot.arm, robot.gripper)})
+        if not env.agents:
+            break
+    return told
+
+
+def _physics_alone(env: TaskEnv, seed: int, told: Told) -> float:
+    """Seconds of the physics steps of the same episode, without what is between them."""
+    env.reset(seed=seed)
+    world = env.episode.world
+    substeps = world.spec.timing.substeps
+    advance = world.client.bullet.stepSimulation
+    total = 0.0
+    for commands in told:
+        drives = []
+        for robot in world.robots.values():
+            robot.gripper.issue(commands[robot.gripper])
+            arm = commands[robot.arm]
+            if arm.mode == "position":
+                drives.append(robot.ramp(arm.values, substeps))
+            else:
+                robot.arm.issue(arm)
+                drives.append(robot.push())
+        for _ in range(substeps):
+            for drive in drives:
+                next(drive)
+            started = time.perf_counter()
+            advance()
+            total += time.perf_counter() - started
+    return total
+
+
+def _rate(draw: Any, least_s: float = 0.5) -> float:
+    """How often something can be drawn in a second."""
+    draw()
+    count, started = 0, time.perf_counter()
+    while time.perf_counter() - started < least_s:
+        draw()
+        count += 1
+    return count / (time.perf_counter() - started)

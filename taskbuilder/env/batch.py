@@ -1,0 +1,91 @@
+"""Reading what a caller hands to a vector of environments: actions and seeds for all of them."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from taskbuilder.env.errors import ActionError, AgentError
+from taskbuilder.env.shared import Form
+from taskbuilder.errors import UsageError
+
+_SEED_LIMIT = 2**63
+
+
+def read_actions(actions: Any, form: Form, num_envs: int) -> dict[str, NDArray[np.float64]]:
+    """Every agent's actions: (num_envs, n) float64, checked but not clipped.
+
+    Raises:
+        AgentError: It is no mapping, an agent's actions are missing, or there is no such agent.
+        ActionError: Actions are not finite, or of another shape or kind.
+    """
+    agents = ", ".join(form.agents)
+    if not isinstance(actions, Mapping):
+        kind = type(actions).__name__
+        raise AgentError(f"actions are a mapping from agent to array, not {kind}; agents: {agents}")
+    missing = [agent for agent in form.agents if agent not in actions]
+    unknown = [agent for agent in actions if agent not in form.agents]
+    if missing or unknown:
+        parts = [f"no actions for {', '.join(missing)}"] if missing else []
+        parts += [f"no agent {', '.join(map(str, unknown))}"] if unknown else []
+        raise AgentError(f"{'; '.join(parts)}; the agents are {agents}")
+    return {
+        agent: _read(agent, actions[agent], space, num_envs)
+        for agent, space in form.action_spaces.items()
+    }
+
+
+def read_seeds(seed: Any, num_envs: int) -> list[int | None]:
+    """A seed for every environment, or None for those that go on with what they have.
+
+    Raises:
+        UsageError: A seed is not a whole number from 0 to 2**63 - 1, or there are too few or many.
+    """
+    if seed is None:
+        return [None] * num_envs
+    if isinstance(seed, Sequence | np.ndarray):
+        seeds = [None if one is None else _whole(one) for one in seed]
+        if len(seeds) != num_envs:
+            raise UsageError(f"there are {len(seeds)} seeds for {num_envs} environments")
+        return seeds
+    first = _whole(seed)
+    return [_whole(first + number) for number in range(num_envs)]
+
+
+def _whole(seed: Any) -> int:
+    try:
+        number = operator.index(seed)
+    except TypeError:
+        number = -1
+    if not 0 <= number < _SEED_LIMIT:
+        raise UsageError(f"a seed is a whole number from 0 to 2**63 - 1, not {seed!r}")
+    return number
+
+
+def _read(agent: str, actions: Any, space: spaces.Space[Any], num_envs: int) -> NDArray[np.float64]:
+    if isinstance(space, spaces.Dict):
+        if not isinstance(actions, Mapping) or set(actions) != set(space.spaces):
+            raise ActionError(agent, space, "is not a mapping with these keys")
+        parts = [_read(agent, actions[key], space[key], num_envs) for key in ("arm", "gripper")]
+        return np.concatenate(parts, axis=1)
+    try:
+        values = np.asarray(actions, dtype=np.float64)
+    except (TypeError, ValueError):
+        kind = type(actions).__name__
+        raise ActionError(
+            agent, space, f"is {kind}, not a row of numbers for each of {num_envs} environments"
+        ) from None
+    shape = (num_envs, *(space.shape or ()))
+    if values.shape != shape:
+        what = f"has shape {values.shape}, not {shape} for {num_envs} environments"
+        raise ActionError(agent, space, what)
+    finite = np.isfinite(values).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        raise ActionError(agent, space, f"in environment {row} has numbers that are not finite")
+    return values

@@ -1,0 +1,79 @@
+"""A shard: some of a vector's environments, stepped one after the other in one process."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from taskbuilder.env.options import Options
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.shared import Board
+from taskbuilder.task import Task
+
+
+class Shard:
+    """Environments that read what to do from a board, and write there what came of it.
+
+    Args:
+        task: The task.
+        options: How it is made into environments.
+        board: Where this shard's rows are.
+        rows: Which they are.
+        same_step: Let an episode that ends be followed by another within the step.
+    """
+
+    def __init__(
+        self, task: Task, options: Options, board: Board, rows: range, *, same_step: bool
+    ) -> None:
+        self._board = board
+        self._same_step = same_step
+        self._envs = {row: TaskEnv(task, options) for row in rows}
+
+    def advance(self) -> None:
+        """Let every environment begin an episode or act, as the board says."""
+        board = self._board
+        for row, env in self._envs.items():
+            if board.begin[row]:
+                board.rewards[row] = 0.0
+                board.terminated[row] = board.truncated[row] = False
+                self._begin(row, env)
+            else:
+                self._act(row, env)
+
+    def close(self) -> None:
+        """Free the physics."""
+        for env in self._envs.values():
+            env.close()
+
+    def _begin(self, row: int, env: TaskEnv) -> None:
+        observations, infos = env.reset(seed=int(self._board.seeds[row]))
+        first = env.possible_agents[0]  # infos are the same for all
+        self._board.now.write(row, observations, env.state(), infos[first])
+
+    def _act(self, row: int, env: TaskEnv) -> None:
+        board = self._board
+        observations, rewards, _, _, infos = env.step(self._actions(row, env))
+        board.rewards[row] = [rewards[agent] for agent in env.possible_agents]
+        board.terminated[row] = env.episode.terminated
+        board.truncated[row] = env.episode.truncated
+        another = self._same_step and not env.agents
+        moment = board.final if another else board.now
+        moment.write(row, observations, env.state(), infos[env.possible_agents[0]])
+        if another:
+            self._begin(row, env)
+
+    def _actions(self, row: int, env: TaskEnv) -> dict[str, Any]:
+        """Copies, because environments keep their last action and the board's rows change."""
+        return {
+            agent: _parted(values[row].copy(), env.action_space(agent))
+            for agent, values in self._board.actions.items()
+        }
+
+
+def _parted(values: NDArray[np.float64], space: spaces.Space[Any]) -> Any:
+    if isinstance(space, spaces.Dict):
+        return {"arm": values[:-1], "gripper": values[-1:]}
+    return values

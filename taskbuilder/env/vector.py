@@ -1,0 +1,301 @@
+"""The vector view: many environments of a task at once, in this process or in several."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from taskbuilder.env.batch import read_actions, read_seeds
+from taskbuilder.env.crew import Alone, Crew, Workers
+from taskbuilder.env.errors import EpisodeOverError
+from taskbuilder.env.options import Options
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.shared import Arena, Form, Moment, copied, row_of
+from taskbuilder.env.worker import Orders
+from taskbuilder.errors import UsageError
+from taskbuilder.task import Task, load_task
+
+Arrays = dict[str, Any]
+Flags = NDArray[np.bool_]
+
+
+class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
+    """Many environments of one task; made by `make_vec`.
+
+    Observations, actions and rewards are dictionaries by agent, of arrays with a row for each
+    environment. Terminations and truncations are plain arrays: all agents of an environment end
+    together. Infos are arrays by key, those of `TaskEnv` and "lost": 1.0 where an episode was cut
+    off because the process that ran it was lost. What is returned belongs to the caller.
+
+    Environment i draws the seeds of its episodes like a `TaskEnv` that was reset with its seed and
+    then again and again without one. So what happens depends on the seeds and the actions alone,
+    not on the number of workers.
+
+    When an episode ends (``metadata["autoreset_mode"]``):
+
+    - same step: the next one begins within the step. Observations, `state` and infos are those of
+      its beginning; how the old one ended is in the infos "final_obs" (an array of objects: a
+      dictionary by agent for each environment that ended, else None), "final_state" and
+      "final_info", of which "_final_obs" and so on tell the rows that count.
+    - next step: the next one begins with the next step, whatever that step's actions say, and
+      that step pays nothing.
+
+    A worker that dies or hangs is replaced, with a warning to the log. The episodes of its
+    environments are truncated in that step and pay nothing; the last observation of each is the
+    one that was returned last. Other workers' environments notice nothing.
+
+    Attributes:
+        num_envs: How many environments.
+    """
+
+    def __init__(
+        self, form: Form, crew: Crew, num_envs: int, mode: AutoresetMode, name: str
+    ) -> None:
+        self._finalizer = weakref.finalize(self, crew.close)
+        self.num_envs = num_envs
+        self.metadata = {"name": f"{name}_v0", "render_modes": [], "autoreset_mode": mode}
+        self._same_step = mode is AutoresetMode.SAME_STEP
+        self._form = form
+        self._crew = crew
+        self._board = crew.board
+        # What was returned last. Workers may die while they write to the board, but not to this.
+        self._seen = Moment(form, num_envs, Arena())
+        self._running = False
+        self._generators = [np.random.default_rng() for _ in range(num_envs)]
+        self._draw_seeds(np.ones(num_envs, dtype=np.bool_))
+        self._make_spaces()
+
+    def _make_spaces(self) -> None:
+        self.single_observation_space = spaces.Dict(dict(self._form.observation_spaces))
+        self.single_action_space = spaces.Dict(dict(self._form.action_spaces))
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """The robots of the scene, in file order."""
+        return self._form.agents
+
+    @property
+    def state_space(self) -> spaces.Box:
+        """The space of one environment's `state`."""
+        return self._form.state_space
+
+    @property
+    def worker_pids(self) -> tuple[int, ...]:
+        """The processes of the workers, in their order; -1 for one that is not running."""
+        return self._crew.pids
+
+    # --- time
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Arrays, dict[str, Any]]:
+        """Begin an episode in every environment.
+
+        Args:
+            seed: Of the first environment, the next one having seed + 1 and so on; or one for
+                each. Environments without go on with the seeds that they have.
+            options: Unused; there for Gymnasium.
+
+        Raises:
+            UsageError: The environment is closed, a seed is no seed, or ``reset_mask`` is asked
+                for: episodes that end are followed by others without being asked.
+            WorkerError: A worker is lost again and again.
+        """
+        self._check_open()
+        if "reset_mask" in (options or {}):
+            raise UsageError("reset_mask is not supported; episodes follow each other as they end")
+        seeds = read_seeds(seed, self.num_envs)
+        self._running = False
+        self._crew.settle()
+        for row, number in enumerate(seeds):
+            if number is not None:
+                self._generators[row] = np.random.default_rng(number)
+                self._board.seeds[row] = number
+        self._board.begin[:] = True
+        self._crew.advance(begin_anew=True)
+        self._draw_seeds(self._board.begin)
+        self._board.begin[:] = False
+        self._seen.copy(self._board.now)
+        self._running = True
+        return copied(self._seen.observations), self._infos()
+
+    def step(self, actions: Arrays) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
+        """Let every agent of every environment act for one control step.
+
+        Args:
+            actions: By agent: (num_envs, n), or with ``flat=False`` dictionaries of such arrays.
+                Numbers beyond the bounds are clipped.
+
+        Returns:
+            Observations by agent, rewards by agent ((num_envs,) float64), terminations and
+            truncations ((num_envs,) bool), and infos.
+
+        Raises:
+            ActionError: Actions are not finite, or of another shape or kind.
+            AgentError: An agent's actions are missing, or there is no such agent.
+            EpisodeOverError: There was no reset, or not since a step that was interrupted.
+            UsageError: The environment is closed.
+            WorkerError: A worker is lost again and again.
+        """
+        self._check_open()
+        if not self._running:
+            raise EpisodeOverError("no episodes are running; call reset")
+        board = self._board
+        for agent, values in read_actions(actions, self._form, self.num_envs).items():
+            board.actions[agent][:] = values
+        self._running = False  # until all is well again: an interrupt may come at any moment
+        lost = self._write_off(self._crew.advance(begin_anew=self._same_step))
+        ended = board.terminated | board.truncated
+        self._draw_seeds(ended if self._same_step else board.begin & ~lost)
+        board.begin[:] = ended & (not self._same_step)
+        self._seen.copy(board.now)
+        self._running = True
+        infos = {**self._infos(), "lost": lost.astype(np.float64)}
+        if self._same_step and ended.any():
+            infos |= self._final_infos(ended, infos["lost"])
+        rewards = dict(zip(self.agents, board.rewards.T.copy(), strict=True))
+        return (
+            copied(self._seen.observations),
+            rewards,
+            board.terminated.copy(),
+            board.truncated.copy(),
+            infos,
+        )
+
+    def state(self) -> NDArray[np.float32]:
+        """What a centralised critic sees: (num_envs, state_dim), of the last reset or step.
+
+        Raises:
+            EpisodeOverError: There was no reset, or not since a step that was interrupted.
+        """
+        if not self._running:
+            raise EpisodeOverError("no episodes are running; call reset")
+        return self._seen.state.copy()
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Free the environments and end the workers; called by `close`, which can be repeated."""
+        del kwargs
+        self._running = False
+        self._finalizer()
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise UsageError("the environment is closed")
+
+    def _draw_seeds(self, rows: Flags) -> None:
+        """Draw the seeds of the episodes after those that have begun."""
+        for row in np.flatnonzero(rows):
+            self._board.seeds[row] = self._generators[row].integers(2**31)
+
+    def _write_off(self, lost: Sequence[range]) -> Flags:
+        """Truncate the episodes of lost workers, as they were last seen; tell which they are."""
+        board = self._board
+        mask = np.zeros(self.num_envs, dtype=np.bool_)
+        for rows in lost:
+            part = slice(rows.start, rows.stop)
+            (board.final if self._same_step else board.now).copy(self._seen, rows)
+            board.rewards[part] = 0.0
+            board.terminated[part] = False
+            board.truncated[part] = mask[part] = True
+        return mask
+
+    # --- infos
+
+    def _infos(self) -> dict[str, Any]:
+        infos = dict(zip(self._form.info_keys, self._seen.infos.T.copy(), strict=True))
+        return {**infos, "lost": np.zeros(self.num_envs)}
+
+    def _final_infos(self, ended: Flags, lost: NDArray[np.float64]) -> dict[str, Any]:
+        final = self._board.final
+        observations = np.full(self.num_envs, None, dtype=object)
+        for row in np.flatnonzero(ended):
+            observations[row] = row_of(final.observations, int(row))
+        numbers = np.where(ended, final.infos.T, 0.0)
+        infos = dict(zip(self._form.info_keys, numbers, strict=True))
+        return {
+            "final_obs": observations,
+            "_final_obs": ended,
+            "final_state": np.where(ended[:, None], final.state, np.float32(0.0)),
+            "_final_state": ended.copy(),
+            "final_info": {**infos, "lost": lost.copy()},
+            "_final_info": ended.copy(),
+        }
+
+
+def make_vec(
+    task: str | Path | Task,
+    num_envs: int,
+    workers: int = 0,
+    *,
+    autoreset: AutoresetMode | str = AutoresetMode.SAME_STEP,
+    timeout_s: float = 60.0,
+    retries: int = 3,
+    **options: Any,
+) -> TaskVectorEnv:
+    """Make many environments of a task, to be stepped at once.
+
+    Args:
+        task: Its name, the path of its YAML file, or the task itself.
+        num_envs: How many environments; each takes about 30 MB.
+        workers: In how many processes they run; 0 for this one.
+        autoreset: What follows an episode's end: Gymnasium's "SameStep" or "NextStep".
+        timeout_s: A worker that takes longer for a step of its environments is replaced.
+        retries: How many times in a row a worker is replaced before that is an error.
+        options: See `Options`.
+
+    Raises:
+        UnknownNameError: There is no such task.
+        FileError: The task is wrong.
+        UsageError: An argument or option does not fit.
+        WorkerError: A worker does not start.
+    """
+    mode = _mode(autoreset)
+    _check_numbers(num_envs, workers, timeout_s, retries)
+    loaded = task if isinstance(task, Task) else load_task(task)
+    made = Options(**options)
+    form = _form(loaded, made)
+    orders = Orders(loaded, made, form, num_envs, mode is AutoresetMode.SAME_STEP)
+    crew: Crew = (
+        Workers(orders, workers, timeout_s=timeout_s, retries=retries) if workers else Alone(orders)
+    )
+    return TaskVectorEnv(form, crew, num_envs, mode, loaded.name)
+
+
+def _form(task: Task, options: Options) -> Form:
+    env = TaskEnv(task, options)
+    try:
+        return Form.of(env)
+    finally:
+        env.close()
+
+
+def _mode(autoreset: AutoresetMode | str) -> AutoresetMode:
+    modes = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
+    for mode in modes:
+        if autoreset in (mode, mode.value):
+            return mode
+    raise UsageError(f'autoreset is {autoreset!r}; "SameStep" or "NextStep"')
+
+
+def _check_numbers(num_envs: int, workers: int, timeout_s: float, retries: int) -> None:
+    if num_envs < 1:
+        raise UsageError(f"num_envs is {num_envs}; at least 1")
+    if not 0 <= workers <= num_envs:
+        raise UsageError(f"workers is {workers}; 0 to {num_envs}, the number of environments")
+    if timeout_s <= 0.0:
+        raise UsageError(f"timeout_s is {timeout_s}; above 0")
+    if retries < 0:
+        raise UsageError(f"retries is {retries}; at least 0")

@@ -1,0 +1,127 @@
+"""A worker: a process of its own that runs a shard.
+
+Started by `taskbuilder.env.crew` as a fresh interpreter. What it is to run comes on its standard
+input; then every byte that it receives over its socket means `Shard.advance`, and is answered by a
+byte. It never prints: what it says on the way to its death goes to a file that its owner reads.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import fcntl
+import os
+import pickle
+import resource
+import signal
+import socket
+import sys
+import threading
+import traceback
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
+
+if TYPE_CHECKING:  # imported by main, when a failure to import can already be told
+    from taskbuilder.env.options import Options
+    from taskbuilder.env.shard import Shard
+    from taskbuilder.env.shared import Form
+    from taskbuilder.task import Task
+
+
+@dataclass(frozen=True)
+class Orders:
+    """What workers are to run.
+
+    Attributes:
+        task: The task.
+        options: How it is made into environments.
+        form: What its environments have alike.
+        num_envs: How many there are, with those of other workers.
+        same_step: See `Shard`.
+    """
+
+    task: Task
+    options: Options
+    form: Form
+    num_envs: int
+    same_step: bool
+
+    def write(self, file: BinaryIO) -> None:
+        """Put the orders where `read` finds them.
+
+        The task's entry goes first: reading it imports the description, under the name by which
+        the task then refers to it. That name holds a digest of a description outside packages, so
+        a worker that starts after its file was edited fails instead of paying by other rules.
+
+        Raises:
+            AttributeError, TypeError, pickle.PicklingError: The description is not importable.
+        """
+        pickle.dump(self.task.file.entry, file)
+        pickle.dump(self, file)
+
+    @classmethod
+    def read(cls, file: BinaryIO) -> Orders:
+        """The orders that `write` put there."""
+        from taskbuilder.description.load import load_description
+
+        load_description(pickle.load(file))  # noqa: S301  # written by the parent process
+        orders: Orders = pickle.load(file)  # noqa: S301
+        return orders
+
+    def shard(self, memory: int, rows: range) -> Shard:
+        """Build the environments of some rows of the board in a block of memory."""
+        from taskbuilder.env.shard import Shard
+        from taskbuilder.env.shared import Arena, Board, map_block
+
+        board = Board(self.form, self.num_envs, Arena(map_block(memory)))
+        return Shard(self.task, self.options, board, rows, same_step=self.same_step)
+
+
+def main() -> None:
+    """Run the shard that the command line and standard input tell of, until the owner is gone."""
+    connection, lifeline, memory, start, stop = map(int, sys.argv[1:])
+    _die_with_owner(lifeline)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner decides
+    last_words = _fall_silent()
+    try:
+        shard = Orders.read(sys.stdin.buffer).shard(memory, range(start, stop))
+        _serve(shard, socket.socket(fileno=connection))
+    except BaseException:  # whatever it is, the owner replaces this process
+        last_words.write(traceback.format_exc().encode())
+        os._exit(1)
+    os._exit(0)  # without waiting for threads or exit handlers of the task's
+
+
+def _serve(shard: Shard, connection: socket.socket) -> None:
+    connection.sendall(b"!")
+    while connection.recv(1):
+        shard.advance()
+        connection.sendall(b"!")
+
+
+def _fall_silent() -> BinaryIO:
+    """Send what is printed nowhere; what standard error was is kept for last words."""
+    last_words = os.fdopen(os.dup(2), "wb", buffering=0)
+    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123  # its descriptor is what matters
+        os.dup2(nowhere.fileno(), 2)
+    faulthandler.enable(last_words)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    return last_words
+
+
+def _die_with_owner(lifeline: int) -> None:
+    """End this process when the other end of a pipe is closed, as it is when the owner dies.
+
+    On Linux the kernel sees to it, even while this process is stopped or hangs in C code.
+    """
+    if hasattr(fcntl, "F_SETSIG"):
+        fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(lifeline, fcntl.F_SETSIG, signal.SIGKILL)
+        flags = fcntl.fcntl(lifeline, fcntl.F_GETFL)
+        fcntl.fcntl(lifeline, fcntl.F_SETFL, flags | os.O_ASYNC)
+    else:
+        threading.Thread(target=_wait_for_end, args=(lifeline,), daemon=True).start()
+
+
+def _wait_for_end(lifeline: int) -> None:
+    os.read(lifeline, 1)
+    os._exit(1)
