@@ -1,5 +1,5 @@
 # make check runs all that must be clean before a change lands.
-.PHONY: check format lint types tests docs benchmarks
+.PHONY: check format lint types tests docs benchmarks soak
 
 check: lint types tests docs
 
@@ -22,3 +22,8 @@ docs:
 
 benchmarks:
 	python benchmarks/authoring.py
+	python benchmarks/physics_hz.py
+	python benchmarks/environments.py
+
+soak:
+	python benchmarks/soak.py

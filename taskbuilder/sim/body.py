@@ -19,6 +19,9 @@ from taskbuilder.sim.shapes import RGBA
 
 BASE = -1
 
+PAD_M = 0.01
+"""Torque against turning on the spot for a unit of a pad's force, m: about the pad's radius."""
+
 JointType = Literal["revolute", "prismatic", "fixed"]
 
 _JOINT_TYPES: Mapping[int, JointType] = MappingProxyType(
@@ -238,12 +241,16 @@ class Body:
             self._bullet.changeDynamics(self.id, index, restitution=restitution)
 
     def set_grip(self, index: int, friction: float) -> None:
-        """Make a link hold what it presses on: friction that is anchored to where it took hold.
+        """Make a link hold what it presses on, as a soft pad does.
 
-        Without the anchor a solver that stops early lets a held object creep by a millimetre a
-        second.
+        Its friction is anchored to where it took hold: without that, a solver that stops early
+        lets a held object creep by a millimetre a second. And it resists turning on the spot: the
+        solver likes to put all of a pad's force on one point, about which a long object would
+        swing when the arm sets off.
         """
-        self._bullet.changeDynamics(self.id, index, lateralFriction=friction, frictionAnchor=1)
+        self._bullet.changeDynamics(
+            self.id, index, lateralFriction=friction, frictionAnchor=1, spinningFriction=PAD_M
+        )
 
     def raise_inertia(self, index: int, least: float) -> None:
         """Give a link principal moments of at least this much, in kg·m²."""
