@@ -1,5 +1,5 @@
 # make check runs all that must be clean before a change lands.
-.PHONY: check format lint types tests docs benchmarks soak
+.PHONY: check format lint types tests docs benchmarks interop soak
 
 check: lint types tests docs
 
@@ -24,6 +24,9 @@ benchmarks:
 	python benchmarks/authoring.py
 	python benchmarks/physics_hz.py
 	python benchmarks/environments.py
+
+interop:
+	tests/interop/run.sh
 
 soak:
 	python benchmarks/soak.py

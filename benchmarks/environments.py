@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +35,19 @@ def bench(task: str) -> dict[str, Any]:
     return figures
 
 
-def with_joint_actions(task: str) -> dict[str, float]:
-    """The cost of a step where both arms are commanded by joint increments."""
-    loaded = load_task(task)
-    scene = loaded.file.spec.scene
-    for robot in scene.robots.values():
-        object.__setattr__(robot, "action", robot.action.model_copy(update={"arm": "joint_delta"}))
-    return as_data(measure_steps(loaded))
+def with_joint_actions(name: str) -> dict[str, float]:
+    """The cost of a step where every arm is commanded by joint increments."""
+    task = load_task(name)
+    scene = task.file.scenes[0]
+    robots = {
+        robot: entry.model_copy(
+            update={"action": entry.action.model_copy(update={"arm": "joint_delta"})}
+        )
+        for robot, entry in scene.robots.items()
+    }
+    changed = scene.model_copy(update={"robots": robots})
+    file = replace(task.file, scenes=(changed,))
+    return as_data(measure_steps(replace(task, file=file)))
 
 
 def main() -> None:

@@ -60,12 +60,14 @@ class Episode:
         self._file = options.applied(task)
         self.agents = task.agents
         self._worlds: dict[int, World] = {}
+        self._closed = False
         self._variation = 0 if options.variation == "random" else options.variation
         self._referee = Referee(task.description, self.agents)
         self.seed = 0
         self.steps = 0
         self.succeeded = self.exploded = False
         self.over = True
+        self._begun = False
         self.noise_rng = np.random.default_rng(0)
         self.actions = self._make_actions()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
@@ -75,7 +77,13 @@ class Episode:
 
     @property
     def world(self) -> World:
-        """The world of the present variation, built when first needed."""
+        """The world of the present variation, built when first needed.
+
+        Raises:
+            UsageError: The environment was closed.
+        """
+        if self._closed:
+            raise UsageError("this environment is closed; make another")
         if self._variation not in self._worlds:
             self._worlds[self._variation] = build_world(
                 self._file, variation=self._variation, renderer=self.options.renderer
@@ -105,8 +113,10 @@ class Episode:
 
         Raises:
             PlacementError: The objects do not fit.
+            ExplosionError: The physics diverged at once.
         """
         randomness = EpisodeRandomness(seed)
+        self.over, self._begun = True, False  # until this has gone well
         if self.options.variation == "random":
             count = len(self._file.scenes)
             before = self._variation
@@ -114,12 +124,17 @@ class Episode:
             if self._variation != before:
                 self.actions = self._make_actions()
         self.seed = seed
-        self.exploded = self.succeeded = self.over = False
+        self.exploded = self.succeeded = False
         self.steps = 0
         self.noise_rng = randomness.noise()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
-        self.world.reset(seed, randomized=self.options.randomize)
+        try:
+            self.world.reset(seed, randomized=self.options.randomize)
+        except ExplosionError:
+            self._give_up()
+            raise
         self.outcome = self._referee.start(self.world)
+        self.over, self._begun = False, True
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
         """Let every agent act for one control step, and judge.
@@ -151,7 +166,7 @@ class Episode:
         for world in self._worlds.values():
             world.close()
         self._worlds.clear()
-        self.over = True
+        self.over = self._closed = True
 
     def _give_up(self) -> None:
         """End an episode whose physics diverged; its client is poisoned and is thrown away."""
@@ -191,6 +206,7 @@ class Episode:
         values = self._previous[robot]
         if not self.options.normalize:
             mode = self.actions[robot]
+            values = np.clip(values, mode.low, mode.high)
             values = 2.0 * (values - mode.low) / (mode.high - mode.low) - 1.0
         numbers: list[float] = np.clip(values, -1.0, 1.0).tolist()
         return numbers
@@ -203,7 +219,7 @@ class Episode:
         Raises:
             UsageError: There is none: no reset yet, or the physics diverged.
         """
-        if self.exploded or self._variation not in self._worlds:
+        if self._closed or self.exploded or not self._begun:
             raise UsageError("there is no state to save; reset first")
         return EpisodeState(
             self.seed,
@@ -224,6 +240,8 @@ class Episode:
         Raises:
             UsageError: The world that the state belongs to is gone.
         """
+        if self._closed:
+            raise UsageError("this environment is closed; make another")
         world = self._worlds.get(state.variation)
         if world is None or state.world.snapshot.client is not world.client:
             raise UsageError("the state belongs to another environment, or to a world given up")
@@ -235,5 +253,6 @@ class Episode:
         self._referee.memory = state.memory
         self.steps, self.outcome = state.steps, state.outcome
         self.succeeded, self.over, self.exploded = state.succeeded, state.over, False
+        self._begun = True
         self._previous = dict(state.previous)
         self.noise_rng.bit_generator.state = state.noise

@@ -8,6 +8,7 @@ from taskbuilder.env.episode import Episode
 def make_info(episode: Episode) -> dict[str, float]:
     """Everything that the referee said of the present control step, and how the episode stands."""
     outcome = episode.outcome
+    paid = 0.0 if episode.exploded else 1.0
     return {
         "success": float(outcome.success),
         "succeeded": float(episode.succeeded),
@@ -16,7 +17,7 @@ def make_info(episode: Episode) -> dict[str, float]:
         "stage": float(outcome.stage),
         "progress": outcome.progress,
         "step": float(episode.steps),
-        "team_reward": outcome.team,
-        **{f"reward/{label}": pay for label, pay in outcome.terms.items()},
+        "team_reward": paid * outcome.team,
+        **{f"reward/{label}": paid * pay for label, pay in outcome.terms.items()},
         **{f"condition/{name}": float(value) for name, value in outcome.conditions.items()},
     }

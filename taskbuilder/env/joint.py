@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.errors import ActionError
 from taskbuilder.env.parallel import EnvState, TaskEnv, parallel_env
+from taskbuilder.env.spaces import read_action
 from taskbuilder.task import Task
 
 
@@ -100,10 +102,11 @@ class JointEnv(gymnasium.Env[Any, Any]):
 
     def _split(self, action: Any) -> dict[str, Any]:
         if not self._flat:
-            return dict(action) if isinstance(action, dict) else {"?": action}
-        values = np.asarray(action, dtype=np.float64)
-        if values.shape != self.action_space.shape:
-            raise ActionError("all robots", self.action_space, f"has shape {values.shape}")
+            if not isinstance(action, Mapping):
+                what = f"is {type(action).__name__}, not a mapping"
+                raise ActionError("all robots", self.action_space, what)
+            return dict(action)
+        values = read_action("all robots", action, self.action_space)
         return dict(zip(self._agents, np.split(values, self._cuts), strict=True))
 
 

@@ -93,6 +93,8 @@ class View:
 
     def split(self, vector: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
         """A vector's channels by name."""
+        if not self.readings:
+            return {}
         ends = np.cumsum([reading.size for reading in self.readings])[:-1]
         pieces = np.split(vector, ends)
         return {r.name: piece.copy() for r, piece in zip(self.readings, pieces, strict=True)}

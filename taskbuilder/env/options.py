@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
 
 from taskbuilder.errors import UsageError
 from taskbuilder.spec.explain import suggestion
@@ -75,9 +75,25 @@ class Options:
             raise UsageError(
                 f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
             )
+        _choice("renderer", self.renderer, ("auto", "tiny", "egl"))
+        size = self.camera_size
+        if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
+            raise UsageError(f"camera_size is {size!r}; a width and a height of 1 to 4096 pixels")
         shown = (self.render_camera,) if self.render_camera else ()
         for camera in (*self.cameras, *shown):
             _choice("camera", camera, tuple(task.file.spec.scene.cameras))
+
+
+def make_options(**options: Any) -> Options:
+    """Options by name.
+
+    Raises:
+        UsageError: There is no such option.
+    """
+    known = [field.name for field in fields(Options)]
+    for name in options:
+        _choice("option", name, known)
+    return Options(**options)
 
 
 def _choice(name: str, value: str, choices: Sequence[str]) -> None:

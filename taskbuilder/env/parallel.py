@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,9 +20,9 @@ from taskbuilder.env.episode import Episode, EpisodeState
 from taskbuilder.env.errors import AgentError, EpisodeOverError
 from taskbuilder.env.infos import make_info
 from taskbuilder.env.observing import Observer
-from taskbuilder.env.options import Options
+from taskbuilder.env.options import Options, make_options
 from taskbuilder.env.spaces import action_space, read_action
-from taskbuilder.errors import SimulationError
+from taskbuilder.errors import SimulationError, UsageError
 from taskbuilder.sim.cameras import STUDIO, capture
 from taskbuilder.task import Task, load_task
 from taskbuilder.world.world import World, WorldState
@@ -37,6 +38,7 @@ class EnvState:
     episode: EpisodeState
     agents: tuple[str, ...]
     seeds: Mapping[str, Any]
+    noise: Mapping[str, Any]
 
 
 class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
@@ -73,6 +75,7 @@ class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
         self._observer = Observer(task, options, self.episode.world)
         self._seeds = np.random.default_rng()
         self._last: Observations = {}
+        self._noise: Mapping[str, Any] = {}  # of the generator before the last look
 
     # --- spaces
 
@@ -122,8 +125,7 @@ class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
             self._seeds = np.random.default_rng(seed)
         self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
         self.agents = list(self.possible_agents)
-        self._last = self._observer.observe(self.episode)
-        return self._last, self._infos()
+        return self._look(), self._infos()
 
     def step(
         self, actions: Mapping[str, Any]
@@ -142,19 +144,26 @@ class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
         episode = self.episode
         episode.step(values)
         agents = self.agents
-        if not episode.exploded:
-            self._last = self._observer.observe(episode)
+        seen = deepcopy(self._last) if episode.exploded else self._look()
         rewards = self._rewards()
         terminations = dict.fromkeys(agents, episode.terminated)
         truncations = dict.fromkeys(agents, episode.truncated)
         infos = self._infos()
         if episode.over:
             self.agents = []
-        return self._last, rewards, terminations, truncations, infos
+        return seen, rewards, terminations, truncations, infos
+
+    def _look(self) -> Observations:
+        self._noise = self.episode.noise_rng.bit_generator.state
+        self._last = self._observer.observe(self.episode)
+        return self._last
 
     def _read(self, actions: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
         if self.episode.over or not self.agents:
             raise EpisodeOverError("no episode is running; call reset")
+        if not isinstance(actions, Mapping):
+            what = f"actions are a mapping by agent, not {type(actions).__name__}"
+            raise AgentError(f"{what}; the agents are {', '.join(self.agents)}")
         missing = [agent for agent in self.agents if agent not in actions]
         unknown = [agent for agent in actions if agent not in self.agents]
         if missing or unknown:
@@ -205,7 +214,8 @@ class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
         Raises:
             UsageError: There was no reset.
         """
-        state = EnvState(self.episode.save(), tuple(self.agents), self._seeds.bit_generator.state)
+        episode, seeds = self.episode.save(), self._seeds.bit_generator.state
+        state = EnvState(episode, tuple(self.agents), seeds, self._noise)
         # A quarter of a megabyte of Bullet's, which goes when the state does.
         finalize(state, _forget, self.episode.world, state.episode.world)
         return state
@@ -222,7 +232,8 @@ class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
         self.episode.load(state.episode)
         self.agents = list(state.agents)
         self._seeds.bit_generator.state = state.seeds
-        return self._observer.observe(self.episode)
+        self.episode.noise_rng.bit_generator.state = state.noise  # what was seen is seen again
+        return self._look()
 
     def close(self) -> None:
         """Free the physics."""
@@ -251,4 +262,6 @@ def parallel_env(
         UsageError: An option does not fit the task.
     """
     loaded = task if isinstance(task, Task) else load_task(task)
-    return TaskEnv(loaded, Options(**options), render_mode)
+    if render_mode not in (None, "rgb_array"):
+        raise UsageError(f'render_mode is {render_mode!r}; "rgb_array" or None')
+    return TaskEnv(loaded, make_options(**options), render_mode)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.batch import read_actions, read_seeds
 from taskbuilder.env.crew import Alone, Crew, Workers
 from taskbuilder.env.errors import EpisodeOverError
-from taskbuilder.env.options import Options
+from taskbuilder.env.options import Options, make_options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.shared import Arena, Form, Moment, copied, row_of
 from taskbuilder.env.worker import Orders
@@ -265,7 +265,7 @@ def make_vec(
     mode = _mode(autoreset)
     _check_numbers(num_envs, workers, timeout_s, retries)
     loaded = task if isinstance(task, Task) else load_task(task)
-    made = Options(**options)
+    made = make_options(**options)
     form = _form(loaded, made)
     orders = Orders(loaded, made, form, num_envs, mode is AutoresetMode.SAME_STEP)
     crew: Crew = (

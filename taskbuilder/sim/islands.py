@@ -18,7 +18,7 @@ from taskbuilder.sim.bullet import p
 
 
 def unite(bodies: Sequence[Body]) -> None:
-    """Put bodies that move into one island, by constraints that can exert no force.
+    """Put bodies that move into one island, by gears that can exert no force and cost nothing.
 
     Args:
         bodies: All that move, of one client. Of a body with joints, the link that moves the last
@@ -27,7 +27,7 @@ def unite(bodies: Sequence[Body]) -> None:
     for one, other in pairwise(bodies):
         bullet = one.client.bullet
         constraint = bullet.createConstraint(
-            one.id, _moving(one), other.id, _moving(other), p.JOINT_POINT2POINT, *(ORIGIN,) * 3
+            one.id, _moving(one), other.id, _moving(other), p.JOINT_GEAR, *(ORIGIN,) * 3
         )
         bullet.changeConstraint(constraint, maxForce=0.0)
 

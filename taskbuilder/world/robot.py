@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.body import Body
@@ -86,8 +87,8 @@ class Robot:
         """
         command = self.arm.command
         start = np.array(command.values if command.mode == "position" else self.arm_state()[0])
-        shares = np.arange(1, steps)[:, None] / steps
-        for waypoint in (start + shares * (np.array(positions) - start)).tolist():
+        way = np.array(positions) - start
+        for waypoint in (start + _shares(steps) * way).tolist():
             self.arm.pass_by(waypoint)
             yield
         self.arm.position(positions)
@@ -106,7 +107,9 @@ class Robot:
 
     def move_gripper(self, opening: float) -> None:
         """Drive the gripper to an opening from 0 (closed) to 1 (open)."""
-        self.gripper.position(self.gripper_positions(opening))
+        positions = self.gripper_positions(opening)
+        if positions != self.gripper.command.values:  # motors go on with what they were told
+            self.gripper.position(positions)
 
     def gripper_positions(self, opening: float) -> tuple[float, ...]:
         """Positions of the gripper's joints at an opening from 0 to 1."""
@@ -121,3 +124,9 @@ class Robot:
         self.body.reset_joints(self.gripper.indices, self.gripper_positions(1.0))
         self.move_arm(self.home)
         self.move_gripper(1.0)
+
+
+@cache
+def _shares(steps: int) -> NDArray[np.float64]:
+    """(steps - 1, 1) how much of the way is done after each step but the last."""
+    return np.arange(1, steps)[:, None] / steps

@@ -62,7 +62,10 @@ scene:
       shape: {{box: [0.06, 0.04, 0.04]}}
       mass: 0.1
       position: [-0.1, 0, 0.4005]
-    other: {{shape: {{sphere: 0.03}}, mass: 0.1, place: {{center: [0, 0.4, 0.05], size: [0.2, 0.2, 0]}}}}
+    other:
+      shape: {{sphere: 0.03}}
+      mass: 0.1
+      place: {{center: [0, 0.4, 0.05], size: [0.2, 0.2, 0]}}
   sites:
     spot: {{place: {{center: [0, 0.3, 0.5], size: [0.3, 0.3, 0.3]}}}}
     ride: {{position: [0, 0, 0.1], in: block}}
@@ -219,6 +222,5 @@ def grasp(env: TaskEnv, grasps: Mapping[str, str]) -> list[Any]:
                 for agent, point in grasps.items()
             }
             back.append(env.step(towards(env, goals, {})))
-    for _ in range(4):
-        back.append(env.step(towards(env, {}, dict.fromkeys(grasps, -1.0))))
-    return back
+    close = dict.fromkeys(grasps, -1.0)
+    return back + [env.step(towards(env, {}, close)) for _ in range(4)]

@@ -129,8 +129,9 @@ def test_pictures_repeat_with_the_seed(make):
 
 def test_rendering_shows_the_camera_that_was_asked_for(make):
     text = scene("left: [self.tcp]", "right: [self.tcp]")
-    first, wrist = make(text, render_mode="rgb_array"), make(
-        text, render_mode="rgb_array", render_camera="wrist"
+    first, wrist = (
+        make(text, render_mode="rgb_array"),
+        make(text, render_mode="rgb_array", render_camera="wrist"),
     )
     for env in (first, wrist):
         env.reset(seed=0)

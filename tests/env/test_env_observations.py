@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -25,34 +26,35 @@ from hypothesis import strategies as st
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import FileError
 
-HIDDEN = facing("left: [self.tcp, self.joints, block.pose]", "right: [self.tcp, spot.position]")
-
 EVERYTHING = facing(
     "left:",
-    *("- " + channel for channel in (
-        "self.joints",
-        "self.joint_velocities",
-        "self.tcp",
-        "self.tcp in right.base",
-        "self.tcp_velocity",
-        "self.gripper",
-        "self.holding",
-        "self.force",
-        "self.previous_action",
-        "right.tcp",
-        "right.joints",
-        "block.pose",
-        "block.pose in self.tcp",
-        "block.position in right.tcp",
-        "block.orientation",
-        "block.velocity",
-        "block.velocity in self.tcp",
-        "other.position",
-        "spot.position",
-        "spot.position in self.base",
-        "ride.pose",
-        "time_left",
-    )),
+    *(
+        "- " + channel
+        for channel in (
+            "self.joints",
+            "self.joint_velocities",
+            "self.tcp",
+            "self.tcp in right.base",
+            "self.tcp_velocity",
+            "self.gripper",
+            "self.holding",
+            "self.force",
+            "self.previous_action",
+            "right.tcp",
+            "right.joints",
+            "block.pose",
+            "block.pose in self.tcp",
+            "block.position in right.tcp",
+            "block.orientation",
+            "block.velocity",
+            "block.velocity in self.tcp",
+            "other.position",
+            "spot.position",
+            "spot.position in self.base",
+            "ride.pose",
+            "time_left",
+        )
+    ),
     "right: [self.tcp]",
 )
 
@@ -155,7 +157,14 @@ def test_an_agent_without_an_entry_is_refused(make):
 def test_without_a_list_every_agent_sees_itself_and_all_things(make):
     env = make(facing(), flat=False)
     own = ["self.joints", "self.tcp", "self.gripper", "self.holding"]
-    things = ["post.pose", "block.pose", "other.pose", "spot.position", "ride.position", "time_left"]
+    things = [
+        "post.pose",
+        "block.pose",
+        "other.pose",
+        "spot.position",
+        "ride.position",
+        "time_left",
+    ]
     for agent in env.possible_agents:
         assert set(env.observation_space(agent)) == {*own, *things}
 
@@ -205,7 +214,9 @@ def test_poses_are_those_of_the_engine(everything):
 
 def test_poses_in_a_frame_are_as_seen_from_there(everything):
     env = everything
-    actions = {a: {"arm": np.array([0.3, 0.5, 0.8, 0.9]), "gripper": np.zeros(1)} for a in env.agents}
+    actions = {
+        a: {"arm": np.array([0.3, 0.5, 0.8, 0.9]), "gripper": np.zeros(1)} for a in env.agents
+    }
     for _ in range(4):
         found = env.step(actions)[0]["left"]
     own, other, block = found["self.tcp"], found["right.tcp"], found["block.pose"]
@@ -228,7 +239,9 @@ def test_poses_in_a_frame_are_as_seen_from_there(everything):
 
 def test_of_two_quaternions_the_one_with_w_at_least_0_is_shown(make):
     """And never the other for a moment: also where w passes zero."""
-    env = make(facing("left: [self.tcp, block.orientation]", "right: [self.tcp]", action="turn: full"))
+    env = make(
+        facing("left: [self.tcp, block.orientation]", "right: [self.tcp]", action="turn: full")
+    )
     env.reset(seed=0)
     body = env.episode.world.objects["block"].body
     for angle in np.linspace(0.0, 2.0 * math.pi, 25):
@@ -243,8 +256,8 @@ def test_of_two_quaternions_the_one_with_w_at_least_0_is_shown(make):
 
 def test_velocities_are_what_positions_change_by(make):
     text = facing(
-        "left: [other.velocity, other.position, self.tcp_velocity, self.tcp, self.joint_velocities, "
-        "self.joints]",
+        "left: [other.velocity, other.position, self.tcp_velocity, self.tcp, "
+        "self.joint_velocities, self.joints]",
         "right: [self.tcp]",
     )
     env = make(text, control_hz=120, flat=False, horizon=200)
@@ -255,7 +268,7 @@ def test_velocities_are_what_positions_change_by(make):
     world.client.bullet.resetBaseVelocity(body.id, (0.3, -0.2, 1.0), (1.0, 2.0, 3.0))
     push = {"arm": np.array([0.02, 0.03, 0.05, 0.05]), "gripper": np.zeros(1)}
     views = [env.step({"left": push, "right": push})[0]["left"] for _ in range(30)]
-    for before, after in zip(views[9:], views[10:], strict=False):
+    for before, after in itertools.pairwise(views):
         for channel, speed in (
             ("other.position", after["other.velocity"][:3]),
             ("self.joints", after["self.joint_velocities"]),
@@ -265,7 +278,11 @@ def test_velocities_are_what_positions_change_by(make):
         assert near(moved, after["self.tcp_velocity"][:3], 0.02)
         between = matrix(after["self.tcp"][3:]) @ matrix(before["self.tcp"][3:]).T
         turn = np.array(
-            [between[2, 1] - between[1, 2], between[0, 2] - between[2, 0], between[1, 0] - between[0, 1]]
+            [
+                between[2, 1] - between[1, 2],
+                between[0, 2] - between[2, 0],
+                between[1, 0] - between[0, 1],
+            ]
         )
         assert near(turn / 2.0 * 120.0, after["self.tcp_velocity"][3:], 0.02)
     assert np.linalg.norm(views[-1]["self.tcp_velocity"][:3]) > 0.1
@@ -331,11 +348,15 @@ def test_the_time_left_runs_from_1_to_0(make):
 DRAWER = """<?xml version="1.0"?>
 <robot name="drawer">
   <link name="case">
-    <inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <inertial>
+      <mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
     <collision><geometry><box size="0.3 0.3 0.02"/></geometry></collision>
   </link>
   <link name="tray">
-    <inertial><mass value="0.2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <inertial>
+      <mass value="0.2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
     <collision><origin xyz="0 0 0.05"/><geometry><box size="0.2 0.2 0.02"/></geometry></collision>
   </link>
   <joint name="slide" type="prismatic">
@@ -401,7 +422,9 @@ def test_arrays_are_never_used_again(make, flat):
     actions = random_actions(make(facing()), 0, 3)
     kept = [env.reset(seed=0)[0]]
     for action in actions:
-        parts = action if flat else {a: {"arm": v[:-1], "gripper": v[-1:]} for a, v in action.items()}
+        parts = (
+            action if flat else {a: {"arm": v[:-1], "gripper": v[-1:]} for a, v in action.items()}
+        )
         kept.append(env.step(parts)[0])
     arrays = [
         array
@@ -534,7 +557,9 @@ def test_noise_is_drawn_anew_for_every_step_and_episode_and_repeats_with_the_see
         assert len({view[:6].tobytes() for view in views}) == 4
         if seed in shown:
             assert shown[seed].tobytes() == stack.tobytes()
-        assert all(not near(stack[:, :6], other[:, :6], 1e-6) for s, other in shown.items() if s != seed)
+        assert all(
+            not near(stack[:, :6], other[:, :6], 1e-6) for s, other in shown.items() if s != seed
+        )
         shown[seed] = stack
 
 
