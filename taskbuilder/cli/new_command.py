@@ -22,7 +22,7 @@ _ROBOT = Template("""\
 
 _TASK = Template("""\
 task: $task
-summary: $first picks up the cube and brings it to the goal.
+summary: The robot $first picks up the cube and brings it to the goal.
 instructions:
   - bring the {cube.color} cube to the {goal.color} ball
 cooperation: optional                  # required: then no robot alone may be able to succeed
@@ -65,7 +65,7 @@ from taskbuilder.description import Below, Bonus, Description, Distance, Held, N
 
 
 class $title(Description):
-    """$first picks up the cube and brings it to the goal."""
+    """The robot $first picks up the cube and brings it to the goal."""
 
     success = Held("cube", by="$first") & Near("cube", "goal", within=0.05)
     failure = Below("cube", height=0.3)
@@ -144,7 +144,7 @@ def _task(task: str, count: int) -> str:
 def _robot(name: str, angle: float) -> str:
     x, y = _toward(angle, _RADIUS)
     tcp_x, tcp_y = _toward(angle, 0.38)
-    yaw = _number(math.degrees(math.remainder(angle + math.pi, 2.0 * math.pi)))
+    yaw = _number(180.0 - (180.0 - math.degrees(angle + math.pi)) % 360.0)  # more than -180
     return _ROBOT.substitute(name=name, x=x, y=y, tcp_x=tcp_x, tcp_y=tcp_y, yaw=yaw)
 
 
