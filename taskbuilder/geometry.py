@@ -216,7 +216,13 @@ class Box:
 
     def seen_from(self, frame_from_box: Pose) -> Box:
         """The smallest axis-aligned box of another frame that contains this one."""
-        return bounding_box([frame_from_box.apply(corner) for corner in self.corners()])
+        x, y, z = (scale(frame_from_box.axis(i), self.half[i]) for i in range(3))
+        half = (
+            abs(x[0]) + abs(y[0]) + abs(z[0]),
+            abs(x[1]) + abs(y[1]) + abs(z[1]),
+            abs(x[2]) + abs(y[2]) + abs(z[2]),
+        )
+        return Box(frame_from_box.apply(self.center), half)
 
     def contains(self, point: Vec3, margin: float = 0.0) -> bool:
         """Whether a point lies at least ``margin`` inside."""

@@ -59,11 +59,14 @@ class Inside(Condition):
     margin: float = 0.0
 
     def holds(self, world: WorldView) -> bool:
-        room = world.box(self.container)
-        seen_from_container = world.pose(self.container).inverse() @ world.pose(self.body)
-        outline = world.box(self.body).seen_from(seen_from_container)
+        room, box = world.box(self.container), world.box(self.body)
+        room_from_body = world.pose(self.container).inverse() @ world.pose(self.body)
+        center = room_from_body.apply(box.center)
         if not world.is_solid(self.container):
-            return room.contains(outline.center, self.margin)
+            return room.contains(center, self.margin)
+        if any(abs(center[i] - room.center[i]) > room.half[i] for i in (0, 1)):
+            return False  # as nearly always, and found out without the outline
+        outline = box.seen_from(room_from_body)
         within = all(
             outline.low[i] >= room.low[i] + self.margin
             and outline.high[i] <= room.high[i] - self.margin
