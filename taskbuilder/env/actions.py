@@ -53,26 +53,31 @@ class RobotActions:
         self._arm: ArmMode = ARM_MODES[spec.arm](Arm.of(world, robot, spec, dt))
         self._gripper = GripperMode(robot, spec.gripper)
         self._bounds = (*self._arm.bounds, self._gripper.bounds)
+        self._spans = tuple(((low + high) / 2.0, (high - low) / 2.0) for low, high in self._bounds)
         self.size = len(self._bounds)
         self.low: NDArray[np.float64] = np.array([low for low, _ in self._bounds])
         self.high: NDArray[np.float64] = np.array([high for _, high in self._bounds])
 
     def physical(self, normalized: Sequence[float]) -> list[float]:
-        """Numbers from -1 to 1 in physical units."""
+        """Numbers from -1 to 1 in physical units, those beyond clipped."""
         return [
-            low + (value + 1.0) / 2.0 * (high - low)
-            for value, (low, high) in zip(normalized, self._bounds, strict=True)
+            middle + half * (1.0 if value > 1.0 else -1.0 if value < -1.0 else value)
+            for value, (middle, half) in zip(normalized, self._spans, strict=True)
+        ]
+
+    def clipped(self, physical: Sequence[float]) -> list[float]:
+        """Numbers in physical units, those beyond the bounds clipped."""
+        return [
+            min(max(value, low), high)
+            for value, (low, high) in zip(physical, self._bounds, strict=True)
         ]
 
     def command(self, values: Sequence[float]) -> Targets:
-        """Carry out an action in physical units, numbers beyond the bounds clipped.
+        """Carry out an action in physical units and within the bounds.
 
         Returns:
             Joint positions for the arm to arrive at with the control step, or None.
         """
-        *arm, gripper = [
-            min(max(value, low), high)
-            for value, (low, high) in zip(values, self._bounds, strict=True)
-        ]
+        *arm, gripper = values
         self._gripper.command(gripper)
         return self._arm.command(arm)

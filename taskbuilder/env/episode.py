@@ -147,7 +147,8 @@ class Episode:
         for agent, values in actions.items():
             mode = self.actions[agent]
             numbers: list[float] = values.tolist()
-            target = mode.command(mode.physical(numbers) if self.options.normalize else numbers)
+            normalized = self.options.normalize
+            target = mode.command(mode.physical(numbers) if normalized else mode.clipped(numbers))
             if target is not None:
                 targets[agent] = target
         self._previous = dict(actions)
