@@ -18,7 +18,9 @@ from taskbuilder.sim.bullet import p
 
 
 def unite(bodies: Sequence[Body]) -> None:
-    """Put bodies that move into one island, by gears that can exert no force and cost nothing.
+    """Put bodies that move into one island, by gears that can exert no force.
+
+    They take about a sixth of the time of a physics step.
 
     Args:
         bodies: All that move, of one client. Of a body with joints, the link that moves the last
