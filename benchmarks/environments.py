@@ -60,7 +60,9 @@ def main() -> None:
         print(
             f"{name:20} {found['real_time_factor']:5.0f} x real time, "
             f"{found['overhead_physics_steps']:.1f} physics steps beyond its own with tcp_delta, "
-            f"{found['joint_delta']['overhead_physics_steps']:.1f} with joint_delta, "
+            f"{found['joint_delta']['overhead_physics_steps']:.1f} with joint_delta "
+            f"(beyond a loop at rest: {found['overhead_rest_steps']:.1f} and "
+            f"{found['joint_delta']['overhead_rest_steps']:.1f}), "
             f"reset {found['reset_ms']:.2f} ms"
         )
 

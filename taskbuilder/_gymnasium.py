@@ -49,7 +49,7 @@ class _Waiting(MetaPathFinder):
         self,
         fullname: str,
         path: Sequence[str] | None,  # noqa: ARG002  # the finders' protocol
-        target: ModuleType | None = None,  # noqa: ARG002
+        target: ModuleType | None = None,  # noqa: ARG002  # likewise
     ) -> ModuleSpec | None:
         """Find Gymnasium as everybody else would, and register once it has been run."""
         if fullname != "gymnasium":
@@ -64,5 +64,5 @@ class _Waiting(MetaPathFinder):
             run(module)
             register_envs()
 
-        spec.loader.exec_module = run_and_register  # type: ignore[method-assign]
+        spec.loader.exec_module = run_and_register  # type: ignore[method-assign]  # of this one loader
         return spec

@@ -1,7 +1,8 @@
-"""What an environment costs, beside the floor: the physics steps of the same episodes alone.
+"""What an environment costs, beside two floors, all measured in one process.
 
-Floor and environment are measured in one process, on the same motion: at rest the solver stops
-early and a physics step is a sixth cheaper than in motion.
+One floor is the physics steps of the same episodes alone: what is beyond it is ours. The other is
+a bare loop of the same scene at rest, where the solver stops early and a step is cheaper than in
+motion: what is beyond it is ours, and the price of moving.
 """
 
 from __future__ import annotations
@@ -35,7 +36,9 @@ class StepCost:
         overhead: A control step's time over that of its physics steps alone.
         overhead_physics_steps: What a control step costs beyond its physics steps, in physics
             steps.
-        physics_step_us: A bare physics step, in microseconds.
+        overhead_rest_steps: The same beyond a bare loop at rest, in physics steps at rest.
+        physics_step_us: A physics step of these episodes, in microseconds.
+        rest_step_us: A physics step of the scene at rest, in microseconds.
         control_step_us: A control step, in microseconds.
         substeps: Physics steps in a control step.
     """
@@ -44,7 +47,9 @@ class StepCost:
     real_time_factor: float
     overhead: float
     overhead_physics_steps: float
+    overhead_rest_steps: float
     physics_step_us: float
+    rest_step_us: float
     control_step_us: float
     substeps: int
 
@@ -68,6 +73,8 @@ def measure_steps(task: Task, *, episodes: int = 10, repeats: int = 5, **options
         told = _record(env, seed, actions)
         bare += min(_physics_alone(env, seed, told) for _ in range(repeats))
         steps += len(told)
+    env.reset(seed=0)
+    rest = min(_at_rest(env) for _ in range(repeats))
     env.close()
     control, physics = whole / steps, bare / steps / timing.substeps
     return StepCost(
@@ -75,7 +82,9 @@ def measure_steps(task: Task, *, episodes: int = 10, repeats: int = 5, **options
         real_time_factor=1.0 / timing.control_hz / control,
         overhead=whole / bare,
         overhead_physics_steps=(whole - bare) / steps / physics,
+        overhead_rest_steps=control / rest - timing.substeps,
         physics_step_us=physics * 1e6,
+        rest_step_us=rest * 1e6,
         control_step_us=control * 1e6,
         substeps=timing.substeps,
     )
@@ -187,6 +196,14 @@ def _physics_alone(env: TaskEnv, seed: int, told: Told) -> float:
             advance()
             total += time.perf_counter() - started
     return total
+
+
+def _at_rest(env: TaskEnv, steps: int = 600) -> float:
+    """Seconds of a physics step while the arms hold still."""
+    client = env.episode.world.client
+    started = time.perf_counter()
+    client.step(steps)
+    return (time.perf_counter() - started) / steps
 
 
 def _rate(draw: Any, least_s: float = 0.5) -> float:

@@ -71,6 +71,8 @@ def _print(figures: dict[str, Any], cost: StepCost) -> None:
         ["physics step alone", f"{cost.physics_step_us:.0f} µs"],
         ["control step", f"{cost.control_step_us:.0f} µs, {cost.overhead:.2f} × its physics"],
         ["  beyond its physics", f"{cost.overhead_physics_steps:.1f} physics steps"],
+        ["physics step at rest", f"{cost.rest_step_us:.0f} µs"],
+        ["  beyond a loop of them", f"{cost.overhead_rest_steps:.1f} physics steps at rest"],
         ["reset", f"{figures['reset_ms']:.2f} ms"],
     ]
     for renderer, rates in figures["images_per_second"].items():

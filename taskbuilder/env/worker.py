@@ -55,6 +55,7 @@ class Orders:
         Raises:
             AttributeError, TypeError, pickle.PicklingError: The description is not importable.
         """
+        # Pickle is read back only by a child that this process starts, from a pipe of its own.
         pickle.dump(self.task.file.entry, file)
         pickle.dump(self, file)
 

@@ -1,0 +1,44 @@
+"""What `taskbuilder bench` measures, on a short episode: that the figures belong together."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from taskbuilder import bench, load_task
+from taskbuilder.cli import main
+
+
+def test_the_figures_of_a_control_step_belong_together():
+    cost = bench.measure_steps(load_task("handover"), episodes=1, repeats=2, horizon=5)
+    assert cost.substeps == 12
+    assert cost.steps_per_second == pytest.approx(1e6 / cost.control_step_us)
+    assert cost.real_time_factor == pytest.approx(0.1 * cost.steps_per_second)
+    own_us = cost.substeps * cost.physics_step_us
+    assert cost.overhead == pytest.approx(cost.control_step_us / own_us)
+    assert cost.control_step_us > own_us > 0.0  # an environment cannot beat its own physics
+    beyond = (cost.control_step_us - own_us) / cost.physics_step_us
+    assert cost.overhead_physics_steps == pytest.approx(beyond)
+    at_rest = cost.control_step_us / cost.rest_step_us - cost.substeps
+    assert cost.overhead_rest_steps == pytest.approx(at_rest)
+
+
+def test_the_physics_alone_goes_through_the_same_states_as_the_episode():
+    env = bench.parallel_env("handover", horizon=5)
+    actions = bench._random_actions(env, 3)
+    told = bench._record(env, 3, actions)
+    reached = env.episode.world.robots["left"].arm_state()
+    bench._physics_alone(env, 3, told)
+    assert env.episode.world.robots["left"].arm_state() == reached
+    env.close()
+
+
+def test_json_has_the_documented_keys(capsys):
+    assert main(["bench", "handover", "--episodes", "1", "--workers", "0", "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    documented = {"task", "steps_per_second", "overhead", "real_time_factor", "reset_ms"}
+    assert documented <= set(figures)
+    assert figures["overhead"] > 1.0
+    assert figures["images_per_second"]["tiny"]["84x84"] > 0.0
+    assert figures["workers"] == {}
