@@ -19,7 +19,9 @@ myst_heading_anchors = 3
 
 default_role = "code"  # what docstrings put in single backticks
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "none"  # docstrings say what matters; the source has the rest
+napoleon_attr_annotations = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 

@@ -1,7 +1,8 @@
 """Make the pictures of the documentation: `python docs/make_images.py`.
 
-Writes, to docs/images/, one picture for each task of the library and each robot, and tasks.png,
-the three tasks of the README side by side.
+Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
+strip and the chart of its reward; a picture of each robot; and tasks.png, the three tasks of the
+README side by side.
 """
 
 from __future__ import annotations
@@ -41,6 +42,9 @@ def make_all() -> None:
             if entry.module:
                 _call("render", name, "--camera", "front", "--out", folder, *_options())
                 _keep(Path(folder, f"{name}-front.png"), f"{name}.png")
+                _call("demo", name, "--video", "--camera", "front", "--out", folder, *_drawn())
+                for ending in (".gif", "-strip.png", "-rewards.png"):
+                    _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
         for name, entry in catalogue.robots.items():
             if entry.module:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
@@ -49,8 +53,12 @@ def make_all() -> None:
 
 
 def _options() -> tuple[str, ...]:
+    return (*_drawn(), "--size", f"{SIZE[0]}x{SIZE[1]}")
+
+
+def _drawn() -> tuple[str, ...]:
     # The renderer on the CPU draws the same picture on every machine.
-    return ("--renderer", "tiny", "--size", f"{SIZE[0]}x{SIZE[1]}")
+    return ("--renderer", "tiny")
 
 
 def _call(*words: str) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 Severity = Literal["error", "warning"]
 
@@ -102,6 +102,9 @@ class FileError(TaskbuilderError):
         self.findings = in_reading_order(findings)
         super().__init__("\n".join(map(str, self.findings)))
 
+    def __reduce__(self) -> tuple[type[Self], tuple[tuple[Finding, ...]]]:
+        return type(self), (self.findings,)  # pickle would pass the text, which is no finding
+
 
 class UnknownNameError(TaskbuilderError):
     """A task, robot, camera or option was asked for by a name that does not exist."""
@@ -129,3 +132,6 @@ class PlacementError(TaskbuilderError):
     def __init__(self, findings: Iterable[Finding]) -> None:
         self.findings = in_reading_order(findings)
         super().__init__("\n".join(map(str, self.findings)))
+
+    def __reduce__(self) -> tuple[type[Self], tuple[tuple[Finding, ...]]]:
+        return type(self), (self.findings,)  # pickle would pass the text, which is no finding

@@ -26,8 +26,9 @@ SUPERSAMPLE = 2
 
 Pixels = NDArray[np.uint8]
 
-_INK, _GRAY, _PAPER = (43, 40, 38), (122, 116, 110), (252, 251, 250)
-_MARGIN, _TITLE, _CAPTION = 24, 78, 30
+INK, GRAY, PAPER = (43, 40, 38), (122, 116, 110), (252, 251, 250)
+MARGIN = 24
+_TITLE, _CAPTION = 78, 30
 
 
 @dataclass(frozen=True)
@@ -125,49 +126,63 @@ def contact_sheet(
     width = max(240, min(640, 1600 // max(columns, 1)))
     tiles = [_tile(still, modality, width) for still, modality in cells]
     rows = [tiles[start : start + columns] for start in range(0, len(tiles), columns)]
-    strips = [_row(row, columns, width) for row in rows]
-    page_width = columns * (width + _MARGIN) + _MARGIN
-    header = np.full((_TITLE, page_width, 3), _PAPER, dtype=np.uint8)
-    _write(header, title, (_MARGIN, 40), 24, _INK, 600)
-    _write(header, _shortened(subtitle, page_width), (_MARGIN, 64), 15, _GRAY, 400)
-    return np.vstack([header, *strips])
+    return page(title, subtitle, rows, width)
+
+
+def page(title: str, subtitle: str, rows: Sequence[Sequence[Pixels]], width: int) -> Pixels:
+    """Tiles on paper, below a heading.
+
+    Args:
+        title: In large letters.
+        subtitle: Below it; cut where it does not fit.
+        rows: Tiles from left to right, from top to bottom; the first row is the longest.
+        width: Of every tile, in pixels.
+    """
+    columns = len(rows[0])
+    page_width = columns * (width + MARGIN) + MARGIN
+    header = np.full((_TITLE, page_width, 3), PAPER, dtype=np.uint8)
+    write_text(header, title, (MARGIN, 40), 24, INK, 600)
+    write_text(header, _shortened(subtitle, page_width), (MARGIN, 64), 15, GRAY, 400)
+    return np.vstack([header, *(_row(row, columns, width) for row in rows)])
 
 
 def _tile(still: Still, modality: Modality, width: int) -> Pixels:
     picture = still.colored(modality)
     height = round(picture.shape[0] * width / picture.shape[1])
     small = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
-    caption = np.full((_CAPTION, width, 3), _PAPER, dtype=np.uint8)
-    _write(caption, f"{still.camera} · {modality}", (0, 20), 14, _GRAY, 400)
+    caption = np.full((_CAPTION, width, 3), PAPER, dtype=np.uint8)
+    write_text(caption, f"{still.camera} · {modality}", (0, 20), 14, GRAY, 400)
     return np.vstack([small, caption]).astype(np.uint8)
 
 
 def _row(tiles: Sequence[Pixels], columns: int, width: int) -> Pixels:
     height = max(tile.shape[0] for tile in tiles)
-    row = np.full((height, columns * (width + _MARGIN) + _MARGIN, 3), _PAPER, dtype=np.uint8)
+    row = np.full((height, columns * (width + MARGIN) + MARGIN, 3), PAPER, dtype=np.uint8)
     for index, tile in enumerate(tiles):
-        left = _MARGIN + index * (width + _MARGIN)
+        left = MARGIN + index * (width + MARGIN)
         row[: tile.shape[0], left : left + width] = tile
     return row
 
 
-def _write(
-    page: Pixels, text: str, at: tuple[int, int], size: int, color: Iterable[int], weight: int
+def write_text(
+    picture: Pixels, text: str, at: tuple[int, int], size: int, color: Iterable[int], weight: int
 ) -> None:
-    cv2.putText(page, text, at, tuple(color), cv2.FontFace("sans"), size, weight)
+    """Put a line of letters on a picture; it begins `at` a column, on a row."""
+    cv2.putText(picture, text, at, tuple(color), cv2.FontFace("sans"), size, weight)
 
 
 def _shortened(text: str, width: int) -> str:
     """A subtitle cut after as many words as fit on the page."""
     shown, words = text, text.split()
-    while words and _width(shown) > width - 2 * _MARGIN:
+    while words and text_width(shown, 15, 400) > width - 2 * MARGIN:
         words.pop()
         shown = f"{' '.join(words)} …"
     return shown
 
 
-def _width(text: str) -> int:
-    box = cv2.getTextSize((0, 0), text, (0, 0), cv2.FontFace("sans"), 15, 400)
+def text_width(text: str, size: int, weight: int) -> int:
+    """How many columns `write_text` takes for a text."""
+    box = cv2.getTextSize((0, 0), text, (0, 0), cv2.FontFace("sans"), size, weight)
     return int(box[2])
 
 

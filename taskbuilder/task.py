@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,10 @@ from taskbuilder.description.description import Description
 from taskbuilder.description.load import load_description, try_import
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.spec.catalogue import Catalogue, Entry
+from taskbuilder.spec.expert import waits
+from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile, read_task
+from taskbuilder.spec.source import dotted
 
 
 @dataclass(frozen=True)
@@ -73,11 +77,23 @@ def load_task(
     except FileError as error:
         findings += error.findings
     if file is not None and description is not None:
-        findings += check_description(description, file.names, _where(description, entry))
+        wrong = tuple(check_description(description, file.names, _where(description, entry)))
+        findings += wrong
+        if not any(finding.code == "TB210" for finding in wrong):
+            findings += _check_waits(file, description)
         findings += file.warnings
         if not any(finding.severity == "error" for finding in findings):
             return Task(file, description, tuple(findings))
     raise FileError(findings)
+
+
+def _check_waits(file: TaskFile, description: type[Description]) -> Iterator[Finding]:
+    """Every condition that the expert waits for and that the description does not name."""
+    known = description.conditions()
+    for path, name in waits(file.spec.expert):
+        if name not in known:
+            message = f'"{name}" is no condition; {suggestion(name, known, what="it has")}'
+            yield Finding("TB214", message, dotted(path), file.source.locate(path))
 
 
 def _where(description: type[Description], entry: Entry) -> Location:

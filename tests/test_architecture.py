@@ -21,18 +21,21 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("validate", "bench", "learn", "data", "expert", "portrait", "render", "env"),
-        *("codes", *SIMULATED),
+        *("validate", "bench", "learn", "data", "film", "expert", "portrait", "render", "env"),
+        *("codes", "charts", "jobs", *SIMULATED),
     ),
-    "validate": ("expert", "render", "env", "codes", *SIMULATED),
+    "validate": ("bench", "film", "expert", "render", "env", "codes", "jobs", *SIMULATED),
     "bench": ("expert", "render", "env", *SIMULATED),
     "learn": ("env", *FOUNDATION),
     "data": ("expert", "render", "env", *SIMULATED),
+    "film": ("expert", "render", "env", *SIMULATED),
     "expert": ("env", *SIMULATED),
     "portrait": ("render", *SIMULATED),
     "render": SIMULATED,
     "env": SIMULATED,
     "codes": (),
+    "charts": (),
+    "jobs": (),
     "task": ("description", *FILES),
     "world": ("sim", *FILES),
     "sim": ("assets", *FOUNDATION),
@@ -52,7 +55,12 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "pydantic_core": ("taskbuilder/spec/",),
     "yaml": ("taskbuilder/spec/",),
     "argparse": ("taskbuilder/cli/",),
-    "cv2": ("taskbuilder/render.py", "taskbuilder/portrait.py", "taskbuilder/sim/cameras.py"),
+    "cv2": (
+        *("taskbuilder/render.py", "taskbuilder/portrait.py", "taskbuilder/film/"),
+        "taskbuilder/sim/cameras.py",
+    ),
+    "matplotlib": ("taskbuilder/charts.py",),
+    "ompl": ("taskbuilder/expert/",),
 }
 
 # Checking files takes no numpy, so that it takes no time.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
@@ -77,3 +78,11 @@ def test_an_error_carries_its_findings_in_reading_order(sort):
     assert isinstance(error, TaskbuilderError)
     assert error.findings == in_reading_order(findings)
     assert str(error) == "error[TB1] a\n/elsewhere/handover.yaml:2: error[TB1] b"
+
+
+@pytest.mark.parametrize("error", [FileError, PlacementError])
+def test_an_error_with_findings_comes_whole_from_another_process(error):
+    finding = Finding("TB102", "unknown key", "scene.robot", Location(Path("a.yaml"), 3, 5))
+    again = pickle.loads(pickle.dumps(error([finding])))
+    assert again.findings == (finding,)
+    assert str(again) == str(error([finding]))

@@ -25,11 +25,12 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "gallery": tasks.gallery,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
+    "manners": keys.manners,
     "nodes": vocabulary.nodes,
     "robots": robots.library,
     "scaffold": commands.scaffold,
     "task": tasks.page,
-    "verbs": vocabulary.verbs,
+    "verbs": keys.verbs,
     "view": vocabulary.view,
 }
 

@@ -14,6 +14,7 @@ from generators.markdown import code, number
 from generators.markdown import table as as_table
 from generators.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.spec import expert, robot, scene, task, values
+from taskbuilder.spec.expert import ONLY_WITH, VERBS
 from taskbuilder.spec.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
@@ -40,11 +41,14 @@ _ALIASES: tuple[tuple[Any, str], ...] = (
     (values.Reference, "name in the scene"),
     (values.Text, "text"),
     (values.Color, "[colour](#colours)"),
+    (expert.Condition, "name of a condition"),
+    (expert.Above, "m"),
+    (expert.Seconds, "s"),
     (robot.LinkName, "name in the URDF"),
 )
 _UNITS = {"_deg": "degrees", "_hz": "Hz"}
 _METRES = {"max_step", "stroke"}
-_UNBOUNDED = (values.Name, values.Reference, values.Text, robot.LinkName)
+_UNBOUNDED = (values.Name, values.Reference, values.Text, expert.Condition, robot.LinkName)
 
 
 def table(name: str) -> str:
@@ -53,11 +57,35 @@ def table(name: str) -> str:
     Raises:
         ValueError: A key has no meaning, or a meaning has no key.
     """
-    model = MODELS[name]
-    hints = get_type_hints(model, include_extras=True)
-    given = MEANINGS[name]
+    model, given = MODELS[name], MEANINGS[name]
+    if gone := set(given) - {field.alias or key for key, field in model.model_fields.items()}:
+        raise ValueError(f"meanings.py speaks of {name}.{', '.join(gone)}, which does not exist")
+    return as_table(["key", "value", "default", "meaning"], _rows(name, [*model.model_fields]))
+
+
+def verbs(_: str) -> str:
+    """The verbs of the expert's orders."""
+    rows = _rows("Order", list(VERBS))
+    return as_table(["verb", "value", "meaning"], ([row[0], row[1], row[3]] for row in rows))
+
+
+def manners(_: str) -> str:
+    """What an order may say besides its verb."""
+    with_ = {"to": ("bring",), **ONLY_WITH}
+    own = [key for key in expert.Order.model_fields if key not in VERBS]
     rows = []
-    for key, field in model.model_fields.items():
+    for key, row in zip(own, _rows("Order", own), strict=True):
+        default = "required" if key == "to" else row[2]
+        rows.append([row[0], row[1], default, ", ".join(map(code, with_[key])), row[3]])
+    return as_table(["key", "value", "default", "with", "meaning"], rows)
+
+
+def _rows(name: str, keys: list[str]) -> list[list[str]]:
+    model, given = MODELS[name], MEANINGS[name]
+    hints = get_type_hints(model, include_extras=True)
+    rows = []
+    for key in keys:
+        field = model.model_fields[key]
         shown = field.alias or key
         own = field.description or _inner_description(hints[key])
         meaning = own or given.get(shown)
@@ -65,9 +93,7 @@ def table(name: str) -> str:
             raise ValueError(f"{name}.{shown} has no meaning; write one in meanings.py")
         value = VALUES.get((name, shown)) or _with_unit(shown, describe(hints[key]))
         rows.append([code(shown), value, _default(field), meaning])
-    if gone := set(given) - {field.alias or key for key, field in model.model_fields.items()}:
-        raise ValueError(f"meanings.py speaks of {name}.{', '.join(gone)}, which does not exist")
-    return as_table(["key", "value", "default", "meaning"], rows)
+    return rows
 
 
 def colours(_: str) -> str:

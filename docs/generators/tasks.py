@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from generators.markdown import code, number, table
+from generators.stages import numbered
 from taskbuilder.description import Bonus, Distance, Paid, Potential, Term
 from taskbuilder.description.node import All, Any_, Node, Not
 from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.expert import Order, Together
 from taskbuilder.spec.load import fill
 from taskbuilder.spec.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
 from taskbuilder.task import Task, load_task
@@ -75,7 +75,7 @@ def page(name: str) -> str:
 def _sections(task: Task) -> Iterator[str]:
     spec, name = task.file.spec, task.name
     timing = spec.timing
-    yield f"```{{figure}} ../images/{name}.png\n:alt: {spec.summary}\n```"
+    yield f"```{{figure}} ../images/{name}.gif\n:alt: {spec.summary}\n```"
     yield spec.summary
     yield from (f"> {fill(text, spec.scene)}" for text in spec.instructions)
     seconds = number(timing.episode_steps / timing.control_hz)
@@ -121,7 +121,9 @@ def _sections(task: Task) -> Iterator[str]:
     )
     if spec.expert:
         yield "## Expert"
-        yield "\n".join(f"1. {_stage(stage)}" for stage in spec.expert)
+        yield numbered(spec.expert)
+        yield f"```{{figure}} ../images/{name}-strip.png\n:alt: The stages as it plays them\n```"
+        yield f"```{{figure}} ../images/{name}-rewards.png\n:alt: The reward as it plays\n```"
     yield "## Files"
     for ending, language in (("yaml", "yaml"), ("py", "python")):
         yield (
@@ -236,24 +238,3 @@ def _pay(term: Term) -> str:
     if isinstance(term, Paid):
         return f"{number(term.weight)} × `{expression(term.measure)}`"
     return code(expression(term))
-
-
-def _stage(stage: Mapping[str, Order] | Together) -> str:
-    if isinstance(stage, Together):
-        who = " and ".join(map(code, stage.together))
-        return f"{who} together: bring `{stage.bring}` to `{stage.to}`{_above(stage.above)}"
-    return "; ".join(f"`{robot}`: {_order(order)}" for robot, order in stage.items())
-
-
-def _order(order: Order) -> str:
-    if order.bring:
-        return f"bring `{order.bring}` to `{order.to}`{_above(order.above)}"
-    if order.retreat is not None:
-        return f"retreat {number(order.retreat * 100)} cm"
-    if order.release:
-        return "release"
-    return f"{order.verb} `{order.grasp or order.reach}`{_above(order.above)}"
-
-
-def _above(metres: float) -> str:
-    return f", {number(metres * 100)} cm above" if metres else ""

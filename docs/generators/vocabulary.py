@@ -11,7 +11,6 @@ from taskbuilder import description
 from taskbuilder.description import Condition, Measure, Term, WorldView
 from taskbuilder.description.node import Refers
 from taskbuilder.spec import channels as spec_channels
-from taskbuilder.spec.expert import VERBS, Order
 
 _BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
 _FUNCTIONS = {"Level": "Condition"}
@@ -104,12 +103,6 @@ def channels(_: str) -> str:
         for first, quantity in _firsts(quantities)
     ]
     return table(["subject", "quantity", "what it is"], rows)
-
-
-def verbs(_: str) -> str:
-    """The verbs of the expert's orders."""
-    fields = Order.model_fields
-    return table(["verb", "takes"], ([code(v), fields[v].description or ""] for v in VERBS))
 
 
 def _firsts(items: tuple[str, ...]) -> Iterator[tuple[bool, str]]:

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
 
-_COMMANDS = ("list", "show", "new", "validate", "render", "bench", "robots", "schema")
+_COMMANDS = ("list", "show", "new", "validate", "render", "demo", "bench", "robots", "schema")
 
 
 class Parser(argparse.ArgumentParser):
@@ -156,7 +156,27 @@ def _add_validate(adder: _Adder) -> None:
         "--seeds", type=_whole(1, 100_000), metavar="N", help="episodes to sample (default 40)"
     )
     parser.add_argument(
-        "--format", choices=("text", "json"), default="text", help="of the result (default text)"
+        "--jobs",
+        type=_whole(1, 1024),
+        metavar="N",
+        help="processes to spread episodes over (default: one for each core)",
+    )
+    formats = parser.add_mutually_exclusive_group()
+    formats.add_argument(
+        "--format",
+        choices=("text", "json", "junit", "github"),
+        default="text",
+        help="of the result: a table, or for machines (default text)",
+    )
+    formats.add_argument(
+        "--json",
+        dest="format",
+        action="store_const",
+        const="json",
+        help="the same as --format json",
+    )
+    parser.add_argument(
+        "--report", type=Path, metavar="DIR", help="also write pages with pictures to this folder"
     )
 
 
@@ -184,13 +204,54 @@ def _add_render(adder: _Adder) -> None:
         default=["rgb"],
         help="what to take (default rgb)",
     )
-    parser.add_argument(
-        "--seed",
-        type=_whole(0, 2**32 - 1),
-        default=0,
-        metavar="N",
-        help="episode (default 0)",
+    _add_episode(parser, "episode (default 0)")
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
+def _add_demo(adder: _Adder) -> None:
+    parser = adder.command(
+        "play a task with its expert, and show how it went",
+        "handover --episodes 10 --video",
     )
+    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "--episodes", type=_whole(1, 100_000), default=1, metavar="N", help="to play (default 1)"
+    )
+    parser.add_argument(
+        "--policy",
+        default="expert",
+        metavar="P",
+        help="who plays: expert, random or nothing (default expert)",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=_whole(1, 1024),
+        metavar="N",
+        help="processes to spread episodes over (default: one for each core)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("demos"),
+        metavar="DIR",
+        help="folder to write to (default demos)",
+    )
+    parser.add_argument(
+        "--video", action="store_true", help="also film the first episode, as MP4 and GIF"
+    )
+    parser.add_argument(
+        "--camera", nargs="+", metavar="C", help="cameras of the scene (default its first)"
+    )
+    parser.add_argument(
+        "--size", type=_size, metavar="WxH", help="pixels of a picture, such as 640x480"
+    )
+    _add_episode(parser, "first episode (default 0); others follow")
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
+def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
+    """Options that say what is played and what draws it."""
+    parser.add_argument("--seed", type=_whole(0, 2**32 - 1), default=0, metavar="N", help=seed)
     parser.add_argument(
         "--variation",
         type=_whole(0, 10_000),
@@ -204,7 +265,6 @@ def _add_render(adder: _Adder) -> None:
         default="auto",
         help="tiny: on the CPU; egl: through OpenGL (default auto)",
     )
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
 def _add_robots(adder: _Adder) -> None:
@@ -255,6 +315,7 @@ _ADDERS = {
     "new": _add_new,
     "validate": _add_validate,
     "render": _add_render,
+    "demo": _add_demo,
     "bench": _add_bench,
     "robots": _add_robots,
     "schema": _add_schema,

@@ -6,9 +6,11 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Any, TextIO
+from typing import Any, TextIO, TypeVar
 
 from taskbuilder.errors import Finding
+
+Item = TypeVar("Item")
 
 _CODES = {"red": "31", "green": "32", "yellow": "33", "dim": "2", "bold": "1"}
 
@@ -41,11 +43,23 @@ def show_finding(finding: Finding) -> str:
     return str(finding).replace(mark, paint(mark, color), 1)
 
 
-def progress(items: Iterable[int], label: str) -> Iterable[int]:
+def progress(items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
     """The items, with a bar on standard error while a person is watching it."""
     if not sys.stderr.isatty():
         return items
     from tqdm import tqdm
 
-    bar: Iterable[int] = tqdm(items, desc=f"  {label}", leave=False, unit="", delay=0.3)
+    bar: Iterable[Item] = tqdm(
+        items, desc=f"  {label}", total=total, leave=False, unit="", delay=0.3
+    )
     return bar
+
+
+def say(line: str) -> None:
+    """Print a line at once, above a bar of `progress` if there is one."""
+    if not sys.stderr.isatty():
+        print(line, flush=True)
+        return
+    from tqdm import tqdm
+
+    tqdm.write(line, file=sys.stdout)

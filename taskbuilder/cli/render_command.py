@@ -6,10 +6,9 @@ import argparse
 from pathlib import Path
 
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.cli.tasks import asked_tasks, catalogue_of, check_views, make_folder
+from taskbuilder.errors import display_path
 from taskbuilder.render import contact_sheet, save_image, save_still, take_still
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.task import Task, load_task
 from taskbuilder.world.building import build_world
 
@@ -19,7 +18,7 @@ def run(arguments: argparse.Namespace) -> int:
     catalogue = catalogue_of(arguments)
     tasks = [load_task(name, catalogue=catalogue) for name in asked_tasks(arguments, catalogue)]
     for task in tasks:
-        _check(task, arguments)
+        check_views(task, arguments)
     make_folder(arguments.out)
     listed = []
     for task in tasks:
@@ -30,20 +29,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(listed[0] if len(listed) == 1 else {"tasks": listed})
     return 0
-
-
-def _check(task: Task, arguments: argparse.Namespace) -> None:
-    """Refuse what cannot be rendered before anything is written."""
-    scenes = task.file.scenes
-    if arguments.variation >= len(scenes):
-        has = f"it has 1 to {len(scenes) - 1}" if len(scenes) > 1 else "it has none"
-        wrong = f"{task.name} has no variation {arguments.variation}"
-        raise UsageError(f"{wrong}; {has}, and 0 is the plain task")
-    cameras = scenes[arguments.variation].cameras
-    for camera in arguments.camera or ():
-        if camera not in cameras:
-            help_ = suggestion(camera, cameras, what="it has")
-            raise UnknownNameError(f'{task.name} has no camera "{camera}"; {help_}')
 
 
 def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from taskbuilder.errors import UsageError, display_path
+from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.explain import suggestion
+
+if TYPE_CHECKING:
+    from taskbuilder.task import Task
 
 
 def catalogue_of(arguments: argparse.Namespace) -> Catalogue:
@@ -29,13 +35,34 @@ def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str
     return list(dict.fromkeys(arguments.tasks))
 
 
+def check_views(task: Task, arguments: argparse.Namespace) -> None:
+    """Refuse a --variation or a --camera that the task does not have.
+
+    Raises:
+        UsageError: There is no such variation.
+        UnknownNameError: There is no such camera.
+    """
+    scenes = task.file.scenes
+    if arguments.variation >= len(scenes):
+        has = f"it has 1 to {len(scenes) - 1}" if len(scenes) > 1 else "it has none"
+        wrong = f"{task.name} has no variation {arguments.variation}"
+        raise UsageError(f"{wrong}; {has}, and 0 is the plain task")
+    cameras = scenes[arguments.variation].cameras
+    for camera in arguments.camera or ():
+        if camera not in cameras:
+            help_ = suggestion(camera, cameras, what="it has")
+            raise UnknownNameError(f'{task.name} has no camera "{camera}"; {help_}')
+
+
 def make_folder(folder: Path) -> None:
     """Make a folder to write to, if it is not there.
 
     Raises:
-        UsageError: Something that is no folder is in the way.
+        UsageError: Something that is no folder is in the way, or nothing can be written there.
     """
     for path in (folder, *folder.parents):
         if path.exists() and not path.is_dir():
             raise UsageError(f"{display_path(path)} is no folder; name another to write to")
     folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise UsageError(f"nothing can be written to {display_path(folder)}; name another folder")

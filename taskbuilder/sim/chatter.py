@@ -65,9 +65,11 @@ def captured() -> Iterator[Chatter]:
                 os.dup2(file.fileno(), descriptor)
             yield chatter
         finally:
-            _flush()
-            for descriptor, copy in saved:
-                _restore(descriptor, copy)
+            try:
+                _flush()
+            finally:  # Ctrl-C may come right here
+                for descriptor, copy in saved:
+                    _restore(descriptor, copy)
             chatter.text = _read(file)
 
 

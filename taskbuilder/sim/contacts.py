@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from taskbuilder.geometry import Vec3
@@ -73,6 +74,41 @@ def closest_distance(body_a: Body, body_b: Body, within: float) -> float | None:
     """
     points = body_a.client.bullet.getClosestPoints(body_a.id, body_b.id, within)
     return min((float(point[8]) for point in points), default=None)
+
+
+class Gap(NamedTuple):
+    """Two links that are near each other.
+
+    Attributes:
+        link_a: Index of the link of one body.
+        link_b: Index of the link of the other.
+        distance: In metres; negative when one is inside the other.
+        up: Height (z) of the unit vector from b towards a: 1 where a is straight above.
+    """
+
+    link_a: int
+    link_b: int
+    distance: float
+    up: float
+
+
+def gaps(body_a: Body, body_b: Body, within: float) -> list[Gap]:
+    """Wherever two bodies are nearer than a distance (m); a pair of links may come repeatedly.
+
+    Needs no physics step or `Client.collide` before it.
+    """
+    points = body_a.client.bullet.getClosestPoints(body_a.id, body_b.id, within)
+    return [Gap(point[3], point[4], point[8], point[7][2]) for point in points]
+
+
+def pose_joints(body: Body, indices: Sequence[int], positions: Sequence[float]) -> None:
+    """Put joints at positions for a look at distances: `Body.reset_joints` at a fifth of the time.
+
+    Contacts are stale until `Client.collide` or the next step.
+    """
+    body.client.bullet.resetJointStatesMultiDof(
+        body.id, indices, [(position,) for position in positions]
+    )
 
 
 def overlap(body_a: Body, body_b: Body) -> float:

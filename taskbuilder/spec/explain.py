@@ -93,11 +93,14 @@ def _model_path(detail: ErrorDetails) -> Path_:
 
 
 def _file_path(detail: ErrorDetails) -> Path_:
-    """The steps through the file; the models add one for the kind of an expert's stage."""
-    path = _model_path(detail)
-    if len(path) > 2 and path[0] == "expert" and path[2] in ("each", "together"):
-        path = (*path[:2], *path[3:])
-    return path
+    """The steps through the file; the models add one for the kind of each of an expert's stages."""
+    kept: list[str | int] = []
+    steps = iter(_model_path(detail))
+    for step in steps:
+        kept.append(step)
+        if isinstance(step, int) and kept[0] == "expert" and kept[-2] in ("expert", "stages"):
+            next(steps, None)
+    return tuple(kept)
 
 
 def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:

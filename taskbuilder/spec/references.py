@@ -12,7 +12,7 @@ from typing import Any
 
 from taskbuilder.errors import Finding
 from taskbuilder.spec.channels import parse_channel
-from taskbuilder.spec.expert import VERBS
+from taskbuilder.spec.expert import NOTHING, directed, kind_of_stage
 from taskbuilder.spec.names import Kind, ObjectNames, SceneNames
 from taskbuilder.spec.source import Path_, Source, dotted
 
@@ -107,20 +107,36 @@ def _texts(source: Source, path: Path_, kind: Kind) -> Iterator[_Reference]:
             yield from _texts(source, (*path, index), kind)
 
 
-_OPERANDS: dict[str, Kind] = {"grasp": "grasp", "bring": "object", "to": "frame", "reach": "frame"}
+_OPERANDS: dict[str, Kind] = {
+    "grasp": "grasp",
+    "bring": "object",
+    "to": "frame",
+    "reach": "frame",
+    "close": "object",
+    "touching": "object",
+}
 
 
 def _stage(source: Source, path: Path_) -> Iterator[_Reference]:
-    if source.get(*path, "together") is not None:
+    stage = source.get(*path)
+    kind = kind_of_stage(stage)
+    if kind == "repeat":
+        inner = source.get(*path, "stages")
+        for index in range(len(inner) if isinstance(inner, tuple) else 0):
+            yield from _stage(source, (*path, "stages", index))
+    if kind == "together":
         yield from _texts(source, (*path, "together"), "robot")
-        yield from _texts(source, (*path, "bring"), "object")
-        yield from _texts(source, (*path, "to"), "frame")
-        return
-    for robot, _ in source.entries(*path):
-        if robot not in VERBS:
+        yield from _operands(source, path)
+    if kind == "each" and isinstance(stage, dict):
+        for robot in directed(stage):
             yield _Reference((*path, robot), robot, "robot", on_key=True)
-        for key, kind in _OPERANDS.items():
-            yield from _texts(source, (*path, robot, key), kind)
+            yield from _operands(source, (*path, robot))
+
+
+def _operands(source: Source, path: Path_) -> Iterator[_Reference]:
+    for key, kind in _OPERANDS.items():
+        if (key, source.get(*path, key)) != ("close", NOTHING):
+            yield from _texts(source, (*path, key), kind)
 
 
 def _circles(source: Source) -> Iterator[Finding]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from taskbuilder.spec.expert import Stage, Together
+from taskbuilder.spec.expert import ExpertStage
 from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.spec.values import Extent, Model, Name, Reference, Shorthand, Text, frozen
 
@@ -65,17 +65,6 @@ class Distribution(Model):
         if self.uniform is not None and self.uniform[0] > self.uniform[1]:
             raise PydanticCustomError("order", "uniform is [least, greatest]; swap them")
         return self
-
-
-def _kind_of_stage(stage: Any) -> str:
-    shared = "together" in stage if isinstance(stage, dict) else isinstance(stage, Together)
-    return "together" if shared else "each"
-
-
-ExpertStage = Annotated[
-    Annotated[Stage, AfterValidator(frozen), Tag("each")] | Annotated[Together, Tag("together")],
-    Discriminator(_kind_of_stage),
-]
 
 
 class TaskSpec(Model):

@@ -80,7 +80,9 @@ class Shorthand:
         return {"anyOf": [{"const": self.word}, handler(schema)]}
 
 
-RESERVED = {"self", "world", "all", "together", "time_left", "description"}
+RESERVED = {
+    *("self", "world", "all", "together", "until", "repeat", "nothing", "time_left", "description")
+}
 
 
 def _check_name(name: str) -> str:

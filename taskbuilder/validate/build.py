@@ -16,7 +16,8 @@ from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.contacts import overlap
 from taskbuilder.task import Task
 from taskbuilder.validate.places import finding_at, finding_of_scene, in_variation
-from taskbuilder.validate.report import Check, FamilyResult, Progress, Result
+from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.running import Run
 from taskbuilder.world.building import build_world
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
@@ -31,16 +32,12 @@ DENSITY = (10.0, 25_000.0)  # kg/m³: from foam to beyond lead
 ENERGY_PER_KG = 50.0  # J/kg: falling five metres
 
 
-def build_family(
-    task: Task,
-    seeds: int,  # noqa: ARG001  # one episode shows what building is about
-    progress: Progress,
-    measures: dict[str, float],
-) -> FamilyResult:
+def build_family(run: Run) -> FamilyResult:
     """Build the plain scene and every variation, and let each rest for a second."""
+    task, measures = run.task, run.measures
     checks: dict[str, Check] = {}
     findings: list[Finding] = []
-    for variation in progress(range(len(task.file.scenes)), "build"):
+    for variation in run.progress(range(run.variations), "build"):
         wrong: list[Finding] = []
         started = time.perf_counter()
         try:
@@ -62,9 +59,20 @@ def build_family(
         finally:
             world.close()
         findings += in_variation(variation, wrong, findings)
+    for code in {finding.code for finding in findings if finding.severity == "error"}:
+        count = sum(finding.code == code for finding in findings)
+        checks.setdefault(code, Check(code, _GAVE_UP.get(code, "loads"), False, count, 0, "things"))
     return FamilyResult(
         "build", tuple(checks.values()), tuple(findings), _summary(checks, measures)
     )
+
+
+_GAVE_UP = {
+    "TB303": "homes can be reached",
+    "TB305": "everything finds a place",
+    "TB307": "energy stays bounded",
+}
+"""Names of the checks whose failure ends the building of a variation."""
 
 
 def _summary(checks: dict[str, Check], measures: dict[str, float]) -> str:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from traceback import extract_tb
 
+from taskbuilder.description import description as referee
 from taskbuilder.description.load import explain
-from taskbuilder.errors import Finding, Severity
+from taskbuilder.description.node import Node
+from taskbuilder.errors import Finding, Location, Severity
 from taskbuilder.spec.catalogue import Entry
+from taskbuilder.spec.source import dotted
 from taskbuilder.task import Task
 
 
@@ -54,7 +58,49 @@ def failure_of_description(error: BaseException, entry: Entry) -> Finding:
     Raises:
         BaseException: The same error, if the description has no part in it.
     """
-    finding = explain(error, entry.description_file, "TB314", "fails when it is asked")
+    finding = _explained(error, entry)
     if finding is None:
         raise error
     return finding
+
+
+def arose_in_description(error: BaseException, entry: Entry) -> bool:
+    """Whether a description has a part in an error."""
+    return _explained(error, entry) is not None
+
+
+def _explained(error: BaseException, entry: Entry) -> Finding | None:
+    what = "fails when it is asked"
+    finding = explain(error, entry.description_file, "TB314", what)
+    frames = extract_tb(error.__traceback__)
+    if finding is None and any(frame.filename == referee.__file__ for frame in frames):
+        # What it gave back could not be used.
+        said = f"{type(error).__name__}: {error}".splitlines()[0]
+        location = Location(entry.description_file, 1, 1)
+        finding = Finding("TB314", f"{what}: {said}", location=location)
+    return finding
+
+
+def finding_in_description(
+    task: Task, code: str, message: str, name: str, node: Node | None = None
+) -> Finding:
+    """A finding about an attribute of the description, placed where it was written.
+
+    Args:
+        task: The task.
+        code: The finding's code.
+        message: What is wrong; what would be right.
+        name: Of the attribute, or of what belongs to it.
+        node: The expression that is meant; its place is the finding's.
+    """
+    location = None if node is None else node.origin
+    file = task.file.entry.description_file
+    return Finding(code, message, name, location or Location(file, 1, 1))
+
+
+def finding_in_file(
+    task: Task, code: str, message: str, *path: str | int, severity: Severity = "error"
+) -> Finding:
+    """A finding about what the task file holds at a path, or about what is missing there."""
+    location = task.file.source.locate(path, key=True)
+    return Finding(code, message, dotted(path), location, severity)

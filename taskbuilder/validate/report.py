@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from taskbuilder.errors import Finding, in_reading_order
+
+if TYPE_CHECKING:  # a static validation loads no physics
+    from taskbuilder.expert.demonstration import Demonstration
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,23 @@ Progress = Callable[[Iterable[int], str], Iterable[int]]
 
 
 @dataclass(frozen=True)
+class Probe:
+    """What a way of playing a task earns, over many episodes.
+
+    Attributes:
+        name: The way: ``expert``, ``stall after stage 2``, ``without left``, ``random``.
+        returns: Undiscounted return of the team in each episode.
+        discounted: The same at a discount of 0.95.
+        successes: In how many of the episodes success held at some step.
+    """
+
+    name: str
+    returns: tuple[float, ...]
+    discounted: tuple[float, ...]
+    successes: int
+
+
+@dataclass(frozen=True)
 class FamilyResult:
     """The result of one family of checks.
 
@@ -47,6 +68,8 @@ class FamilyResult:
         findings: What was found wrong or doubtful.
         summary: One line for people: the figures that matter.
         seconds: How long it took.
+        probes: What ways of playing the task earned.
+        demonstrations: Episodes worth a picture: one that shows the task, and those that failed.
     """
 
     name: str
@@ -54,6 +77,8 @@ class FamilyResult:
     findings: tuple[Finding, ...]
     summary: str
     seconds: float = 0.0
+    probes: tuple[Probe, ...] = ()
+    demonstrations: tuple[Demonstration, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -69,14 +94,16 @@ class TaskReport:
     Attributes:
         task: The task's id, or the path it was asked for by.
         headline: What the task is, in one line.
-        families: Results in the order in which they ran; a family that fails ends the run.
+        families: Results in the order in which they ran.
         measures: Figures by name, such as ``build_s``.
+        skipped: Families that were not run, because what another one found would show there again.
     """
 
     task: str
     headline: str
     families: tuple[FamilyResult, ...]
     measures: Mapping[str, float] = field(default_factory=dict)
+    skipped: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -120,4 +147,21 @@ def _task_data(report: TaskReport) -> dict[str, Any]:
             for check in family.checks
         ],
         "measures": dict(report.measures),
+        "probes": [_probe_data(probe) for family in report.families for probe in family.probes],
     }
+
+
+def _probe_data(probe: Probe) -> dict[str, Any]:
+    return {
+        "name": probe.name,
+        "return": _mean(probe.returns),
+        "discounted_return": _mean(probe.discounted),
+        "successes": probe.successes,
+        "episodes": len(probe.returns),
+    }
+
+
+def _mean(returns: Sequence[float]) -> float | None:
+    """The mean, or None where it is not finite."""
+    mean = sum(returns) / len(returns) if returns else math.nan
+    return mean if math.isfinite(mean) else None

@@ -13,8 +13,15 @@ from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.spec.scene import Place, SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.places import failure_of_description, finding_at, finding_of_scene
-from taskbuilder.validate.report import Check, FamilyResult, Progress, Result
+from taskbuilder.validate.places import (
+    failure_of_description,
+    finding_at,
+    finding_of_scene,
+    in_variation,
+)
+from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.running import Run
+from taskbuilder.validate.studio import Start
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
@@ -33,26 +40,21 @@ class _Tally:
     failed: list[str] = field(default_factory=list)
     exploded: list[str] = field(default_factory=list)
     raised: list[Finding] = field(default_factory=list)
-    places: dict[str, list[Vec3]] = field(default_factory=dict)
+    places: dict[tuple[str, int], list[Vec3]] = field(default_factory=dict)
     seconds: list[float] = field(default_factory=list)
 
 
-def reset_family(
-    task: Task,
-    seeds: int,
-    progress: Progress,
-    measures: dict[str, float],
-) -> FamilyResult:
+def reset_family(run: Run) -> FamilyResult:
     """Begin episodes of the plain scene and of every variation, and look at each."""
+    task, measures = run.task, run.measures
     tally = _Tally()
-    for variation in range(len(task.file.scenes)):
+    for variation in range(run.variations):
         world = build_world(task.file, variation=variation)
         referee = Referee(task.description, task.agents)
         label = f"reset, variation {variation}" if variation else "reset"
         try:
-            for seed in progress(range(seeds), label):
-                where = f"seed {seed}, variation {variation}" if variation else f"seed {seed}"
-                if not _begin(world, referee, seed, where, tally):
+            for seed in run.progress(range(run.seeds), label):
+                if not _begin(world, referee, Start(variation, seed), tally):
                     break
         finally:
             world.close()
@@ -71,33 +73,33 @@ def _summary(tally: _Tally, measures: dict[str, float]) -> str:
     return f"{episodes} begun, {solved} at the start{time_taken}"
 
 
-def _begin(world: World, referee: Referee, seed: int, where: str, tally: _Tally) -> bool:
+def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
     """Begin an episode and look at it; False if no further one can begin in this world."""
     started = time.perf_counter()
     try:
-        world.reset(seed)
+        world.reset(start.seed)
     except PlacementError as error:
         for finding in error.findings:
             tally.misplaced.setdefault(finding.path, finding)
         return True
     except ExplosionError as error:
-        tally.exploded.append(f"{error} ({where})")
+        tally.exploded.append(f"{error} ({start})")
         return False
     tally.seconds.append(time.perf_counter() - started)
     tally.episodes += 1
+    for name, place in _regions(world.scene):
+        tally.places.setdefault((name, start.variation), []).append(world.position(name))
+        if _outside(world, name, place):
+            tally.strayed[name] = tally.strayed.get(name, 0) + 1
     try:
         outcome = referee.start(world)
     except (Exception, SystemExit) as error:
         tally.raised.append(failure_of_description(error, world.task.entry))
         return False
     if outcome.success:
-        tally.solved.append(where)
+        tally.solved.append(str(start))
     if outcome.failure:
-        tally.failed.append(where)
-    for name, place in _regions(world.scene):
-        tally.places.setdefault(name, []).append(world.position(name))
-        if _outside(world, name, place):
-            tally.strayed[name] = tally.strayed.get(name, 0) + 1
+        tally.failed.append(str(start))
     return True
 
 
@@ -130,7 +132,8 @@ def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
     yield _counted("TB310", "placements stay inside their regions", strayed, len(strayed))
     exploded = [finding_of_scene(task, "TB307", text) for text in tally.exploded]
     yield _counted("TB307", "resets do not explode", exploded, len(tally.exploded))
-    yield _counted("TB314", "the description can be asked", tally.raised, len(tally.raised))
+    raised = list(dict.fromkeys(tally.raised))  # in each variation
+    yield _counted("TB314", "the description can be asked", raised, len(raised))
     yield _never_at_start(task, "TB311", "success", tally.solved, tally.episodes)
     yield _never_at_start(task, "TB312", "failure", tally.failed, tally.episodes)
     yield _varies(task, tally)
@@ -154,18 +157,16 @@ def _never_at_start(task: Task, code: str, what: str, seeds: list[str], episodes
 
 def _varies(task: Task, tally: _Tally) -> Result:
     """Placements of regions that have a size differ from seed to seed."""
-    findings = []
+    findings: list[Finding] = []
     sized = {name: place for name, place in _regions(task.file.spec.scene) if any(place.size)}
-    spreads = {}
-    for name, place in sized.items():
-        points = tally.places.get(name, [])
-        if len(points) < 2:
+    spreads = []
+    for (name, variation), points in tally.places.items():
+        if len(points) < 2 or name not in sized:
             continue
         spread = max(math.dist(points[0], point) for point in points[1:])
-        spreads[name] = spread / max(place.size)
+        spreads.append(spread / max(sized[name].size))
         if spread < 1e-6:
-            findings.append(
-                finding_at(task, "TB313", "is at one place for every seed", name, "place")
-            )
-    least = min(spreads.values(), default=1.0)
+            found = finding_at(task, "TB313", "is at one place for every seed", name, "place")
+            findings += in_variation(variation, [found], findings)
+    least = min(spreads, default=1.0)
     return Check("TB313", "placements vary", not findings, least, 0.0, "of the region"), findings

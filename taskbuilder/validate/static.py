@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from taskbuilder.errors import Finding
 from taskbuilder.task import Task
-from taskbuilder.validate.report import Check, FamilyResult
+from taskbuilder.validate.report import Check, FamilyResult, Result
 
 GROUPS: Mapping[str, tuple[str, str]] = {
     "TB0": ("TB000", "the files can be read"),
@@ -22,7 +22,27 @@ def static_family(task: Task) -> FamilyResult:
     """The result for a task that loaded: its warnings, and how much was resolved."""
     names = task.file.names
     count = len({*names.known("frame"), *names.robots, *names.cameras, *names.known("joint")})
-    return FamilyResult("static", _checks(task.warnings), task.warnings, f"{count} names resolve")
+    checks = _checks(task.warnings)
+    findings = task.warnings
+    if task.file.spec.variations:
+        check, alike = _check_variations(task)
+        checks, findings = (*checks, check), (*findings, *alike)
+    return FamilyResult("static", checks, findings, f"{count} names resolve")
+
+
+def _check_variations(task: Task) -> Result:
+    """No variation has the scene of the plain task, or of another variation."""
+    scenes = task.file.scenes
+    findings = []
+    for number, scene in enumerate(scenes[1:], start=1):
+        same = scenes.index(scene)
+        if same < number:
+            of = f"variation {same}" if same else "the plain task"
+            message = f"has the same scene as {of}; change something, or leave it out"
+            location = task.file.source.locate(("variations", number - 1))
+            findings.append(Finding("TB534", message, f"variations[{number - 1}]", location))
+    wrong = len(findings)
+    return Check("TB534", "variations differ", not wrong, wrong, 0, "variations"), findings
 
 
 def static_failure(findings: tuple[Finding, ...]) -> FamilyResult:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from taskbuilder.errors import Finding, UnknownNameError
-from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, subtract
+from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, scale, subtract
 from taskbuilder.sim import faults
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import contacts
+from taskbuilder.sim.contacts import Contact, contacts
 from taskbuilder.sim.snapshots import Snapshot, release, restore, save
 from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile
@@ -25,6 +25,9 @@ from taskbuilder.world.robot import Robot
 from taskbuilder.world.things import Site, Thing
 from taskbuilder.world.touch import Touch
 
+PRESS_M = 3e-4
+"""How deep links are pushed into each other to find their contact again."""
+
 
 @dataclass(frozen=True)
 class WorldState:
@@ -35,14 +38,14 @@ class WorldState:
         time: Seconds since the episode began.
         sites: Where each site is, in the world or in what it rides on.
         quantities: Values of what the task can randomise.
-        touching: Whether anything touched anything.
+        touches: A contact of every two links that touched.
     """
 
     snapshot: Snapshot
     time: float
     sites: Mapping[str, Pose]
     quantities: Mapping[str, Any]
-    touching: bool
+    touches: tuple[Contact, ...]
 
 
 class World:
@@ -63,6 +66,8 @@ class World:
         warnings: What the engine said while it loaded assets.
         time: Seconds since the episode began.
         quantities: Values of what the task can randomise, in this episode.
+        onlooker: Advanced before each physics step, to look at what control steps pass over; it
+            must change nothing, and call `refresh` before it reads. None as a rule.
     """
 
     def __init__(
@@ -87,6 +92,7 @@ class World:
         self.warnings = warnings
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(self)
+        self.onlooker: Iterator[None] | None = None
         self._frames = Frames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._built: WorldState | None = None
@@ -132,6 +138,8 @@ class World:
         targets = arm_targets or {}
         drives = [self.robots[name].ramp(to, timing.substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
+        if self.onlooker is not None:
+            drives.append(self.onlooker)
         self.client.step(timing.substeps, drives)
         self.time += 1.0 / timing.control_hz
         self.refresh()
@@ -149,13 +157,17 @@ class World:
         """
         motors = [group for robot in self.robots.values() for group in (robot.arm, robot.gripper)]
         sites = {name: site.pose for name, site in self.sites.items()}
-        touching = bool(contacts(self.client))
+        found = contacts(self.client)
+        touches = tuple({(c.body_a, c.link_a, c.body_b, c.link_b): c for c in found}.values())
         snapshot = save(self.client, motors)
-        return WorldState(snapshot, self.time, sites, self.quantities, touching)
+        return WorldState(snapshot, self.time, sites, self.quantities, touches)
 
     def restore(self, state: WorldState) -> None:
         """Go back to a moment of this world, to the bit."""
-        if not state.touching:
+        if state.touches:
+            restore(state.snapshot)
+            self._press(state.touches)
+        else:
             self._part()
         restore(state.snapshot)
         self.time = state.time
@@ -183,6 +195,24 @@ class World:
         for number, body in enumerate(bodies, start=1):
             body.place(Pose((0.0, 0.0, 1000.0 * number)))
         self.client.collide()
+
+    def _press(self, touches: Sequence[Contact]) -> None:
+        """Push links that touch into each other for a moment, pair by pair.
+
+        Bullet restores the contacts of two links only if it finds them near each other then, and
+        of links of several shapes it looks closer than when it keeps a contact up: a gap of a
+        few micrometres, as between a grip and what it holds, is enough to lose it.
+        """
+        bodies = {robot.body.id: robot.body for robot in self.robots.values()}
+        bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
+        for touch in touches:
+            sign = -1.0 if touch.body_a in bodies else 1.0
+            body = bodies[touch.body_a if touch.body_a in bodies else touch.body_b]
+            pose = body.pose()
+            depth = sign * (max(touch.distance, 0.0) + PRESS_M)
+            body.place(pose.moved(scale(touch.normal_on_b, depth)))
+            self.client.collide()
+            body.place(pose)
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""

@@ -64,5 +64,5 @@ def test_seeds_and_variations_make_other_pictures(run, good):
 
 
 def test_nothing_is_written_where_one_task_cannot_be_rendered(run, good):
-    assert run("render", "good.yaml", "handover", "--variation", "1").status == 2
+    assert run("render", "good.yaml", "handover", "--variation", "9").status == 2
     assert not Path("renders").exists()

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import io
 import sys
+from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
-TASK_KEYS = {"task", "ok", "findings", "checks", "measures"}
+from taskbuilder import jobs
+from taskbuilder.validate.report import TaskReport
+
+TASK_KEYS = {"task", "ok", "findings", "checks", "measures", "probes"}
 FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path"}
 CHECK_KEYS = {"code", "family", "name", "ok", "value", "limit", "unit"}
 STATIC = ("validate", "--level", "static", "--format", "json")
@@ -20,8 +25,14 @@ class Terminal(io.StringIO):
         return True
 
 
+@pytest.fixture(autouse=True)
+def no_trial(monkeypatch):
+    """Descriptions are not tried in a child process first, which takes a second each."""
+    monkeypatch.setattr("taskbuilder.task.try_import", lambda _: None)
+
+
 def test_a_table_says_what_was_measured(run, good):
-    ran = run("validate", "good.yaml", "--quick")
+    ran = run("validate", "good.yaml", "--quick", "--level", "build")
     assert (ran.status, ran.err) == (0, "")
     lines = ran.out.splitlines()
     assert lines[0] == "good · 1 robot · 1 object · 50 steps at 10 Hz · good.yaml"
@@ -102,9 +113,133 @@ def test_colour_is_for_terminals_that_want_it(run, good, monkeypatch):
 def test_progress_is_for_terminals(run, good, monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    ran = run("validate", "good.yaml", "--seeds", "800", "--format", "json")
+    ran = run("validate", "good.yaml", "--seeds", "800", "--level", "build", "--json")
     assert ran.data["ok"]
     assert "reset" in terminal.getvalue()
+
+
+def test_json_is_short_for_its_format(run, good):
+    words = ("validate", "--level", "static", "good.yaml")
+    assert run(*words, "--json").data == run(*words, "--format", "json").data
+
+
+def test_junit_is_xml_and_nothing_else(run, good, broken):
+    ran = run("validate", "--level", "static", "--format", "junit", "good.yaml", "broken.yaml")
+    assert (ran.status, ran.err) == (1, "")
+    suites = ElementTree.fromstring(ran.out.encode())
+    assert [suite.get("failures") for suite in suites] == ["0", "1"]
+
+
+def test_github_gets_an_annotation_for_each_finding_and_a_closing_line(run, good, broken):
+    ran = run("validate", "--level", "static", "--format", "github", "good.yaml", "broken.yaml")
+    annotation, closing = ran.out.splitlines()
+    assert (ran.status, ran.err) == (1, "")
+    assert annotation.startswith("::error file=broken.yaml,line=7,col=52,title=TB103::scene.obj")
+    assert closing.startswith("failed: broken.yaml: 1 error in ")
+
+
+def test_what_was_not_run_is_listed_with_the_reason(run, good):
+    good.write_text(good.read_text().replace("position: [0.5, 0, 0.02]", "position: [0.5, 0, 2]"))
+    ran = run("validate", "good.yaml", "--quick", "--level", "build")
+    assert ran.status == 1
+    assert [" ".join(line.split()) for line in ran.out.splitlines()].count(
+        "reset skip not run, as build failed"
+    ) == 1
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """What validations were asked for; none is carried out."""
+    calls = []
+
+    def note(reference, **options):
+        calls.append({"reference": reference, **options})
+        return TaskReport(reference, reference, ())
+
+    monkeypatch.setattr("taskbuilder.cli.validate_command.validate_task", note)
+    return calls
+
+
+def test_as_many_processes_as_cores_unless_asked_otherwise(run, good, asked):
+    run("validate", "good.yaml")
+    run("validate", "good.yaml", "--jobs", "3")
+    assert [call["jobs"] for call in asked] == [jobs.cores(), 3]
+
+
+@pytest.mark.parametrize(
+    ("words", "seeds"), [((), 40), (("--quick",), 5), (("--seeds", "7"), 7)], ids=str
+)
+def test_seeds_are_those_asked_for(words, seeds, run, good, asked):
+    run("validate", "good.yaml", *words)
+    assert asked[0]["seeds"] == seeds
+
+
+def test_nothing_is_validated_for_a_command_that_cannot_be_carried_out(run, good, asked):
+    assert run("validate", "good.yaml", "nowhere.yaml").status == 2
+    assert run("validate", "good.yaml", "--report", "good.py").status == 2
+    assert asked == []
+
+
+@pytest.fixture
+def small_pictures(monkeypatch):
+    for name in ("LARGE", "SMALL"):
+        monkeypatch.setattr(f"taskbuilder.validate.formats.pictures.{name}", 32)
+
+
+def test_a_report_is_one_whole_file_which_is_named_last(run, good, small_pictures):
+    ran = run("validate", "good.yaml", "--quick", "--level", "build", "--report", "out/report")
+    assert (ran.status, ran.err) == (0, "")
+    assert ran.out.splitlines()[-1].endswith(" s · pictures and probes: out/report/good.html")
+    (file,) = Path("out/report").iterdir()
+    assert file.read_text().endswith("</html>\n")
+    assert "data:image/jpeg;base64," in file.read_text()
+
+
+def test_reports_of_several_tasks_have_an_index(run, good, broken):
+    words = ("validate", "--level", "static", "good.yaml", "broken.yaml", "--report", "report")
+    ran = run(*words)
+    assert ran.status == 1
+    assert ran.out.splitlines()[-1].endswith("pictures and probes: report/index.html")
+    names = {"index.html", "good.html", "broken.html"}
+    assert {file.name for file in Path("report").iterdir()} == names
+    assert 'href="broken.html"' in Path("report/index.html").read_text()
+
+
+def test_a_task_called_index_leaves_the_index_its_place(run, good, broken):
+    broken.rename("index.yaml")
+    run("validate", "--level", "static", "index.yaml", "good.yaml", "--report", "report")
+    names = {"index.html", "index-2.html", "good.html"}
+    assert {file.name for file in Path("report").iterdir()} == names
+    assert 'href="index-2.html"' in Path("report/index.html").read_text()
+
+
+@pytest.mark.parametrize("form", ["json", "junit"])
+def test_machines_get_the_names_of_pages_beside_their_format(form, run, good):
+    words = ("validate", "--level", "static", "good.yaml", "--report", ".")
+    ran = run(*words, "--format", form)
+    assert ran.err == "pictures and probes: good.html\n"
+    assert "good.html" not in ran.out
+
+
+def test_ctrl_c_keeps_the_pages_that_are_whole(run, good, broken, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    make = "taskbuilder.validate.formats.pages.take_pictures"
+    monkeypatch.setattr(make, interrupted)
+    words = ("validate", "broken.yaml", "good.yaml", "--quick", "--level", "build")
+    ran = run(*words, "--report", "report")
+    assert (ran.status, ran.err) == (130, "interrupted\n")
+    (file,) = Path("report").iterdir()
+    assert (file.name, file.read_text()[-8:]) == ("broken.html", "</html>\n")
+
+
+def test_a_page_that_cannot_be_written_leaves_nothing_behind(run, good):
+    Path("good.html").mkdir()
+    ran = run("validate", "--level", "static", "good.yaml", "--report", ".")
+    assert ran.status == 2
+    assert "good.html: is a folder; name a file" in ran.err
+    assert sorted(file.name for file in Path().iterdir()) == ["good.html", "good.py", "good.yaml"]
 
 
 @pytest.mark.parametrize("debug", [True, False])

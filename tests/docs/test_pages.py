@@ -44,7 +44,7 @@ def descriptions() -> list[tuple[str, str]]:
 def test_a_description_in_the_pages_is_sound(page, block, tmp_path):
     (tmp_path / "example.yaml").write_text(SCENE)
     (tmp_path / "example.py").write_text(block)
-    report = validate_task(tmp_path / "example.yaml", seeds=2)
+    report = validate_task(tmp_path / "example.yaml", seeds=2, only={"build", "reset"})
     assert report.findings == ()
 
 

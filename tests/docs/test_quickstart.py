@@ -14,13 +14,14 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "quickstart.md"
 
 def test_the_change_that_the_page_proposes_is_sound(tmp_path):
     text = PAGE.read_text(encoding="utf-8")
-    ((addition,), (success, _)) = (
+    ((addition, expert), (success, _)) = (
         re.findall(rf"^```{language}\n(.*?)^```$", text, re.M | re.S)
         for language in ("yaml", "python")
     )
     assert main(["new", "stack_cubes", "--dir", str(tmp_path)]) == 0
     scene, description = tmp_path / "stack_cubes.yaml", tmp_path / "stack_cubes.py"
-    scene.write_text(re.sub(r"(  objects:.*\n)", rf"\1{addition}", scene.read_text()))
+    changed = re.sub(r"(  objects:.*\n)", rf"\1{addition}", scene.read_text())
+    scene.write_text(re.sub(r"^expert:.*\n(  - .*\n)+", expert, changed, flags=re.M))
     changed = re.sub(r"    success = .*\n", success, description.read_text())
     changed = changed.replace("Near\n", "Near, On, Released\n")
     description.write_text(changed)

@@ -30,7 +30,7 @@ def task(tmp_path: Path) -> Path:
 
 
 def test_the_example_is_sound(task):
-    report = validate_task(task, seeds=5)
+    report = validate_task(task, seeds=2)
     assert report.ok
     assert report.findings == ()
 
@@ -52,7 +52,7 @@ def test_the_error_output_is_real(task, monkeypatch):
 def test_it_has_the_two_blocks_that_are_run_as_they_are():
     main, tests = blocks("(?:sh|bash|shell)")
     assert "validate --all" in main
-    assert "render --all --out renders" in main
+    assert "demo handover --video --out demos" in main
     assert "pytest" in tests
 
 

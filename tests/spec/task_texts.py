@@ -161,13 +161,27 @@ observation_noise:
 state: [left.tcp, pebble.pose, cabinet.hinge]
 
 expert:
-  - left: {grasp: pebble.top}
-    right: {reach: tray.rim, above: 0.1}
-  - left: {bring: pebble, to: goal, above: 0.05}
+  - left: {grasp: pebble.top, approach: 0.1, speed: 0.5}
+    right: {reach: tray.rim, above: 0.1, offset: [0, 0.02, 0], rpy_deg: [180, 0, 90]}
+  - left: {bring: pebble, to: goal, above: 0.05, align: true, straight: true, tolerance: 0.005}
   - left: release
     right: {grasp: tray.rim}
-  - {left: {retreat: 0.1}, right: {release: true}, third: {reach: tip}}
-  - {together: [left, right], bring: tray, to: goal, above: 0.02}
+  - {left: {retreat: 0.1, touching: [rod]}, right: {release: true}, third: {reach: tip}}
+  - together: [left, right]
+    bring: tray
+    to: goal
+    above: 0.02
+    offset: [0, 0, 0.01]
+    straight: true
+    touching: [ball, pill]
+    speed: 0.4
+    tolerance: 0.03
+  - {until: tray at goal, within: 1.5}
+  - repeat: 3
+    unless: success
+    stages:
+      - {left: {close: nothing}, right: {close: tray}}
+      - {repeat: 2, stages: [{left: {retreat: 0.02}}, {until: success}]}
 
 variations:
   - {pebble.color: green, tray.mass: 0.4}

@@ -97,6 +97,8 @@ def test_a_specification_says_what_its_file_says(everything):
         "release",
     ]
     assert everything.spec.expert[4].together == ("left", "right")
+    assert everything.spec.expert[5].until == "tray at goal"
+    assert everything.spec.expert[6].stages[1].stages[0]["left"].retreat == 0.02
 
 
 def test_variations_change_what_they_name_and_nothing_else(everything):
@@ -198,8 +200,15 @@ def test_every_feature_fits_the_json_schema(everything):
         ("summary:", "sumary:"),
         ("  floor: false", "  flor: false"),
         ("radius: 0.01, length: 0.2", "radius: 0.01, lenght: 0.2"),
-        ("{left: {retreat: 0.1}", "{left: {retreet: 0.1}"),
+        ("{left: {retreat: 0.1", "{left: {retreet: 0.1"),
         ("- left: release", "- left: relese"),
+        ("speed: 0.4", "speed: 1.4"),
+        ("together: [left, right]", "together: [left]"),
+        ("until: tray at goal", "untill: tray at goal"),
+        ("repeat: 3", "repeat: 0"),
+        ("{left: {close: nothing}", "{left: {close: 5}"),
+        ("{retreat: 0.02}", "{retreet: 0.02}"),
+        ("{until: success}", "{until: [success]}"),
         ("state: [", "state: every # ["),
         ("color: wood", "color: wooden"),
     ],

@@ -26,7 +26,15 @@ PLACES = [
     ("front: {position", "front: {{mount: {}, position", "scene.cameras.front.mount", "frame"),
     ("left: {grasp: cube.middle}", "left: {{grasp: {}}}", "expert[0].left.grasp", "grasp"),
     ("left: {grasp: cube.middle}", "left: {{reach: {}}}", "expert[0].left.reach", "frame"),
+    ("left: {grasp: cube.middle}", "left: {{close: {}}}", "expert[0].left.close", "object"),
     ("left: {bring: cube,", "left: {{bring: {},", "expert[1].left.bring", "object"),
+    ("to: goal}", "to: goal, touching: [{}]}}", "expert[1].left.touching[0]", "object"),
+    (
+        "  - left: {bring: cube, to: goal}",
+        "  - {{together: [left, right], bring: cube, to: goal, touching: [cube, {}]}}",
+        "expert[1].touching[1]",
+        "object",
+    ),
     ("to: goal", "to: {}", "expert[1].left.to", "frame"),
     (
         "  - left: {bring: cube, to: goal}",
@@ -47,6 +55,18 @@ PLACES = [
         "frame",
     ),
     ("  - left: {grasp: cube.middle}", "  - {}: {{grasp: cube.middle}}", "expert[0].{}", "robot"),
+    (
+        "  - left: {grasp: cube.middle}",
+        "  - {{repeat: 2, stages: [{{left: {{reach: {}}}}}]}}",
+        "expert[0].stages[0].left.reach",
+        "frame",
+    ),
+    (
+        "  - left: {grasp: cube.middle}",
+        "  - {{repeat: 2, stages: [{{{}: {{grasp: cube.middle}}}}]}}",
+        "expert[0].stages[0].{}",
+        "robot",
+    ),
     ("  right: [self.tcp]", "  right: [self.tcp]\n  {}: []", "observe.{}", "robot"),
     ("expert:", "observation_noise: {{{}: {{}}}}\nexpert:", "observation_noise.{}", "robot"),
 ]

@@ -1,0 +1,130 @@
+"""How reliably, how soon and after how much planning the experts do their tasks.
+
+    python benchmarks/experts.py
+
+plays every task and variation over 500 seeds that nothing was tuned on, writes a line an episode
+to benchmarks/results/experts.csv, where an interrupted run goes on, and a summary to
+benchmarks/results/experts.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from machine import describe_machine
+
+from taskbuilder import catalogue, load_task, parallel_env
+from taskbuilder.expert.player import Expert
+from taskbuilder.jobs import cores, workers
+from taskbuilder.validate.shares import Share
+
+RESULTS = Path(__file__).parent / "results"
+FIRST_SEED = 700_000
+FIELDS = ("task", "variation", "seed", "success", "first_success", "steps", "planning_s")
+FIELDS += ("stage", "cause", "message")
+
+Job = tuple[str, int, int]
+
+
+@cache
+def expert_of(task: str, variation: int) -> Expert:
+    """One expert a task and variation, in each process."""
+    return Expert(parallel_env(task, variation=variation))
+
+
+def play(job: Job) -> dict[str, Any]:
+    """One episode."""
+    task, variation, seed = job
+    done = expert_of(task, variation).play(seed)
+    trouble = done.trouble
+    return {
+        "task": task,
+        "variation": variation,
+        "seed": seed,
+        "success": int(done.success),
+        "first_success": done.first_success or "",
+        "steps": done.stage_ends[-1] if done.stage_ends else "",
+        "planning_s": f"{done.planning_s:.4f}",
+        "stage": trouble.stage if trouble else "",
+        "cause": trouble.cause if trouble else "",
+        "message": trouble.message if trouble else "",
+    }
+
+
+def rows_of(file: Path) -> list[dict[str, str]]:
+    """The episodes that have been played already."""
+    if not file.exists():
+        return []
+    with file.open(encoding="utf-8", newline="") as lines:
+        return [row for row in csv.DictReader(lines) if None not in row.values()]
+
+
+def summary(rows: Iterable[dict[str, str]]) -> dict[str, Any]:
+    """Figures by task and variation."""
+    groups: dict[str, list[dict[str, str]]] = {}
+    for row in rows:
+        groups.setdefault(f"{row['task']}/{row['variation']}", []).append(row)
+    found = {}
+    for name, own in sorted(groups.items()):
+        solved = sum(row["success"] == "1" for row in own)
+        steps = sorted(int(row["first_success"]) for row in own if row["first_success"])
+        planning = [float(row["planning_s"]) for row in own]
+        low, high = Share(solved, len(own)).interval
+        failed = [row for row in own if row["success"] != "1"]
+        found[name] = {
+            "episodes": len(own),
+            "solved": solved,
+            "interval": [round(low, 4), round(high, 4)],
+            "first_success_median": median(steps) if steps else None,
+            "first_success_last": steps[-1] if steps else None,
+            "planning_median_s": round(median(planning), 4),
+            "planning_longest_s": round(max(planning), 4),
+            "failures": [
+                {key: row[key] for key in ("seed", "stage", "cause", "message")} for row in failed
+            ],
+        }
+    return found
+
+
+def main() -> None:
+    """Play what has not been played, and sum up."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=500)
+    parser.add_argument("--jobs", type=int, default=cores())
+    parser.add_argument("--anew", action="store_true", help="forget the episodes played so far")
+    arguments = parser.parse_args()
+    file = RESULTS / "experts.csv"
+    if arguments.anew:
+        file.unlink(missing_ok=True)
+    known = {(row["task"], int(row["variation"]), int(row["seed"])) for row in rows_of(file)}
+    seeds = range(FIRST_SEED, FIRST_SEED + arguments.seeds)
+    scenes = [(n, k) for n in catalogue().tasks for k in range(len(load_task(n).file.scenes))]
+    jobs = [(n, k, seed) for n, k in scenes for seed in seeds if (n, k, seed) not in known]
+    with file.open("a", encoding="utf-8", newline="") as lines:
+        writer = csv.DictWriter(lines, FIELDS)
+        if not known:
+            writer.writeheader()
+        with workers(arguments.jobs) as spread:
+            for row in spread(play, jobs):
+                writer.writerow(row)
+                lines.flush()
+    found = summary(rows_of(file))
+    text = json.dumps({"machine": describe_machine(), "scenes": found}, indent=2)
+    (RESULTS / "experts.json").write_text(text + "\n", encoding="utf-8")
+    for name, figures in found.items():
+        steps = f"{figures['first_success_median']} (last {figures['first_success_last']})"
+        print(
+            f"{name:24} {figures['solved']}/{figures['episodes']}  step {steps}  "
+            f"planning {figures['planning_median_s']:.3f} s"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""The stages of experts in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from generators.markdown import code, number
+from taskbuilder.spec.expert import NOTHING, ExpertStage, Order, Repeat, Together, Wait
+
+
+def numbered(stages: Sequence[ExpertStage], indent: str = "") -> str:
+    """Stages as a numbered list; those that repeat, as a list within it."""
+    return "\n".join(f"{indent}1. {_stage(stage, f'{indent}   ')}" for stage in stages)
+
+
+def _stage(stage: ExpertStage, indent: str) -> str:
+    if isinstance(stage, Together):
+        who = " and ".join(map(code, stage.together))
+        return ", ".join([f"{who} together: {_verb(stage)}", *_manner(stage)])
+    if isinstance(stage, Wait):
+        return f"wait until `{stage.until}` holds, {number(stage.within)} s at most"
+    if isinstance(stage, Repeat):
+        times = "once" if stage.repeat == 1 else f"{stage.repeat} times"
+        end = f", but no more once `{stage.unless}` holds" if stage.unless else ""
+        return f"{times}{end}:\n\n{numbered(stage.stages, indent)}"
+    return "; ".join(
+        f"`{robot}`: {', '.join([_verb(order), *_manner(order)])}" for robot, order in stage.items()
+    )
+
+
+def _verb(order: Order | Together) -> str:
+    if order.bring:
+        return f"bring `{order.bring}` to `{order.to}`"
+    if order.retreat is not None:
+        return f"retreat {_length(order.retreat)}"
+    if order.close:
+        return "close on nothing" if order.close == NOTHING else f"close on `{order.close}`"
+    if order.release:
+        return "release"
+    return f"{order.verb} `{order.grasp or order.reach}`"
+
+
+def _manner(order: Order | Together) -> Iterator[str]:
+    """How an order is carried out, as far as that is not as usual."""
+    if any(order.offset):
+        yield f"({', '.join(number(value) for value in order.offset)}) m beside it"
+    if order.above:
+        yield f"{_length(abs(order.above))} {'above' if order.above > 0 else 'below'}"
+    if isinstance(order, Order):
+        if order.approach is not None:
+            yield f"straight in from {_length(order.approach)} away"
+        if order.rpy_deg is not None:
+            yield f"turned to ({', '.join(number(angle) for angle in order.rpy_deg)})°"
+        if order.align:
+            yield "turned as that is"
+    if order.straight:
+        yield "in a straight line"
+    if order.touching:
+        yield f"touching {' and '.join(map(code, order.touching))} if need be"
+    if order.speed != 1.0:
+        yield f"at {number(order.speed * 100)} % of its speed"
+    if order.tolerance is not None:
+        yield f"to within {_length(order.tolerance)}"
+
+
+def _length(metres: float) -> str:
+    return f"{number(metres * 100)} cm" if metres >= 0.01 else f"{number(metres * 1000)} mm"

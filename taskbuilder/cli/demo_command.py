@@ -1,0 +1,207 @@
+"""`taskbuilder demo`."""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+from collections.abc import Generator, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.cli.output import paint, print_json, progress, say
+from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
+from taskbuilder.env.parallel import parallel_env
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.expert.policies import Player, player_named
+from taskbuilder.film.chronicle import chronicle
+from taskbuilder.film.film import save_film
+from taskbuilder.film.strip import film_strip
+from taskbuilder.jobs import cores, workers
+from taskbuilder.render import save_image, write_whole
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.task import Task, load_task
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Play episodes, say how each went, and show the first."""
+    catalogue = catalogue_of(arguments)
+    task = load_task(arguments.task, catalogue=catalogue)
+    _check(task, arguments)
+    make_folder(arguments.out)
+    cast = Cast(arguments.task, catalogue, arguments.variation, arguments.policy)
+    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    jobs = min(arguments.jobs or cores(), len(seeds))
+    played = []
+    with closing(_play_all(cast, seeds, jobs)) as episodes:
+        for _, episode in zip(progress(seeds, "episodes"), episodes, strict=True):
+            played.append(episode)
+            if not arguments.json:
+                say(_line(task, episode, len(str(seeds[-1]))))
+    if not arguments.json:
+        print(_summary(played))
+    files = [display_path(file) for file in _show(task, played[0], arguments)]
+    if arguments.json:
+        print_json({**_as_data(task, played), "files": files})
+    else:
+        print("\n".join(files))
+    return 0 if all(episode.success for episode in played) else 1
+
+
+def _check(task: Task, arguments: argparse.Namespace) -> None:
+    """Refuse what cannot be played or shown before anything is."""
+    check_views(task, arguments)
+    player_named(arguments.policy)
+    if arguments.policy == "expert" and not task.file.spec.expert:
+        file = display_path(task.file.entry.file)
+        raise UsageError(
+            f"{task.name} has no expert; write its stages under expert: in {file}, or let "
+            "--policy random play"
+        )
+
+
+# Playing
+
+
+@dataclass(frozen=True)
+class Cast:
+    """Who plays what, in a form that other processes can be told.
+
+    Attributes:
+        task: Name or path of the task.
+        catalogue: Where it is looked up.
+        variation: Which scene.
+        policy: Who plays.
+    """
+
+    task: str
+    catalogue: Catalogue
+    variation: int
+    policy: str
+
+
+def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Demonstration, None, None]:
+    """Episodes in the order of their seeds, each as soon as it has been played."""
+    if jobs > 1:
+        with workers(jobs) as spread:
+            yield from spread(partial(_play_elsewhere, cast), seeds)
+        return
+    with ExitStack() as stack:
+        player = _hire(cast, stack)
+        yield from map(player.play, seeds)
+
+
+def _hire(cast: Cast, stack: ExitStack) -> Player:
+    task = load_task(cast.task, catalogue=cast.catalogue)
+    env = stack.enter_context(closing(parallel_env(task, variation=cast.variation)))
+    return stack.enter_context(closing(player_named(cast.policy)(env)))
+
+
+def _play_elsewhere(cast: Cast, seed: int) -> Demonstration:
+    return _hired_once(cast).play(seed)
+
+
+@lru_cache(maxsize=1)
+def _hired_once(cast: Cast) -> Player:
+    """A player that is kept for as long as its process lives."""
+    return _hire(cast, ExitStack())
+
+
+# Saying
+
+
+def _line(task: Task, episode: Demonstration, digits: int) -> str:
+    verdict = paint("success", "green") if episode.success else paint("failed ", "red")
+    start = f"seed {episode.seed:{digits}}  {verdict}  return {episode.discounted():8.2f}"
+    return f"{start}  {_how_it_went(task, episode)}"
+
+
+def _how_it_went(task: Task, episode: Demonstration) -> str:
+    """Steps to success, or where it failed and why."""
+    if episode.first_success is not None:
+        return f"{episode.first_success} of {task.file.spec.timing.episode_steps} steps"
+    trouble = episode.trouble
+    if trouble is not None:
+        return f"in stage {trouble.stage} ({trouble.order}): {trouble.message}"
+    return f"got as far as {episode.milestone}" if episode.milestone else "reached nothing"
+
+
+def _summary(episodes: Sequence[Demonstration]) -> str:
+    steps = _steps_to_success(episodes)
+    share = len(steps) / len(episodes)
+    parts = [f"{len(steps)} of {len(episodes)} succeeded ({share:.0%})"]
+    if steps:
+        parts.append(f"median {statistics.median(steps):g} steps")
+    planning = statistics.median(episode.planning_s for episode in episodes)
+    if planning:
+        parts.append(f"median planning time {planning:.2f} s")
+    return paint(" · ".join(parts), "bold")
+
+
+def _steps_to_success(episodes: Sequence[Demonstration]) -> list[int]:
+    return [e.first_success for e in episodes if e.first_success is not None]
+
+
+def _as_data(task: Task, episodes: Sequence[Demonstration]) -> dict[str, Any]:
+    return {
+        "task": task.name,
+        "success_rate": len(_steps_to_success(episodes)) / len(episodes),
+        "episodes": [
+            {
+                "seed": episode.seed,
+                "success": episode.success,
+                "return": episode.discounted(),
+                "steps": episode.first_success or episode.steps,
+                "stage": episode.milestone,
+                "trouble": vars(episode.trouble) if episode.trouble else None,
+                "planning_s": round(episode.planning_s, 4),
+            }
+            for episode in episodes
+        ],
+    }
+
+
+# Showing
+
+
+def _show(task: Task, episode: Demonstration, arguments: argparse.Namespace) -> list[Path]:
+    """Write what an episode looked like, and say where."""
+    from taskbuilder.charts import Mark, reward_chart  # a second, when all else is in order
+
+    stem = arguments.out / task.name.replace("/", "-")
+    strip, chart = (stem.with_name(f"{stem.name}-{what}.png") for what in ("strip", "rewards"))
+    cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
+    cameras = list(dict.fromkeys(cameras))
+    subtitle = _subtitle(task, episode, arguments.policy)
+    env = parallel_env(task, variation=episode.variation, renderer=arguments.renderer)
+    with closing(env):
+        story = chronicle(env, episode)
+        size = arguments.size
+        page = film_strip(env, episode, story, cameras, subtitle=subtitle, size=size)
+        save_image(strip, page)
+        marks = [Mark(step, name) for name, step in story.reached.items()]
+        if story.first_success is not None:
+            marks.append(Mark(story.first_success, "success", good=True))
+        write_whole(chart, reward_chart(task.name, subtitle, episode.terms, episode.rewards, marks))
+        films: tuple[Path, ...] = ()
+        if arguments.video:
+            films = save_film(
+                env,
+                episode,
+                story,
+                cameras,
+                stem,
+                size=size,
+                progress=lambda frames, count: progress(frames, "filming", count),
+            )
+    return [strip, chart, *films]
+
+
+def _subtitle(task: Task, episode: Demonstration, policy: str) -> str:
+    verdict = "success after" if episode.success else "failed:"
+    parts = [policy] if policy != "expert" else []
+    parts += [f"seed {episode.seed}", f"return {episode.discounted():.2f}"]
+    return " · ".join([*parts, f"{verdict} {_how_it_went(task, episode)}"])

@@ -1,0 +1,217 @@
+"""Arm modes whose numbers are about the tool: its step, or where it is to be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from taskbuilder.env.arm_modes import Arm, Targets
+from taskbuilder.geometry import (
+    NO_TURN,
+    Pose,
+    Quat,
+    Vec3,
+    add,
+    conjugate,
+    multiply,
+    norm,
+    rotate,
+    scale,
+    subtract,
+)
+from taskbuilder.sim.kinematics import solve
+
+LAG_STEPS = 2.0
+"""How many steps the commanded tool may be ahead of the measured one."""
+
+
+@dataclass(frozen=True)
+class TcpDelta:
+    """Moves the commanded tool by a step, and turns it.
+
+    Numbers: a translation (m), then by `turn` nothing, an angle about the tool's axis, or a
+    rotation vector (rad). A translation longer than `max_step` is shortened to it, a rotation
+    vector likewise. The tool keeps its tilt from home unless `turn` is full.
+    """
+
+    arm: Arm
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `ArmMode.bounds`."""
+        step, turn = self.arm.spec.max_step, math.radians(self.arm.spec.max_turn_deg)
+        turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
+        return ((-step, step),) * 3 + ((-turn, turn),) * turns
+
+    def command(self, values: Sequence[float]) -> Targets:
+        """See `ArmMode.command`."""
+        arm, spec = self.arm, self.arm.spec
+        joints = arm.commanded()
+        frames = arm.stepper.frames(joints)
+        tool = frames.tool
+        shift = _shortened((values[0], values[1], values[2]), spec.max_step)
+        goal = add(tool.position, self._in_base(shift, tool))
+        measured = arm.base_from_world.apply(arm.world.position(arm.tcp_name))
+        ahead = subtract(goal, measured)
+        if norm(ahead) > LAG_STEPS * spec.max_step:
+            goal = add(measured, _shortened(ahead, LAG_STEPS * spec.max_step))
+        target = Pose(goal, self._turned(tool, values[3:]))
+        return arm.stepper.step(joints, target, arm.longest, frames)
+
+    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+        """See `ArmMode.leading_to`."""
+        arm, spec = self.arm, self.arm.spec
+        tool, goal = arm.stepper.forward(arm.commanded()), arm.stepper.forward(joints)
+        shift = self._from_base(subtract(goal.position, tool.position), tool)
+        if spec.turn == "none":
+            return shift
+        if spec.turn == "yaw":
+            turn = _yaw(arm.home, goal.quaternion) - _yaw(arm.home, tool.quaternion)
+            return (*shift, math.remainder(turn, 2.0 * math.pi))
+        vector = _vector_of(multiply(goal.quaternion, conjugate(tool.quaternion)))
+        return (*shift, *self._from_base(vector, tool))
+
+    def _in_base(self, vector: Vec3, tool: Pose) -> Vec3:
+        if self.arm.spec.frame == "base":
+            return vector
+        if self.arm.spec.frame == "tcp":
+            return rotate(tool.quaternion, vector)
+        return rotate(self.arm.base_from_world.quaternion, vector)
+
+    def _from_base(self, vector: Vec3, tool: Pose) -> Vec3:
+        if self.arm.spec.frame == "base":
+            return vector
+        if self.arm.spec.frame == "tcp":
+            return rotate(conjugate(tool.quaternion), vector)
+        return rotate(conjugate(self.arm.base_from_world.quaternion), vector)
+
+    def _turned(self, tool: Pose, turn: Sequence[float]) -> Quat:
+        spec, home = self.arm.spec, self.arm.home
+        if spec.turn == "none":
+            return home
+        if spec.turn == "yaw":
+            return multiply(home, _about_z(_yaw(home, tool.quaternion) + turn[0]))
+        vector = _shortened((turn[0], turn[1], turn[2]), math.radians(spec.max_turn_deg))
+        return multiply(_rotation(self._in_base(vector, tool)), tool.quaternion)
+
+
+@dataclass(frozen=True)
+class TcpPose:
+    """Moves the tool towards a pose, by at most a step of `tcp_delta` at a time.
+
+    Numbers: a position (m) relative to the arm's home tool position, in `frame`; then by `turn`
+    nothing, an angle about the tool's axis from home, or a rotation vector from home (rad).
+    """
+
+    arm: Arm
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `ArmMode.bounds`."""
+        reach = self.arm.reach
+        turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
+        return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * turns
+
+    def command(self, values: Sequence[float]) -> Targets:
+        """See `ArmMode.command`."""
+        arm, spec = self.arm, self.arm.spec
+        joints = arm.commanded()
+        tool = arm.stepper.forward(joints)
+        goal = self.goal(values)
+        shift = _shortened(subtract(goal.position, tool.position), spec.max_step)
+        turn = _vector_of(multiply(goal.quaternion, conjugate(tool.quaternion)))
+        step = _rotation(_shortened(turn, math.radians(spec.max_turn_deg)))
+        target = Pose(add(tool.position, shift), multiply(step, tool.quaternion))
+        return arm.stepper.step(joints, target, arm.longest)
+
+    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+        """See `ArmMode.leading_to`."""
+        arm, spec = self.arm, self.arm.spec
+        goal = arm.stepper.forward(joints)
+        offset = subtract(goal.position, arm.stepper.forward(arm.robot.home).position)
+        if spec.frame == "world":
+            offset = rotate(conjugate(arm.base_from_world.quaternion), offset)
+        elif spec.frame == "tcp":
+            offset = rotate(conjugate(arm.home), offset)
+        if spec.turn == "none":
+            return offset
+        if spec.turn == "yaw":
+            return (*offset, math.remainder(_yaw(arm.home, goal.quaternion), 2.0 * math.pi))
+        return (*offset, *_vector_of(multiply(conjugate(arm.home), goal.quaternion)))
+
+    def goal(self, values: Sequence[float]) -> Pose:
+        """The pose that the numbers mean, in the base frame."""
+        arm, spec = self.arm, self.arm.spec
+        start = arm.stepper.forward(arm.robot.home)
+        offset: Vec3 = (values[0], values[1], values[2])
+        if spec.frame == "world":
+            offset = rotate(arm.base_from_world.quaternion, offset)
+        elif spec.frame == "tcp":
+            offset = rotate(arm.home, offset)
+        turn = NO_TURN
+        if spec.turn == "yaw":
+            turn = _about_z(values[3])
+        elif spec.turn == "full":
+            turn = _rotation((values[3], values[4], values[5]))
+        return Pose(add(start.position, offset), multiply(arm.home, turn))
+
+
+@dataclass(frozen=True)
+class TcpPath:
+    """Drives to a pose by way of the joints: for scripts, and for slow control.
+
+    The numbers are those of `TcpPose`. The pose's inverse kinematics is solved in full, with
+    restarts, from where the joints are; they go there in a straight line at their speed limits,
+    so that poses are reached to which no straight motion of the tool leads. About a millisecond.
+    """
+
+    arm: Arm
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """See `ArmMode.bounds`."""
+        return TcpPose(self.arm).bounds
+
+    def command(self, values: Sequence[float]) -> Targets:
+        """See `ArmMode.command`."""
+        arm = self.arm
+        joints = arm.commanded()
+        rng = np.random.default_rng(0)  # the same path for the same command
+        found = solve(arm.robot.chain, TcpPose(arm).goal(values), start=joints, rng=rng)
+        return arm.approach(joints, found.joints)
+
+    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+        """See `ArmMode.leading_to`."""
+        return TcpPose(self.arm).leading_to(joints)
+
+
+def _shortened(vector: Vec3, longest: float) -> Vec3:
+    length = norm(vector)
+    return vector if length <= longest else scale(vector, longest / length)
+
+
+def _about_z(angle: float) -> Quat:
+    return (0.0, 0.0, math.sin(angle / 2.0), math.cos(angle / 2.0))
+
+
+def _yaw(home: Quat, now: Quat) -> float:
+    """The part of the turn from home to now that is about the tool's own axis."""
+    _, _, z, w = multiply(conjugate(home), now)
+    return 2.0 * math.atan2(z, w)
+
+
+def _rotation(vector: Vec3) -> Quat:
+    angle = norm(vector)
+    if angle < 1e-12:
+        return NO_TURN
+    x, y, z = scale(vector, math.sin(angle / 2.0) / angle)
+    return (x, y, z, math.cos(angle / 2.0))
+
+
+def _vector_of(turn: Quat) -> Vec3:
+    x, y, z, w = turn if turn[3] >= 0.0 else (-turn[0], -turn[1], -turn[2], -turn[3])
+    sine = math.sqrt(x * x + y * y + z * z)
+    return scale((x, y, z), 2.0 * math.atan2(sine, w) / sine) if sine > 1e-12 else (0.0, 0.0, 0.0)

@@ -1,0 +1,54 @@
+"""Actions that command arms to joints and open grippers, in whatever mode the task chose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError
+
+Actions = dict[str, NDArray[np.float32]]
+
+
+class Driver:
+    """Speaks to an environment in its own actions.
+
+    Args:
+        env: Any environment whose actions are flat.
+
+    Raises:
+        UsageError: Its actions are dictionaries.
+    """
+
+    def __init__(self, env: TaskEnv) -> None:
+        if not env.options.flat:
+            raise UsageError("experts act by flat actions; make the environment with flat=True")
+        self.env = env
+
+    def hold(self) -> Actions:
+        """Everyone stays where it is commanded to be, grippers as they were told."""
+        return self.actions()
+
+    def actions(
+        self,
+        joints: Mapping[str, Sequence[float]] | None = None,
+        openings: Mapping[str, float] | None = None,
+    ) -> Actions:
+        """An action for every agent.
+
+        Args:
+            joints: Where arms are to be commanded next, rad or m, within a control step's reach;
+                arms that are not named stay.
+            openings: Of grippers, from 0 (closed) to 1 (open); others are left as they are.
+        """
+        joints, openings = joints or {}, openings or {}
+        found = {}
+        for agent, modes in self.env.episode.actions.items():
+            numbers = modes.leading_to(joints.get(agent), openings.get(agent))
+            if self.env.options.normalize:
+                numbers = modes.normalized(numbers)
+            found[agent] = np.array(numbers, dtype=np.float32)
+        return found

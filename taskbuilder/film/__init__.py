@@ -1,0 +1,1 @@
+"""Films of demonstrations: frames, strips, MP4 and GIF."""

@@ -1,0 +1,152 @@
+"""The contract family: what learning libraries rely on.
+
+Agents are watched over a few episodes of the same actions: the expert's until it is done, if the
+task has an expert, and random ones from there on. Then come the tests that PettingZoo and Gymnasium
+ship; they are not run where what is observed is wrong, which they would only say in other words.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import api_test, parallel_api_test, seed_test
+from pettingzoo.utils.conversions import parallel_to_aec
+
+from taskbuilder.env.joint import JointEnv
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.expert.driving import Actions
+from taskbuilder.task import Task
+from taskbuilder.validate.observing import (
+    check_inside,
+    check_own,
+    check_spaces,
+    check_varying,
+    watch,
+)
+from taskbuilder.validate.places import arose_in_description, finding_in_file
+from taskbuilder.validate.playing import random_actions
+from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.running import Run
+from taskbuilder.validate.studio import SMALL, Start
+from taskbuilder.validate.traces import actions_of
+
+EPISODES = 2
+MOST_CYCLES = 60
+SEED_CYCLES = 10
+
+
+def contract_family(run: Run) -> FamilyResult:
+    """Watch what agents see, and run the tests of PettingZoo and Gymnasium."""
+    env = run.studio.env(0)
+    views = watch(env, range(min(run.seeds, EPISODES)), _actions(run, env))
+    results = [
+        check_spaces(run.task, env),
+        check_inside(run.task, views),
+        check_varying(run.task, views),
+        check_own(run.task, views),
+    ]
+    if all(check.ok for check, _ in results):
+        results += [check_suite(run.task, code) for code in SUITES]
+    wrong = [check.name for check, _ in results if not check.ok]
+    summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} suites"
+    findings = tuple(finding for _, found in results for finding in found)
+    return FamilyResult("contract", tuple(check for check, _ in results), findings, summary)
+
+
+def _actions(run: Run, env: TaskEnv) -> list[Actions]:
+    """What the agents do while they are watched."""
+    by_chance = list(random_actions(env, 0))
+    if not run.has_expert:
+        return by_chance
+    (played,) = run.demonstrate([Start(0, 0)], "contract")
+    done = played.trouble.step if played.trouble else max(played.stage_ends, default=0)
+    return actions_of(played)[:done] + by_chance[done:]
+
+
+def check_suite(task: Task, code: str) -> Result:
+    """The environment that a task makes passes the tests of a library, whose warnings are not ours.
+
+    Args:
+        task: The task.
+        code: One of `SUITES`.
+
+    Raises:
+        Exception: The description raised it.
+    """
+    name, suite = SUITES[code]
+    findings = []
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            suite(task)
+    except Exception as error:  # whatever the tests of others raise
+        if arose_in_description(error, task.file.entry):
+            raise
+        said = f"{type(error).__name__}: {error}".splitlines()[0]
+        findings = [finding_in_file(task, code, f"{name} refuses the environment: {said}", "task")]
+    wrong = len(findings)
+    return Check(code, f"{name} passes", not wrong, wrong, 0, "refusals"), findings
+
+
+def _parallel(task: Task) -> None:
+    with _made(task) as env:
+        parallel_api_test(env, num_cycles=_cycles(env))
+
+
+def _turn_based(task: Task) -> None:
+    with _made(task) as env:
+        api_test(parallel_to_aec(env), num_cycles=_cycles(env))
+    seed_test(lambda: parallel_to_aec(_env(task)), num_cycles=SEED_CYCLES)
+
+
+def _joint(task: Task) -> None:
+    env = JointEnv(task, camera_size=SMALL)
+    _seed(env.observation_space, env.action_space)
+    try:
+        check_env(env, skip_render_check=True)
+    finally:
+        env.close()
+
+
+SUITES: Mapping[str, tuple[str, Callable[[Task], None]]] = MappingProxyType(
+    {
+        "TB521": ("parallel_api_test", _parallel),
+        "TB522": ("api_test and seed_test", _turn_based),
+        "TB523": ("check_env", _joint),
+    }
+)
+"""Code -> the tests of a library, by name."""
+
+_TESTS = ("parallel_api_test", "api_test", "seed_test", "check_env")
+
+
+@contextlib.contextmanager
+def _made(task: Task) -> Iterator[TaskEnv]:
+    """An environment whose spaces are seeded, so that the tests always act alike."""
+    env = _env(task)
+    for agent in env.possible_agents:
+        _seed(env.observation_space(agent), env.action_space(agent))
+    try:
+        yield env
+    finally:
+        env.close()
+
+
+def _env(task: Task) -> TaskEnv:
+    return parallel_env(task, camera_size=SMALL)
+
+
+def _seed(*spaces: Any) -> None:
+    for space in spaces:
+        space.seed(0)
+
+
+def _cycles(env: TaskEnv) -> int:
+    """Control steps that show an episode's end, or enough of a long one."""
+    return min(env.episode.horizon + 10, MOST_CYCLES)

@@ -1,0 +1,35 @@
+"""The cost family: what episodes take, in figures without a verdict."""
+
+from __future__ import annotations
+
+from taskbuilder.bench import measure_resets, measure_steps
+from taskbuilder.validate.report import Check, FamilyResult
+from taskbuilder.validate.running import Run
+
+EPISODES, REPEATS = 1, 2
+RESETS = 20
+
+
+def cost_family(run: Run) -> FamilyResult:
+    """Time steps, resets and building in this process; a second or two in all."""
+    cost = measure_steps(run.task, episodes=EPISODES, repeats=REPEATS)
+    reset_ms = measure_resets(run.task, resets=RESETS)
+    figures = (
+        ("control steps", "steps_per_second", cost.steps_per_second, "1/s"),
+        (
+            "beyond its physics steps",
+            "overhead_physics_steps",
+            cost.overhead_physics_steps,
+            "steps",
+        ),
+        ("a reset", "reset_ms", reset_ms, "ms"),
+    )
+    run.measures.update({key: value for _, key, value, _ in figures})
+    checks = tuple(
+        Check("TB561", name, True, value, None, unit) for name, _, value, unit in figures
+    )
+    summary = (
+        f"{cost.steps_per_second:,.0f} steps/s, {cost.overhead_physics_steps:.1f} physics steps "
+        f"beyond them, {reset_ms:.1f} ms a reset"
+    )
+    return FamilyResult("cost", checks, (), summary)

@@ -1,0 +1,288 @@
+"""The pays family: nothing that is easier than success earns as much as the expert does.
+
+Every seed from which the expert succeeds is played again up to the end of each of its stages; from
+there on all hold still, or fail on purpose: from half of the seeds they drop what they hold, from
+the others they throw it away, because playing both from all would take half as long again. What
+random play, waiting, and the expert without a robot earn is known from the needs family. Compared
+are means over the same episodes, undiscounted and at a discount of 0.95.
+
+Ways are judged in a fixed order, up to the first sort that pays as well as success; the finding
+names the best of that sort, and how many others pay as well: they tend to have one reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from taskbuilder.env.parallel import EnvState
+from taskbuilder.errors import Finding
+from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.validate.needs import NOTHING, RANDOM
+from taskbuilder.validate.places import finding_in_description
+from taskbuilder.validate.playing import (
+    DISCOUNT,
+    LARGEST,
+    Account,
+    Play,
+    drop,
+    of_demonstration,
+    throw,
+)
+from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
+from taskbuilder.validate.running import Run
+from taskbuilder.validate.studio import Start, Studio
+from taskbuilder.validate.traces import actions_of, trace
+
+EXPERT = "expert"
+
+Plays = Mapping[str, Mapping[Start, Play]]
+"""What was played, by way of playing, and by how the episode began."""
+
+
+class Replayed(NamedTuple):
+    """An episode of the expert that is to be left at each of its stages."""
+
+    start: Start
+    demonstration: Demonstration
+
+
+@dataclass(frozen=True)
+class _Sort:
+    """A sort of playing that must not pay as well as success.
+
+    Attributes:
+        code: Of the check.
+        name: What the check is about.
+        signs: What the names of its ways begin with.
+    """
+
+    code: str
+    name: str
+    signs: tuple[str, ...]
+
+
+_SORTS = (
+    _Sort("TB553", "success pays more than nothing and random play", (NOTHING, RANDOM)),
+    _Sort("TB552", "success pays more than stalling", ("stall ",)),
+    _Sort("TB554", "success pays more than leaving out a robot", ("without ",)),
+    _Sort("TB555", "success pays more than failing on purpose", ("drop ", "throw ")),
+)
+
+
+def pays_family(run: Run) -> FamilyResult:
+    """Compare what the expert earns with what is easier."""
+    plays: dict[str, Mapping[Start, Play]] = {}
+    if run.has_expert:
+        starts = run.some_starts()
+        played = zip(starts, run.demonstrate(starts, "pays for success"), strict=True)
+        jobs = [Replayed(start, demo) for start, demo in played if demo.success]
+        plays[EXPERT] = {job.start: of_demonstration(job.demonstration) for job in jobs}
+        plays |= _left(run, jobs)
+    plays |= {way: found for way, found in run.plays.items() if " alone, " not in way}
+    bounded = _check_terms(run, plays)
+    results = [bounded]
+    if bounded[0].ok and plays.get(EXPERT):
+        results += _compared(run, plays)
+    checks = tuple(check for check, _ in results)
+    findings = tuple(finding for _, found in results for finding in found)
+    probes = tuple(_probe(way, found) for way, found in plays.items() if found)
+    summary = _summary(probes) if bounded[0].ok else "reward terms are not finite or huge"
+    return FamilyResult("pays for success", checks, findings, summary, probes=probes)
+
+
+def _left(run: Run, jobs: Sequence[Replayed]) -> Plays:
+    found: dict[str, dict[Start, Play]] = {}
+    starts = [job.start for job in jobs]
+    asked = run.ask(leave_stages, starts, "pays for success", about=jobs)
+    for start, plays in zip(starts, asked, strict=True):
+        for way, play in plays.items():
+            found.setdefault(way, {})[start] = play
+    return dict(sorted(found.items()))
+
+
+def _probe(way: str, found: Mapping[Start, Play]) -> Probe:
+    listed = list(found.values())
+    return Probe(
+        way,
+        tuple(play.earned for play in listed),
+        tuple(play.discounted for play in listed),
+        sum(play.success for play in listed),
+    )
+
+
+def _summary(probes: Sequence[Probe]) -> str:
+    means = {probe.name: _mean(probe.returns) for probe in probes if probe.returns}
+    if EXPERT not in means:
+        return ", ".join(f"{name} {mean:.1f}" for name, mean in means.items())
+    order = sorted(means, key=lambda name: (-means[name], name != EXPERT))
+    shown = order[:2] if EXPERT in order[:2] else [order[0], EXPERT]
+    text = " > ".join(f"{name} {means[name]:.1f}" for name in shown)
+    last = order[-1]
+    return text if last in shown else f"{text} > … > {last} {means[last]:.1f}"
+
+
+def _mean(values: Iterable[float]) -> float:
+    listed = list(values)
+    return sum(listed) / len(listed)
+
+
+# --- in each process
+
+
+def leave_stages(studio: Studio, job: Replayed) -> dict[str, Play]:
+    """What comes of leaving the expert's way after each of its stages."""
+    env = studio.env(job.start.variation)
+    ends = {end: number for number, end in enumerate(job.demonstration.stage_ends, start=1)}
+    saved: list[tuple[int, int, EnvState]] = []
+    env.reset(seed=job.start.seed)
+    actions = actions_of(job.demonstration)
+    for step, action in enumerate(actions):
+        if step in ends:
+            saved.append((ends[step], step, env.save_state()))
+        env.step(action)
+    rewards = job.demonstration.rewards.tolist()
+    last = len(studio.task.file.spec.expert)
+    plays = {}
+    lost = False
+    for number, step, state in saved:
+        leaves: dict[str, Callable[[Account], None]] = {}
+        odd = job.start.seed // len(studio.task.file.scenes) % 2
+        leaves |= {"throw": throw} if odd else {"drop": drop}
+        if number < last:  # after the last one the expert itself holds still
+            leaves["stall"] = Account.hold
+        for name, leave in leaves.items():
+            if lost:  # with a world whose physics diverged, its states went
+                trace(env, job.start.seed, actions[:step])
+            else:
+                env.load_state(state)
+            account = Account(env, rewards[:step])
+            leave(account)
+            plays[f"{name} after stage {number}"] = account.closed()
+            lost = lost or env.episode.exploded
+    return plays
+
+
+# --- the checks
+
+
+def _check_terms(run: Run, plays: Plays) -> Result:
+    """Every reward term is finite, and not huge."""
+    wild: dict[str, tuple[float, str, Start]] = {}
+    for way, found in plays.items():
+        for start, play in found.items():
+            for label, pay in play.wild.items():
+                wild.setdefault(label, (pay, way, start))
+    findings = []
+    for term in run.task.description.reward:
+        if term.label in wild:
+            pay, way, start = wild[term.label]
+            message = (
+                f"{term.label} paid {pay:g} at a control step ({way}, {start}); from "
+                f"{-LARGEST:,.0f} to {LARGEST:,.0f} is what learners can count with"
+            )
+            name = f"reward.{term.label}"
+            findings.append(finding_in_description(run.task, "TB551", message, name, term))
+    count = len(findings)
+    return Check("TB551", "reward terms are finite", not count, count, 0, "terms"), findings
+
+
+def _compared(run: Run, plays: Plays) -> Iterator[Result]:
+    """The sorts of playing in order, up to the first that pays as well as success."""
+    for sort in _SORTS:
+        if sort.code == "TB554" and run.task.file.spec.cooperation != "required":
+            continue
+        rivals = [
+            rival
+            for way, found in plays.items()
+            if way.startswith(sort.signs)
+            for rival in _rivals(way, plays[EXPERT], found)
+        ]
+        if not rivals:
+            continue
+        closest = min(rivals, key=lambda rival: (rival.discount == DISCOUNT, rival.margin))
+        if closest.margin > 0.0:  # at a discount it may be otherwise
+            closest = min(rivals, key=lambda rival: rival.margin)
+        better = {rival.way for rival in rivals if rival.margin <= 0.0}
+        findings = [_finding(run, sort, closest, len(better))] if better else []
+        margin = closest.margin
+        yield Check(sort.code, sort.name, not findings, margin, 0.0, "a step"), findings
+        if findings:
+            return
+
+
+@dataclass(frozen=True)
+class _Rival:
+    """What a way of playing earns beside the expert, in the mean over the same episodes.
+
+    Attributes:
+        way: The way.
+        discount: Of both returns.
+        expert: What the expert earns.
+        earned: What this way earns.
+        steps: Control steps of the episode, each weighed by the discount to its power.
+    """
+
+    way: str
+    discount: float
+    expert: float
+    earned: float
+    steps: float
+
+    @property
+    def margin(self) -> float:
+        """By how much the expert earns more, in the mean over control steps."""
+        return (self.expert - self.earned) / self.steps
+
+
+def _rivals(
+    way: str, expert: Mapping[Start, Play], found: Mapping[Start, Play]
+) -> Iterator[_Rival]:
+    """A way of playing beside the expert, undiscounted and discounted.
+
+    Episodes that succeed are left out: that they do is found elsewhere.
+    """
+    common = [start for start, play in found.items() if start in expert and not play.success]
+    if not common:
+        return
+    steps = max(expert[start].steps for start in common)
+    ours, theirs = (_mean(plays[s].earned for s in common) for plays in (expert, found))
+    yield _Rival(way, 1.0, ours, theirs, steps)
+    ours, theirs = (_mean(plays[s].discounted for s in common) for plays in (expert, found))
+    yield _Rival(way, DISCOUNT, ours, theirs, (1.0 - DISCOUNT**steps) / (1.0 - DISCOUNT))
+
+
+_WORDS = {
+    NOTHING: "doing nothing",
+    RANDOM: "random play",
+    "stall": "stalling",
+    "drop": "dropping everything",
+    "throw": "throwing everything away",
+    "without": "playing without",
+}
+
+
+def _finding(run: Run, sort: _Sort, rival: _Rival, better: int) -> Finding:
+    first, _, rest = rival.way.partition(" ")
+    at = f" at a discount of {rival.discount:g}" if rival.discount < 1.0 else ""
+    plural = "way pays" if better == 2 else "ways pay"
+    others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
+    message = (
+        f"{_WORDS[first]} {rest}".rstrip() + f"{_stage_of(run, rival.way)} earns "
+        f"{rival.earned:.1f} in the mean, the expert {rival.expert:.1f}{at}; pay more for "
+        f"success, or less for this{others}"
+    )
+    term = run.task.description.reward[0] if run.task.description.reward else None
+    return finding_in_description(run.task, sort.code, message, "reward", term)
+
+
+def _stage_of(run: Run, way: str) -> str:
+    """The stage of the expert that a way leaves it after, in words."""
+    number = way.rpartition("stage ")[2]
+    if not number.isdigit():
+        return ""
+    stage = run.task.file.spec.expert[int(number) - 1]
+    orders = stage.items() if isinstance(stage, dict) else ()
+    said = ", ".join(f"{robot}: {order}" for robot, order in orders) or str(stage)
+    return f" ({said})"

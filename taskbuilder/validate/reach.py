@@ -1,0 +1,189 @@
+"""The reach family: every pose that the expert asks for is one that its robot can take.
+
+The stages are rehearsed without physics, from every seed in every variation. For each order the
+pose that lies farthest from the robot's shoulder is tried farther out still, along the line from
+the shoulder through it, to find out how much there is to spare.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from taskbuilder.errors import Finding
+from taskbuilder.expert.rehearsal import Asked, rehearse
+from taskbuilder.geometry import Pose, Vec3, add, norm, scale, subtract
+from taskbuilder.sim.kinematics import solve
+from taskbuilder.validate.places import finding_in_file, in_variation
+from taskbuilder.validate.report import Check, FamilyResult
+from taskbuilder.validate.running import Run
+from taskbuilder.validate.studio import Start, Studio
+from taskbuilder.world.robot import Robot
+
+NEAR_M, NEAR_TURN = 0.004, math.radians(3.0)
+"""How near to a pose the tcp must come, which is what experts are content with."""
+
+FARTHEST_M = 0.5
+"""How far beyond a pose, or before it, is looked for the edge of what can be reached."""
+
+HALVINGS = 6
+ATTEMPTS = 6
+"""Beginnings of inverse kinematics while the edge is looked for; a pose itself gets more."""
+
+
+class Reached(NamedTuple):
+    """Whether a robot can take a pose that was asked of it.
+
+    Attributes:
+        start: How the episode begins.
+        asked: What was asked.
+        pose: The pose of its tcp in the world: the first that can be taken, or else the first.
+        ok: Whether it can be taken.
+        distance: Of the pose from the robot's shoulder, in metres.
+    """
+
+    start: Start
+    asked: Asked
+    pose: Pose
+    ok: bool
+    distance: float
+
+    @property
+    def key(self) -> tuple[int, str, str]:
+        """The order that it belongs to."""
+        return self.asked.stage, self.asked.robot, self.asked.order
+
+
+class Margin(NamedTuple):
+    """How far a pose is from the edge of what its robot can reach.
+
+    Attributes:
+        reached: The pose.
+        metres: How much farther out it could be, below 0 where it must come nearer.
+    """
+
+    reached: Reached
+    metres: float
+
+
+def reach_family(run: Run) -> FamilyResult:
+    """Rehearse the expert's stages from every seed."""
+    if not run.task.file.spec.expert:
+        return FamilyResult("reach", (), (), "no expert")
+    extremes: dict[tuple[int, str, str], Reached] = {}
+    missed: list[Reached] = []
+    starts = run.every_start
+    for found in run.ask(rehearse_from, starts, "reach"):
+        for reached in found:
+            missed += [] if reached.ok else [reached]
+            known = extremes.get(reached.key)
+            if known is None or _severity(reached) > _severity(known):
+                extremes[reached.key] = reached
+    listed = sorted(extremes.values(), key=lambda reached: reached.start)
+    margins = list(run.ask(find_margin, [r.start for r in listed], "reach, margins", about=listed))
+    worst = min(margins, key=lambda margin: margin.metres, default=None)
+    findings = _findings(run, missed, margins)
+    value = worst.metres * 100.0 if worst and math.isfinite(worst.metres) else None
+    check = Check("TB511", "the expert's poses can be reached", not missed, value, 0.0, "cm")
+    return FamilyResult("reach", (check,), tuple(findings), _summary(run, worst))
+
+
+def _severity(reached: Reached) -> tuple[bool, float]:
+    return not reached.ok, reached.distance
+
+
+def _summary(run: Run, worst: Margin | None) -> str:
+    stages = len(run.task.file.spec.expert)
+    counted = f"{stages} stage{'s' * (stages != 1)}"
+    if worst is None:
+        return f"{counted}, which ask for no pose"
+    stage, robot, order = worst.reached.key
+    where = f"({robot}, stage {stage}: {order})"
+    if not math.isfinite(worst.metres):
+        return f"{counted}, one beyond all reach {where}"
+    return f"{counted}, worst margin {worst.metres * 100:.0f} cm {where}"
+
+
+def _findings(run: Run, missed: Sequence[Reached], margins: Sequence[Margin]) -> list[Finding]:
+    """One for each order that asks for what cannot be reached."""
+    short = {margin.reached.key: margin for margin in margins}
+    findings: list[Finding] = []
+    for key in dict.fromkeys(reached.key for reached in missed):
+        stage, robot, order = key
+        starts = list(dict.fromkeys(reached.start for reached in missed if reached.key == key))
+        margin = short[key]
+        far = f"it is {-margin.metres * 100:.0f} cm too far out"
+        if not math.isfinite(margin.metres):
+            far = f"not even {FARTHEST_M:g} m nearer; turn the tool otherwise"
+        x, y, z = margin.reached.pose.position
+        message = (
+            f"{robot} cannot reach what it is to {order}, ({x:.2f}, {y:.2f}, {z:.2f}), from "
+            f"{len(starts)} of {len(run.every_start)} placements: {far} at worst "
+            f"({margin.reached.start})"
+        )
+        found = finding_in_file(run.task, "TB511", message, "expert", stage - 1, robot)
+        findings += in_variation(starts[0].variation, [found], findings)
+    return findings
+
+
+# --- in each process
+
+
+def rehearse_from(studio: Studio, start: Start) -> list[Reached]:
+    """Every pose that the expert asks for from a start."""
+    env = studio.env(start.variation)
+    env.reset(seed=start.seed)
+    world = env.episode.world
+    found = []
+    for asked in rehearse(world):
+        robot = world.robots[asked.robot]
+        good = next((pose for pose in asked.choices if reaches(robot, pose)), None)
+        pose = good or asked.choices[0]
+        distance = norm(subtract(pose.position, _shoulder(robot)))
+        found.append(Reached(start, asked, pose, good is not None, distance))
+    return found
+
+
+def find_margin(studio: Studio, reached: Reached) -> Margin:
+    """How much farther from the shoulder a pose could be, by halving."""
+    robot = studio.env(reached.start.variation).episode.world.robots[reached.asked.robot]
+    away = subtract(reached.pose.position, _shoulder(robot))
+    outwards = scale(away, 1.0 / max(norm(away), 1e-9))
+    within, beyond = (0.0, FARTHEST_M) if reached.ok else (-FARTHEST_M, 0.0)
+    edge = beyond if reached.ok else within
+    if reaches(robot, _shifted(reached.pose, outwards, edge), ATTEMPTS) is reached.ok:
+        return Margin(reached, FARTHEST_M if reached.ok else -math.inf)
+    for _ in range(HALVINGS):
+        middle = (within + beyond) / 2.0
+        if reaches(robot, _shifted(reached.pose, outwards, middle), ATTEMPTS):
+            within = middle
+        else:
+            beyond = middle
+    return Margin(reached, within)
+
+
+def reaches(robot: Robot, pose: Pose, attempts: int = 20) -> bool:
+    """Whether joint positions within a robot's limits bring its tcp to a pose in the world."""
+    found = solve(
+        robot.chain,
+        robot.body.pose().inverse() @ pose,
+        start=robot.home,
+        rng=np.random.default_rng(0),
+        attempts=attempts,
+        position_tolerance_m=NEAR_M,
+        angle_tolerance=NEAR_TURN,
+    )
+    return found.ok
+
+
+def _shoulder(robot: Robot) -> Vec3:
+    """Where an arm's first joint is, in the world."""
+    x, y, z = (float(value) for value in robot.chain.frames[0][:3, 3])
+    return robot.body.pose().apply((x, y, z))
+
+
+def _shifted(pose: Pose, direction: Vec3, metres: float) -> Pose:
+    return Pose(add(pose.position, scale(direction, metres)), pose.quaternion)

@@ -1,0 +1,228 @@
+"""The repeat family: the same seed and actions give the same episode, wherever and whenever.
+
+Played are the expert's actions if the task has an expert, else random ones, in up to `EPISODES`
+episodes, the variations taking turns: in each of two fresh processes, and in this one, where other
+episodes have been played. Where the fresh ones differ they are asked again, to play each episode
+twice over: what differs then differs everywhere. Of the ways in which an episode can fail to repeat
+itself only the first that explains the others is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from taskbuilder.description.description import Referee
+from taskbuilder.description.node import Node
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import Finding
+from taskbuilder.expert.driving import Actions
+from taskbuilder.task import Task
+from taskbuilder.validate.fresh import fresh_processes
+from taskbuilder.validate.places import finding_in_description
+from taskbuilder.validate.playing import random_actions
+from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.running import Run
+from taskbuilder.validate.studio import Start, Studio
+from taskbuilder.validate.traces import (
+    Difference,
+    Trace,
+    actions_of,
+    difference,
+    digest,
+    go_on,
+    physical,
+    trace,
+)
+
+EPISODES = 3
+SAVED_AT = (0.25, 0.5, 0.75)
+"""Shares of an episode after which it is saved, to be gone back to."""
+
+
+class Script(NamedTuple):
+    """An episode that is to be repeated."""
+
+    start: Start
+    actions: list[Actions]
+
+
+def repeat_family(run: Run) -> FamilyResult:
+    """Play the same episodes in several ways, and compare them to the bit."""
+    scripts = _scripts(run, run.some_starts(EPISODES))
+    untouched = _check_untouched(run, scripts[0])
+    if not untouched[0].ok:
+        return _result([untouched], "the description changes the world")
+    with fresh_processes(play_scripts, run.source, scripts, 2) as fresh:
+        played = [
+            _with_restores(run.studio.env(start.variation), start.seed, actions)
+            for start, actions in scripts
+        ]
+        here = [whole for whole, _ in played]
+        results = [untouched, *_check_repeats(run, scripts, here, fresh())]
+    if all(check.ok or check.code == "TB503" for check, _ in results):
+        results.append(_check_restores(run, scripts, [found for _, found in played]))
+    broken = [check.name for check, _ in results if not check.ok]
+    good = "bit for bit: again, after others, fresh process, restore"
+    return _result(results, f"not so: {', '.join(broken)}" if broken else good)
+
+
+def _result(results: Sequence[Result], summary: str) -> FamilyResult:
+    checks = tuple(check for check, _ in results)
+    return FamilyResult("repeat", checks, tuple(f for _, found in results for f in found), summary)
+
+
+def _scripts(run: Run, starts: Sequence[Start]) -> list[Script]:
+    if run.has_expert:
+        played = run.demonstrate(starts, "repeat")
+        return [Script(start, actions_of(d)) for start, d in zip(starts, played, strict=True)]
+    return [
+        Script(start, list(random_actions(run.studio.env(start.variation), start.seed)))
+        for start in starts
+    ]
+
+
+# --- TB505
+
+
+def _check_untouched(run: Run, script: Script) -> Result:
+    """Asking the description leaves the world as it was."""
+    env = run.studio.env(script.start.variation)
+    found = next(_changes(env, run.task, script), None)
+    findings = []
+    if found:
+        message = f"asking it changes the world: {script.start}, {found}; it may only look"
+        name = run.task.description.__name__
+        findings = [finding_in_description(run.task, "TB505", message, name)]
+    wrong = len(findings)
+    return Check("TB505", "the description only looks", not wrong, wrong, 0, "episodes"), findings
+
+
+def _changes(env: TaskEnv, task: Task, script: Script) -> Iterator[Difference]:
+    """What a referee changes by asking, in an episode that no other referee watches."""
+    world, modes = env.episode.world, env.episode.actions
+    referee = Referee(task.description, task.agents)
+    world.reset(script.start.seed)
+    for step, actions in enumerate((None, *script.actions)):
+        if actions is not None:
+            told = {agent: modes[agent].physical(a.tolist()) for agent, a in actions.items()}
+            targets = {agent: modes[agent].command(numbers) for agent, numbers in told.items()}
+            world.step({agent: goal for agent, goal in targets.items() if goal is not None})
+        before = {name: digest(value) for name, value in physical(world).items()}
+        if actions is None:
+            referee.start(world)
+        else:
+            referee.judge(world)
+        after = {name: digest(value) for name, value in physical(world).items()}
+        if before != after:
+            yield Difference(step, tuple(n for n in before if before[n] != after.get(n)))
+
+
+# --- TB501, TB502, TB503
+
+
+def _check_repeats(
+    run: Run, scripts: Sequence[Script], here: Sequence[Trace], fresh: Sequence[Sequence[Trace]]
+) -> Iterator[Result]:
+    """An episode is the same again, after others, and in a fresh process."""
+    counts = {"TB501": 0, "TB502": 0, "TB503": 0}
+    findings: dict[str, list[Finding]] = {code: [] for code in counts}
+    one, two = fresh
+    apart = [difference(*pair) for pair in zip(one, two, strict=True)]
+    again = _again(run, scripts) if any(apart) else [None] * len(scripts)
+    for script, used, new, elsewhere, twice in zip(scripts, here, one, apart, again, strict=True):
+        if elsewhere and twice:
+            code, found = "TB501", twice
+        elif elsewhere:
+            code, found = "TB503", elsewhere
+        elif after := difference(new, used):
+            code, found = "TB502", after
+        else:
+            continue
+        counts[code] += 1
+        if not findings[code]:
+            findings[code] = [_differs(run.task, code, script.start, found)]
+    first = next((code for code in counts if counts[code]), None)
+    for code, count in counts.items():
+        if first in (None, code):
+            yield Check(code, _NAMES[code], not count, count, 0, "episodes"), findings[code]
+
+
+_NAMES = {
+    "TB501": "the same seed, the same episode",
+    "TB502": "the same after other episodes",
+    "TB503": "the same in a fresh process",
+    "TB504": "the same from a restored state",
+}
+_WHY = {
+    "TB501": "the same seed and actions give another episode",
+    "TB502": "the same seed and actions give another episode once others have been played",
+    "TB503": "the same seed and actions give another episode in another process",
+    "TB504": "restored in mid-episode, it goes on differently under the same actions",
+}
+
+
+def _differs(task: Task, code: str, start: Start, found: Difference) -> Finding:
+    message = f"{_WHY[code]}: {start}, {found}"
+    name, node = _culprit(task, found.parts)
+    return finding_in_description(task, code, message, name, node)
+
+
+def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
+    """The part of a description that differs, if one can be told."""
+    description = task.description
+    terms = {f"reward/{term.label}": (f"reward.{term.label}", term) for term in description.reward}
+    named = {
+        f"condition/{name}": (name, condition)
+        for name, condition in description.conditions().items()
+    }
+    known: dict[str, tuple[str, Node | None]] = {**named, **terms}
+    known["progress"] = ("progress", description.progress)
+    return next((known[part] for part in parts if part in known), (description.__name__, None))
+
+
+def _again(run: Run, scripts: Sequence[Script]) -> list[Difference | None]:
+    """Where each episode differs when it is played twice over in one process."""
+    with fresh_processes(play_scripts, run.source, [s for s in scripts for _ in "12"], 1) as fresh:
+        (traces,) = fresh()
+    return [difference(*pair) for pair in zip(traces[::2], traces[1::2], strict=True)]
+
+
+def play_scripts(studio: Studio, scripts: Sequence[Script]) -> list[Trace]:
+    """One episode after the other."""
+    return [trace(studio.env(start.variation), start.seed, acts) for start, acts in scripts]
+
+
+# --- TB504
+
+
+def _check_restores(
+    run: Run, scripts: Sequence[Script], restored: Sequence[Difference | None]
+) -> Result:
+    """An episode goes on the same from a state that was saved in the middle of it."""
+    findings: list[Finding] = []
+    for script, found in zip(scripts, restored, strict=True):
+        if found and not findings:
+            findings = [_differs(run.task, "TB504", script.start, found)]
+    count = sum(found is not None for found in restored)
+    return Check("TB504", _NAMES["TB504"], not count, count, 0, "episodes"), findings
+
+
+def _with_restores(
+    env: TaskEnv, seed: int, actions: Sequence[Actions]
+) -> tuple[Trace, Difference | None]:
+    """An episode, and where it differs when it goes on from saved states, the latest first."""
+    marks = {round(share * len(actions)) for share in SAVED_AT}
+    saved = []
+    steps = list(trace(env, seed, ()))
+    for number, action in enumerate(actions):
+        if number in marks and env.agents:
+            saved.append((number, env.save_state()))
+        steps += go_on(env, [action])
+    found = None
+    if not env.episode.exploded:  # with its world, the states would have gone
+        for number, state in reversed(saved):
+            env.load_state(state)
+            again = list(go_on(env, actions[number:]))
+            found = found or difference(steps[number + 1 :], again, number + 1)
+    return tuple(steps), found

@@ -1,0 +1,145 @@
+"""The solvable family: the task's own expert succeeds, from nearly every seed, in time."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice
+
+from taskbuilder.errors import Finding
+from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.validate.places import finding_in_file, in_variation
+from taskbuilder.validate.report import Check, FamilyResult
+from taskbuilder.validate.running import Run
+from taskbuilder.validate.shares import Share
+from taskbuilder.validate.studio import Start, Studio
+
+LEAST = 0.95
+"""Share of the seeds from which the expert must succeed."""
+
+LONGER, LEAST_LONGER = 3, 200
+"""How many times longer an episode is where time may be all that was wanting, and how many control
+steps long it is at least."""
+
+MOST_LONGER = 6
+"""How many such episodes are played."""
+
+MOST_FAILED = 3
+"""How many failed episodes the report keeps."""
+
+TOO_LATE = "no time left"
+
+
+def solvable_family(run: Run) -> FamilyResult:
+    """Let the expert play every seed in every variation."""
+    if not run.has_expert:
+        return _without_expert(run)
+    starts = run.every_start
+    played = dict(zip(starts, run.demonstrate(starts, "solvable"), strict=True))
+    by_variation = [
+        {start: demo for start, demo in played.items() if start.variation == variation}
+        for variation in range(run.variations)
+    ]
+    shares = [_share(demos.values()) for demos in by_variation]
+    worst = min(shares, key=lambda share: share.value)
+    findings: list[Finding] = []
+    for variation, (demos, share) in enumerate(zip(by_variation, shares, strict=True)):
+        if share.value < LEAST:
+            findings += in_variation(variation, [_failing(run, demos, share)], findings)
+    late = any(finding.code == "TB532" for finding in findings)
+    lost = any(finding.code == "TB531" for finding in findings)
+    horizon = run.task.file.spec.timing.episode_steps
+    needed = max((demo.first_success or 0 for demo in played.values()), default=0)
+    checks = [Check("TB532", "the episode is long enough", not late, needed, horizon, "steps")]
+    if lost or not late:
+        checks.append(Check("TB531", "the expert succeeds", not lost, worst.value, LEAST, "share"))
+    return FamilyResult(
+        "solvable",
+        tuple(reversed(checks)),
+        tuple(findings),
+        _summary(worst, run.variations, needed, horizon),
+        demonstrations=_worth_a_picture(played.values()),
+    )
+
+
+def _without_expert(run: Run) -> FamilyResult:
+    if run.task.file.spec.expert:
+        message = "no expert can plan for the action mode joint_torque, so nothing shows a way"
+    else:
+        message = "the task has no expert, so nothing shows that it can be done; write its stages"
+    finding = finding_in_file(run.task, "TB533", message, "expert", severity="warning")
+    check = Check("TB533", "there is an expert", True, 0, None, "experts")
+    return FamilyResult("solvable", (check,), (finding,), "no expert")
+
+
+def _share(demonstrations: Iterable[Demonstration]) -> Share:
+    results = [demonstration.success for demonstration in demonstrations]
+    return Share(sum(results), len(results))
+
+
+def _summary(worst: Share, variations: int, needed: int, horizon: int) -> str:
+    among = f" in the worst of {variations} variations" if variations > 1 else ""
+    return f"{worst}{among}, {needed} of {horizon} steps at most"
+
+
+def _worth_a_picture(demonstrations: Iterable[Demonstration]) -> tuple[Demonstration, ...]:
+    """The first that succeeded, and the first few that failed."""
+    listed = list(demonstrations)
+    good = next((demo for demo in listed if demo.success), None)
+    bad = islice((demo for demo in listed if not demo.success), MOST_FAILED)
+    return (*([good] if good else []), *bad)
+
+
+# --- what keeps it from succeeding
+
+
+def _failing(run: Run, demos: Mapping[Start, Demonstration], share: Share) -> Finding:
+    """Why the expert fails in a variation: for want of time, or otherwise."""
+    failed = {start: demo for start, demo in demos.items() if not demo.success}
+    others = [demo for demo in failed.values() if demo.trouble and demo.trouble.cause != TOO_LATE]
+    suspects = [start for start, demo in failed.items() if demo not in others]
+    if suspects and len(others) <= (1.0 - LEAST) * share.of:
+        tried = suspects[:MOST_LONGER]
+        found = list(run.ask(play_longer, tried, "solvable, longer"))
+        if all(steps is not None for steps in found):
+            return _too_short(run, share, max(steps for steps in found if steps is not None))
+    return _fails(run, failed, share)
+
+
+def play_longer(studio: Studio, start: Start) -> int | None:
+    """Control steps that the expert takes in an episode that may last longer; None if it fails."""
+    horizon = max(LONGER * studio.task.file.spec.timing.episode_steps, LEAST_LONGER)
+    return studio.expert(start.variation, horizon).play(start.seed).first_success
+
+
+def _too_short(run: Run, share: Share, needed: int) -> Finding:
+    horizon = run.task.file.spec.timing.episode_steps
+    message = (
+        f"the expert succeeds in time from {share} seeds only, as it takes up to {needed} control "
+        f"steps; lengthen episodes, which end after {horizon}"
+    )
+    return finding_in_file(run.task, "TB532", message, "timing", "episode_steps")
+
+
+def _fails(run: Run, failed: Mapping[Start, Demonstration], share: Share) -> Finding:
+    causes = Counter(_cause(demo) for demo in failed.values())
+    counted = ", ".join(f"{count} × {cause}" for cause, count in causes.most_common())
+    start, first = next(iter(failed.items()))
+    path: Sequence[str | int] = ("expert",)
+    where = str(start)
+    if first.trouble:
+        trouble = first.trouble
+        path = ("expert", trouble.stage - 1)
+        said = f"stage {trouble.stage} ({trouble.order}): {trouble.message}"
+    else:
+        last = f'; the last milestone is "{first.milestone}"' if first.milestone else ""
+        said = f"all stages are done, and success does not hold{last}"
+    message = (
+        f"the expert succeeds from {share} seeds only, {LEAST:.0%} are needed: {counted}; "
+        f"{where}, {said}"
+    )
+    return finding_in_file(run.task, "TB531", message, *path)
+
+
+def _cause(demonstration: Demonstration) -> str:
+    return demonstration.trouble.cause if demonstration.trouble else "done without success"

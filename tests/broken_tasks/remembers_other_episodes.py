@@ -1,0 +1,43 @@
+"""The block at the goal, and the right tool at the lamp."""
+
+import math
+
+from taskbuilder.description import (
+    Bonus,
+    Description,
+    Distance,
+    Held,
+    Near,
+    Paid,
+    Released,
+    Then,
+    WorldView,
+    measure,
+)
+
+record = [1.0]
+
+
+@measure
+def nearest(world: WorldView) -> float:
+    """The least distance to the goal so far."""
+    gap = math.dist(world.position("block"), world.position("goal"))
+    record.append(min(record[-1], gap))
+    return record[-1]
+
+
+class Errand(Description):
+    """The left arm brings the block to the goal while the right arm points at the lamp."""
+
+    at_goal = Near("block", "goal", within=0.05)
+    pointing = Near("right.tcp", "lamp", within=0.05)
+
+    success = at_goal & pointing
+    failure = Then(Held("block"), Released("block"))
+    reward = (
+        Distance("carry", "block", "goal"),
+        Distance("reach", "left.tcp", "block", agent="left"),
+        Distance("point", "right.tcp", "lamp", agent="right"),
+        Bonus("late", ~success, -1.0),
+        Paid("record", nearest(), -0.01),  # found here
+    )

@@ -1,0 +1,40 @@
+"""The block at the goal, and the right tool at the lamp."""
+
+import math
+from typing import Any
+
+from taskbuilder.description import (
+    Bonus,
+    Description,
+    Distance,
+    Held,
+    Near,
+    Paid,
+    Released,
+    Then,
+    measure,
+)
+
+
+@measure
+def calm(world: Any) -> float:
+    """How slow the right tool is, by a filter that is put between it and the world."""
+    world.velocity = lambda frame: ((math.nan,) * 3, (math.nan,) * 3)
+    return 0.0
+
+
+class Errand(Description):
+    """The left arm brings the block to the goal while the right arm points at the lamp."""
+
+    at_goal = Near("block", "goal", within=0.05)
+    pointing = Near("right.tcp", "lamp", within=0.05)
+
+    success = at_goal & pointing
+    failure = Then(Held("block"), Released("block"))
+    reward = (
+        Distance("carry", "block", "goal"),
+        Distance("reach", "left.tcp", "block", agent="left"),
+        Distance("point", "right.tcp", "lamp", agent="right"),
+        Bonus("late", ~success, -1.0),
+        Paid("calm", calm()),
+    )

@@ -1,0 +1,42 @@
+"""The page on experts says what is so: its program runs, its stages load, its tables are whole."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from pathlib import Path
+
+import yaml
+from pydantic import TypeAdapter
+
+from taskbuilder.expert.demonstration import CAUSES
+from taskbuilder.spec.expert import VERBS, ExpertStage
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "experts.md").read_text("utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def test_its_program_runs():
+    (program,) = blocks("python")
+    exec(compile(program, "experts.md", "exec"), {"__name__": "page"})
+
+
+def test_its_stages_are_stages():
+    stage = TypeAdapter(ExpertStage)
+    listed = [
+        found
+        for block in blocks("yaml")
+        for found in yaml.safe_load(textwrap.dedent(block.removeprefix("expert:\n")))
+    ]
+    assert len(listed) == 11
+    for found in listed:
+        stage.validate_python(found, strict=False)
+
+
+def test_its_tables_name_every_verb_and_every_cause():
+    first = re.findall(r"^\| (.+?) \|", PAGE, re.MULTILINE)
+    assert [word.strip("`") for word in first if word.startswith("`")] == list(VERBS)
+    assert first[-len(CAUSES) :] == list(CAUSES)

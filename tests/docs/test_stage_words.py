@@ -1,0 +1,67 @@
+"""Pages tell an expert's stages in words, and leave nothing out."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from pydantic import TypeAdapter
+
+from taskbuilder.spec.expert import ONLY_WITH, VERBS, ExpertStage, Order
+
+pytest.importorskip("sphinx", reason="the generators are an extension of Sphinx")
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
+
+from generators import keys
+from generators.stages import numbered
+
+STAGE = TypeAdapter(ExpertStage)
+
+# A stage, and how a page tells it.
+TOLD = {
+    "{'left': {'grasp': 'stick.end', 'approach': 0.1}, 'right': 'release'}": (
+        "1. `left`: grasp `stick.end`, straight in from 10 cm away; `right`: release"
+    ),
+    "{'left': {'reach': 'goal', 'above': -0.005, 'rpy_deg': (180.0, 0.0, 90.0)}}": (
+        "1. `left`: reach `goal`, 5 mm below, turned to (180, 0, 90)°"
+    ),
+    "{'left': {'bring': 'cube', 'to': 'tray', 'offset': (-0.04, 0.0, 0.0), 'above': 0.04}}": (
+        "1. `left`: bring `cube` to `tray`, (−0.04, 0, 0) m beside it, 4 cm above"
+    ),
+    "{'left': {'bring': 'cube', 'to': 'tray', 'align': True, 'tolerance': 0.005}}": (
+        "1. `left`: bring `cube` to `tray`, turned as that is, to within 5 mm"
+    ),
+    "{'left': {'retreat': 0.12, 'speed': 0.5, 'touching': ('a', 'b')}}": (
+        "1. `left`: retreat 12 cm, touching `a` and `b` if need be, at 50 % of its speed"
+    ),
+    "{'left': {'close': 'nothing'}, 'right': {'close': 'cube'}}": (
+        "1. `left`: close on nothing; `right`: close on `cube`"
+    ),
+    "{'together': ('left', 'right'), 'bring': 'tray', 'to': 'goal', 'straight': True}": (
+        "1. `left` and `right` together: bring `tray` to `goal`, in a straight line"
+    ),
+    "{'until': 'at goal', 'within': 1.5}": "1. wait until `at goal` holds, 1.5 s at most",
+    "{'repeat': 3, 'unless': 'done', 'stages': ({'left': 'release'}, {'until': 'success'})}": (
+        "1. 3 times, but no more once `done` holds:\n\n"
+        "   1. `left`: release\n"
+        "   1. wait until `success` holds, 2 s at most"
+    ),
+    "{'repeat': 1, 'stages': ({'left': 'release'},)}": "1. once:\n\n   1. `left`: release",
+}
+
+
+@pytest.mark.parametrize("stage", TOLD)
+def test_a_stage_is_told_in_words(stage):
+    assert numbered([STAGE.validate_python(eval(stage))]) == TOLD[stage]
+
+
+def test_every_key_of_an_order_is_told():
+    for key in (*VERBS, *ONLY_WITH):
+        assert any(f"'{key}'" in stage for stage in TOLD), key
+
+
+def test_the_tables_of_orders_have_every_key_once():
+    rows = f"{keys.verbs('')}\n{keys.manners('')}".splitlines()
+    listed = [row.split("`")[1] for row in rows if row.startswith("| `")]
+    assert sorted(listed) == sorted(Order.model_fields)

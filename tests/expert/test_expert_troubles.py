@@ -1,0 +1,163 @@
+"""A stage that cannot be done says which robot, what for, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from written_experts import RIGHT, made
+
+from taskbuilder.errors import UsageError
+from taskbuilder.expert.demonstration import CAUSES, replay
+from taskbuilder.expert.player import Expert
+
+GRASP = "arm: {grasp: block.middle}"
+FAR = "    far: {position: [1.5, 0, 0.6]}\n"
+WALLS = (
+    "    wall: {shape: {box: [0.3, 0.02, 0.3]}, fixed: true, position: [-0.1, 0.19, 0.55]}\n"
+    "    wall2: {shape: {box: [0.3, 0.02, 0.3]}, fixed: true, position: [-0.1, 0.11, 0.55]}\n"
+)
+BLOCK = """\
+    {name}:
+      shape: {{box: {box}}}
+      mass: {mass}
+      friction: {friction}
+      position: {position}
+      grasps: {{top: {grasp}}}
+"""
+SLIPPERY = BLOCK.format(
+    name="soap",
+    box="[0.05, 0.04, 0.05]",
+    mass=3.0,
+    friction=0.0,
+    position="[0.05, 0.15, 0.4255]",
+    grasp="{}",
+)
+THIN = BLOCK.format(
+    name="hair",
+    box="[0.05, 0.2, 0.05]",
+    mass=0.1,
+    friction=0.8,
+    position="[0.05, 0.2, 0.4255]",
+    grasp="{across: x, at: [0.06, 0, 0.06]}",
+)
+
+# What is wrong -> the stages, the rest of the scene, the stage, the cause, words of the message.
+TROUBLES = {
+    "a goal too far away": (
+        [GRASP, "arm: {bring: block, to: far}"],
+        {"sites": FAR},
+        (2, "out of reach", "arm"),
+    ),
+    "a grasp between walls": (
+        [GRASP],
+        {"objects": WALLS},
+        (1, "in collision", "wall"),
+    ),
+    "a grasp beside the thing": (
+        ["arm: {grasp: hair.top}"],
+        {"objects": THIN},
+        (1, "grasp missed", "hair"),
+    ),
+    "a thing that slips": (
+        ["arm: {grasp: soap.top}", "arm: {bring: soap, to: goal}"],
+        {"objects": SLIPPERY},
+        (2, "lost on the way", "soap"),
+    ),
+    "nothing held": (
+        ["arm: {bring: block, to: goal}"],
+        {},
+        (1, "lost on the way", "arm holds nothing"),
+    ),
+    "a condition that never holds": (
+        ["{until: near, within: 1}"],
+        {},
+        (1, "waited in vain", "near"),
+    ),
+    "an episode too short": ([GRASP], {"steps": 4}, (1, "no time left", "4 control steps")),
+    "a tool that cannot be turned": (
+        ["arm: {reach: spot, rpy_deg: [90, 0, 0]}"],
+        {},
+        (1, "out of reach", "tilt"),
+    ),
+}
+
+
+@pytest.fixture
+def expert(tmp_path):
+    made_experts = []
+
+    def make(*stages, **scene):
+        made_experts.append(Expert(made(tmp_path, *stages, **scene)))
+        return made_experts[-1]
+
+    yield make
+    for one in made_experts:
+        one.close()
+        one.env.close()
+
+
+@pytest.mark.parametrize("what", TROUBLES)
+def test_what_kept_an_expert_from_a_stage_is_told(what, expert):
+    stages, scene, (number, cause, said) = TROUBLES[what]
+    trouble = expert(*stages, **scene).play(0).trouble
+    assert (trouble.stage, trouble.cause) == (number, cause)
+    assert said in trouble.message
+    assert cause in CAUSES
+
+
+def test_an_expert_that_stops_holds_still_until_the_episode_is_over(expert):
+    player = expert("arm: {bring: block, to: goal}", steps=20)
+    assert player.play(0).steps == 20
+    assert np.abs(player.play(0).actions["arm"]).max() == 0.0
+
+
+def test_an_expert_that_persists_goes_on_with_the_next_stage(expert):
+    stages = ("arm: {bring: block, to: goal}", "arm: {reach: spot}")
+    player = expert(*stages)
+    assert player.play(0).stage_ends == ()
+    demonstration = player.play(0, persist=True)
+    assert demonstration.trouble.stage == 1
+    assert len(demonstration.stage_ends) == 1
+
+
+def test_a_robot_that_is_left_out_stays_home(expert):
+    player = expert("{arm: {reach: spot}, right: {reach: spot, above: 0.2}}", robots=RIGHT)
+    demonstration = player.play(0, without={"right"}, finish=False)
+    assert demonstration.trouble is None
+    assert np.abs(demonstration.actions["right"]).max() == 0.0
+    assert np.abs(demonstration.actions["arm"]).max() > 0.5
+
+
+def test_a_saved_moment_between_stages_can_be_gone_back_to(expert):
+    player = expert(GRASP, "arm: {bring: block, to: goal}")
+    kept = []
+    demonstration = player.play(0, after_stage=lambda _: kept.append(player.env.save_state()))
+    player.env.load_state(kept[0])
+    assert player.env.episode.steps == demonstration.stage_ends[0]
+    assert player.env.episode.world.held("block", "arm")
+
+
+def test_a_task_without_expert_says_where_to_write_one(expert):
+    player = expert(GRASP)
+    with pytest.raises(UsageError, match="under expert: in"):
+        player.play(0, stages=[])
+
+
+def test_torques_cannot_be_planned(expert):
+    with pytest.raises(UsageError, match="joint_torque"):
+        expert(GRASP, action="arm: joint_torque").play(0)
+
+
+def test_dictionaries_of_actions_are_refused(tmp_path):
+    env = made(tmp_path, GRASP, flat=False)
+    with pytest.raises(UsageError, match="flat"):
+        Expert(env).play(0)
+
+
+def test_a_demonstration_of_one_task_is_not_replayed_in_another(expert, tmp_path):
+    demonstration = expert(GRASP).play(0)
+    (tmp_path / "other").mkdir()
+    other = made(tmp_path / "other", GRASP)
+    with pytest.raises(UsageError, match="not of other"):
+        replay(other, demonstration)
+    other.close()

@@ -1,0 +1,72 @@
+"""Players that set the expert off: one that acts at random, one that does nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from taskbuilder.env.parallel import parallel_env
+from taskbuilder.errors import UnknownNameError, UsageError
+from taskbuilder.expert.demonstration import replay
+from taskbuilder.expert.policies import PLAYERS, Nothing, Random, player_named
+
+
+@pytest.fixture(params=[True, False], ids=["normalized", "physical"])
+def env(request):
+    made = parallel_env("pick_push_place", horizon=8, normalize=request.param)
+    yield made
+    made.close()
+
+
+def test_random_actions_are_spread_within_their_bounds(env):
+    episode = Random(env).play(0)
+    for agent, actions in episode.actions.items():
+        space = env.action_space(agent)
+        assert actions.dtype == np.float32
+        assert actions.shape == (8, *space.shape)
+        assert (actions >= space.low - 1e-6).all()
+        assert (actions <= space.high + 1e-6).all()
+        assert np.ptp(actions / space.high) > 1.2
+
+
+def test_the_seed_decides_what_is_drawn(env):
+    first, again, other = (Random(env).play(seed) for seed in (1, 1, 2))
+    assert np.array_equal(first.actions["left"], again.actions["left"])
+    assert not np.array_equal(first.actions["left"], other.actions["left"])
+    assert not np.array_equal(first.actions["left"], first.actions["right"])
+
+
+def test_doing_nothing_leaves_everything_where_it_is(env):
+    joints = []
+
+    def note(played):
+        robots = played.episode.world.robots.values()
+        joints.append([robot.arm_state()[0] for robot in robots])
+
+    episode = Nothing(env).play(0, watch=note)
+    assert episode.steps == 8
+    assert len(joints) == 9
+    assert abs(np.array(joints) - joints[0]).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["random", "nothing"])
+def test_what_was_played_can_be_played_again(name, env):
+    player = player_named(name)(env)
+    episode = player.play(3)
+    rewards = []
+    replay(env, episode, lambda played: rewards.append(played.team_reward()))
+    assert rewards[1:] == episode.rewards.tolist()
+    player.close()
+
+
+def test_players_have_names():
+    assert list(PLAYERS) == ["expert", "random", "nothing"]
+    with pytest.raises(UnknownNameError, match='no policy "rnadom"; did you mean "random"'):
+        player_named("rnadom")
+
+
+def test_an_environment_that_draws_its_variation_is_refused():
+    env = parallel_env("handover", variation="random")
+    with pytest.raises(UsageError, match="a demonstration is of one variation"):
+        Random(env).play(0)
+    env.close()

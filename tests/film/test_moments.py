@@ -1,0 +1,51 @@
+"""Which moments of an episode are shown on its strip."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from film_scenes import made_up
+
+from taskbuilder.film.moments import caption, key_moments
+
+
+def reaching(*steps, length, success=None):
+    """An episode that reaches a stage at each of these steps."""
+    return made_up([sum(at <= step for at in steps) for step in range(length + 1)], success=success)
+
+
+def test_they_begin_and_end_with_the_episode_and_lie_evenly():
+    moments = key_moments(reaching(length=70))
+    assert (moments[0], moments[-1], len(moments)) == (0, 70, 8)
+    gaps = [after - before for before, after in pairwise(moments)]
+    assert max(gaps) <= 2 * min(gaps) + 1
+
+
+def test_each_stage_is_shown_when_it_is_reached():
+    assert {3, 4, 5} <= set(key_moments(reaching(3, 4, 5, length=50)))
+
+
+def test_they_end_a_little_after_success():
+    moments = key_moments(reaching(10, 20, length=50, success=30))
+    assert moments[-1] == 35
+    assert 30 in moments
+
+
+@pytest.mark.parametrize(("length", "shown"), [(0, (0,)), (1, (0, 1)), (3, (0, 1, 2, 3))])
+def test_a_short_episode_has_few(length, shown):
+    assert key_moments(reaching(length=length)) == shown
+
+
+def test_of_many_stages_the_last_are_shown():
+    names = tuple(map(str, range(12)))
+    chronicle = made_up([min(step, 12) for step in range(21)], names=names)
+    moments = key_moments(chronicle)
+    assert len(moments) == 8
+    assert moments == (0, 7, 8, 9, 10, 11, 12, 20)
+
+
+def test_captions_say_what_was_achieved_just_then():
+    chronicle = made_up([0, 1, 1, 3, 3], success=3)
+    said = [caption(chronicle, step) for step in range(5)]
+    assert said == [(), ("one",), (), ("two", "three", "success"), ()]

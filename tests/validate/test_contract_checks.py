@@ -1,0 +1,86 @@
+"""What no task file can break is broken here in the environment itself."""
+
+from __future__ import annotations
+
+import copy
+
+import pytest
+
+from taskbuilder.env.observing import Observer
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.task import load_task
+from taskbuilder.validate.contract import SUITES, check_suite
+
+observe = Observer.observe
+
+
+def codes(report):
+    return {finding.code for finding in report.findings}
+
+
+def test_a_space_that_is_made_anew_is_found(prove, monkeypatch):
+    anew = lambda env, agent: copy.deepcopy(env.action_spaces[agent])  # noqa: E731
+    monkeypatch.setattr(TaskEnv, "action_space", anew)
+    report = prove(only=("contract",))
+    assert codes(report) == {"TB527"}
+    assert "action of left" in report.findings[0].message
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda seen: seen + 1e9,
+        lambda seen: seen.astype("float64"),
+        lambda seen: seen * float("nan"),
+    ],
+    ids=["beyond bounds", "another type", "not a number"],
+)
+def test_an_observation_outside_its_space_is_found(spoil, prove, monkeypatch):
+    def spoilt(self, episode):
+        seen = observe(self, episode)
+        return seen | {"right": spoil(seen["right"])} if episode.steps == 4 else seen
+
+    monkeypatch.setattr(Observer, "observe", spoilt)
+    report = prove(only=("contract",))
+    assert codes(report) == {"TB524"}
+    assert report.findings[0].message == "right sees something outside its space: seed 0, step 4"
+
+
+def test_observations_that_share_memory_are_found(prove, monkeypatch):
+    def shared(self, episode):
+        seen = observe(self, episode)
+        both = copy.deepcopy(seen["left"])
+        return {"left": both, "right": both[:]}
+
+    monkeypatch.setattr(Observer, "observe", shared)
+    report = prove(only=("contract",))
+    assert codes(report) == {"TB526"}
+    assert report.findings[0].message == "writing into what left sees changes what right sees"
+
+
+def test_observations_that_are_the_environments_own_memory_are_found(prove, monkeypatch):
+    kept = {}
+
+    def reused(self, episode):
+        for agent, seen in observe(self, episode).items():
+            array = kept.setdefault((id(self), agent), seen)
+            array[:-1] = seen[:-1]  # the last number is only written once
+        return {agent: kept[id(self), agent] for agent in ("left", "right")}
+
+    monkeypatch.setattr(Observer, "observe", reused)
+    report = prove(only=("contract",))
+    assert codes(report) == {"TB526"}
+    assert "what left sees from step 1 on" in report.findings[0].message
+
+
+@pytest.mark.parametrize("code", SUITES)
+def test_what_a_library_refuses_is_a_finding(code, write_pair, monkeypatch):
+    monkeypatch.setattr("taskbuilder.task.try_import", lambda _: None)
+    task = load_task(write_pair())
+    assert check_suite(task, code)[1] == []
+    infos = TaskEnv._infos
+    monkeypatch.setattr(TaskEnv, "_infos", lambda env: list(infos(env).values()))
+    check, (finding,) = check_suite(task, code)
+    assert not check.ok
+    assert finding.code == code
+    assert "refuses the environment: " in finding.message

@@ -1,0 +1,139 @@
+"""The whole of a full validation: of a sound task, in one process and in two."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from proof_tasks import DESCRIPTION, PAIR
+
+from taskbuilder import catalogue, validate_task
+from taskbuilder.codes import CODES
+from taskbuilder.errors import UsageError
+from taskbuilder.validate.report import as_data
+
+AT_LEAST = {"TB309", "TB313", "TB511", "TB531", "TB552", "TB553", "TB554", "TB555"}
+NOT_MADE = {"TB533", "TB303"}  # only where there is no expert, or nothing could be built
+SEEDS = 3
+SPREAD = ("reach", "solvable", "needs its robots", "pays for success")
+"""The families whose episodes are spread over processes."""
+
+PROOFS = {code for code in CODES if code > "TB5"}
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pair")
+    (folder / "pair.yaml").write_text(PAIR)
+    (folder / "pair.py").write_text(DESCRIPTION)
+    return folder / "pair.yaml"
+
+
+@pytest.fixture(scope="module")
+def told():
+    return []
+
+
+@pytest.fixture(scope="module")
+def report(file, told):
+    def progress(items, label):
+        for item in items:
+            yield item
+            told.append((label, item))
+
+    return validate_task(file, seeds=SEEDS, progress=progress)
+
+
+def test_a_sound_task_is_found_sound(report):
+    assert report.ok, "\n".join(map(str, report.findings))
+    assert report.findings == ()
+    assert report.skipped == ()
+
+
+def test_every_check_is_made_and_right(report):
+    checks = [check for family in report.families for check in family.checks]
+    assert all(check.ok for check in checks)
+    assert {check.code for check in checks} >= PROOFS - NOT_MADE
+
+
+def test_every_figure_is_finite_and_on_the_right_side_of_its_limit(report):
+    for family in report.families:
+        for check in family.checks:
+            assert check.value is not None
+            assert math.isfinite(check.value), check
+            if check.limit is not None and check.code in AT_LEAST:
+                assert check.value >= check.limit, check
+            elif check.limit is not None:
+                assert check.value <= check.limit, check
+
+
+def test_what_every_way_of_playing_earns_is_told_the_expert_first(report):
+    (pays,) = [family for family in report.families if family.probes]
+    expert, *others = pays.probes
+    assert (pays.name, expert.name, expert.successes) == ("pays for success", "expert", SEEDS)
+    assert {probe.name for probe in others} == {
+        "nothing",
+        "random",
+        "without left",
+        "without right",
+        "stall after stage 1",
+        *(f"{way} after stage {stage}" for way in ("drop", "throw") for stage in (1, 2)),
+    }
+    fewer = {"drop": 2, "throw": 1}  # from seeds 0 and 1, and from seed 2
+    for probe in pays.probes:
+        count = fewer.get(probe.name.partition(" ")[0], SEEDS)
+        assert len(probe.returns) == len(probe.discounted) == count
+        if not probe.successes:
+            assert sum(probe.returns) / count < sum(expert.returns) / SEEDS
+    assert pays.summary.startswith("expert ")
+
+
+def test_one_episode_is_kept_to_be_shown(report):
+    demonstrations = [d for family in report.families for d in family.demonstrations]
+    assert [(d.seed, d.variation, d.success) for d in demonstrations] == [(0, 0, True)]
+
+
+def test_figures_are_measured_without_a_verdict(report):
+    assert report.measures["steps_per_second"] > 0
+    assert {"build_s", "reset_ms", "overhead_physics_steps"} <= set(report.measures)
+    (cost,) = [family for family in report.families if family.name == "cost"]
+    assert all(check.limit is None for check in cost.checks)
+
+
+def test_progress_is_told_of_every_seed_once_it_is_done(report, told):
+    assert [item for item in told if item[0].startswith("reach") and "margins" not in item[0]] == [
+        *(("reach", seed) for seed in range(SEEDS)),
+        *(("reach, variation 1", seed) for seed in range(SEEDS)),
+    ]
+    labels = {label.partition(",")[0] for label, _ in told}
+    assert {"reset", "solvable", "needs its robots", "pays for success"} <= labels
+
+
+def test_the_report_is_plain_data(report):
+    assert json.loads(json.dumps(as_data([report]), allow_nan=False))["ok"]
+
+
+def test_two_processes_find_the_same_as_one(file, report):
+    other = validate_task(file, seeds=SEEDS, jobs=2, only=SPREAD)
+    before = {family.name: family for family in report.families}
+    assert [family.name for family in other.families] == ["static", *SPREAD]
+    for two in other.families[1:]:
+        one = before[two.name]
+        assert (one.checks, one.findings, one.probes) == (two.checks, two.findings, two.probes)
+        assert one.summary == two.summary
+        for mine, theirs in zip(one.demonstrations, two.demonstrations, strict=True):
+            assert mine.rewards.tobytes() == theirs.rewards.tobytes()
+
+
+def test_there_is_no_family_of_another_name(file):
+    with pytest.raises(UsageError, match="did you mean"):
+        validate_task(file, only=("solvabel",))
+
+
+@pytest.mark.parametrize("name", sorted(catalogue().tasks))
+def test_every_task_of_the_catalogue_can_be_done_by_all_and_pays(name):
+    """Its determinism and interfaces are tested with the environments."""
+    report = validate_task(name, seeds=1, only=SPREAD)
+    assert report.ok, "\n".join(map(str, report.findings))
+    assert report.findings == ()

@@ -1,0 +1,228 @@
+"""What the full level says of tasks that are wrong; that it finds them is shown by the codes."""
+
+from __future__ import annotations
+
+import pytest
+
+from taskbuilder import validate_task
+from taskbuilder.validate.observing import Views
+
+NEEDS, PAYS = "needs its robots", "pays for success"
+SUCCESS = 'Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
+BRING = "  - {left: {bring: cube, to: goal}}\n"
+OWN = "\n\n@{kind}\ndef own(world):\n    {body}\n\n\nclass Pair"
+
+
+def own(kind, body, *, use):
+    """Changes that write a function of one's own and use it as an attribute."""
+    return (
+        ("\n\nclass Pair", OWN.format(kind=kind, body=body)),
+        ("    stages =", f"    {use}\n    stages ="),
+    )
+
+
+def codes(report):
+    return {finding.code for finding in report.findings}
+
+
+def failed(report):
+    return [family.name for family in report.families if not family.ok]
+
+
+class TestAMistakeInTheMiddle:
+    def test_is_found_at_its_line_wherever_it_shows_first(self, prove):
+        late = own("measure", "return 1 / (0.95 - world.time > 0)", use="progress = own()")
+        report = prove(*late, only=("repeat", "solvable", NEEDS, "cost"))
+        (finding,) = report.findings
+        assert (finding.code, finding.location.line) == ("TB314", 8)
+        assert "ZeroDivisionError" in finding.message
+        assert failed(report) == ["repeat"]
+        assert report.skipped == ("solvable", NEEDS, "cost")
+
+    def test_is_found_in_another_process(self, write_pair):
+        late = own("measure", "return 1 / (0.95 - world.time > 0)", use="progress = own()")
+        report = validate_task(write_pair(*late), seeds=1, jobs=2, only=("solvable",))
+        assert codes(report) == {"TB314"}
+
+    def test_is_found_where_only_the_tests_of_libraries_see_it(self, prove, monkeypatch):
+        monkeypatch.setattr("taskbuilder.validate.contract.watch", lambda *_: Views())
+        late = own("measure", "return 1 / (world.time < 0.05)", use="progress = own()")
+        without_expert = (PAIR_EXPERT, "")
+        report = prove(*late, without_expert, only=("contract",))
+        assert codes(report) == {"TB314"}
+
+    def test_of_what_is_given_back_is_one_of_the_description(self, prove):
+        term = (
+            "\n\nclass Pair",
+            "\n\nclass Odd(Term):\n    name = 'odd'\n\n"
+            "    def update(self, world, parts, memory):\n"
+            "        return 'much', memory\n\n\nclass Pair",
+        )
+        used = ("    reward = (\n", "    reward = (\n        Odd(),\n")
+        imported = (
+            "description import *",
+            "description import *\nfrom taskbuilder.description.rewards import Term",
+        )
+        report = prove(term, used, imported, only=("reset",))
+        (finding,) = report.findings
+        assert finding.code == "TB314"
+        assert "TypeError" in finding.message
+        assert finding.location.file.name == "pair.py"
+
+
+PAIR_EXPERT = "expert:\n  - {left: {grasp: cube.top}, right: {reach: lamp}}\n" + BRING
+
+
+class TestRepeat:
+    def test_the_part_that_differs_is_named_where_it_is_written(self, prove):
+        odd = own("condition", "return random.random() > 0.5", use="odd = own()")
+        (finding,) = prove(*odd, only=("repeat",)).findings
+        assert (finding.code, finding.path) == ("TB501", "odd")
+        assert finding.location.line == 13
+        assert "condition/odd" in finding.message
+
+    def test_one_that_is_seeded_at_import_depends_on_episodes_before(self, prove):
+        odd = own("measure", "return random.random()", use="progress = own()")
+        seeded = ("import random\n", "import random\n\nrandom.seed(1)\n")
+        assert codes(prove(*odd, seeded, only=("repeat",))) == {"TB502"}
+
+    def test_a_push_that_comes_late_is_seen(self, prove):
+        push = "world.time > 0.5 and world.robots['left'].move_gripper(0.3)\n    return False"
+        (finding,) = prove(
+            *own("condition", push, use="failure = own()"), only=("repeat",)
+        ).findings
+        assert finding.code == "TB505"
+        assert "from step 6 on: left" in finding.message
+
+
+class TestReach:
+    def test_the_finding_tells_stage_robot_and_how_far(self, prove):
+        far = ("goal: {position: [-0.2, -0.1, 0.2]}", "goal: {position: [0.5, -0.1, 0.2]}")
+        report = prove(far, only=("reach",), seeds=2)
+        (finding,) = report.findings
+        assert (finding.code, finding.path) == ("TB511", "expert[1].left")
+        assert finding.message.startswith("left cannot reach what it is to bring cube to goal")
+        assert "from 4 of 4 placements" in finding.message
+        (check,) = report.families[-1].checks
+        assert -50 < check.value < -10
+
+    def test_the_margin_is_that_of_the_arm(self, prove):
+        """Straight out at shoulder's height, a UR5e's tcp comes about 0.9 m far."""
+        moved = ("goal: {position: [-0.2, -0.1, 0.2]}", "goal: {position: [0.0, 0.0, 0.16]}")
+        only_reach = (PAIR_EXPERT, "expert: [{left: {reach: goal}}]\n")
+        (check,) = prove(moved, only_reach, only=("reach",)).families[-1].checks
+        assert 10 < check.value < 25
+
+
+class TestContract:
+    def test_seeing_only_oneself_is_not_enough(self, prove):
+        blind = ("right: [self.tcp, cube.position]}", "right: [self.tcp]}")
+        (finding,) = prove(blind, only=("contract",), seeds=2).findings
+        assert (finding.code, finding.path) == ("TB525", "observe.right")
+        assert "in every episode" in finding.message
+
+    def test_where_nothing_is_placed_anew_it_is(self, prove):
+        blind = ("right: [self.tcp, cube.position]}", "right: [self.tcp]}")
+        fixed = ("size: [0.1, 0.1, 0]", "size: [0, 0, 0]")
+        assert prove(blind, fixed, only=("contract",), seeds=2).ok
+
+
+class TestSolvable:
+    def test_what_keeps_the_expert_is_counted_and_the_first_seed_told(self, prove):
+        slippery = ("mass: 0.08", "mass: 0.08\n      friction: 0.0")
+        report = prove(slippery, only=("solvable",), seeds=2)
+        (finding,) = report.findings
+        assert (finding.code, finding.path[:6]) == ("TB531", "expert")
+        assert "0/2 (0–66 %)" in finding.message
+        assert "2 × " in finding.message
+        assert "seed 0, stage " in finding.message
+        assert [d.success for d in report.families[-1].demonstrations] == [False] * 3
+
+    def test_a_variation_that_fails_is_named(self, prove):
+        far = ("{cube.color: green}", "{goal.position: [-0.2, -0.1, 0.7]}")
+        high = ("{left: {bring: cube, to: goal}}", "{left: {bring: cube, to: cube, above: 0.1}}")
+        always = (SUCCESS, 'Above("cube", height=0.1) & Above("goal", height=0.5)')
+        report = prove(far, high, always, only=("solvable",))
+        (finding,) = report.findings
+        assert "in variation" not in finding.message  # it is the plain scene that fails
+        swapped = (always[0], always[1].replace('Above("goal", height', 'Below("goal", height'))
+        (finding,) = prove(far, high, swapped, only=("solvable",)).findings
+        assert finding.message.startswith("in variation 1: ")
+
+    def test_time_that_is_wanting_is_told_as_such(self, prove):
+        short = ("episode_steps: 30", "episode_steps: 17")
+        held = (SUCCESS, f"Sustained({SUCCESS}, 0.5)")
+        (finding,) = prove(short, held, only=("solvable",)).findings
+        assert (finding.code, finding.path) == ("TB532", "timing.episode_steps")
+
+
+class TestNeeds:
+    LEFT_ALONE = (SUCCESS, 'Near("cube", "goal", within=0.05)')
+
+    def test_what_is_optional_is_measured_but_no_finding(self, prove):
+        optional = ("timing:", "cooperation: optional\ntiming:")
+        report = prove(self.LEFT_ALONE, optional, only=(NEEDS,))
+        assert report.findings == ()
+        values = {check.code: check.value for check in report.families[-1].checks}
+        assert values["TB541"] == 1
+        assert values["TB542"] >= 1
+        assert "frozen right 1" in report.families[-1].summary
+
+    def test_the_simplest_way_that_succeeds_is_told_alone(self, prove):
+        anything = (SUCCESS, 'Sustained(Above("left.tcp", height=0.01), 0.5)')
+        report = prove(anything, only=(NEEDS,))
+        assert codes(report) == {"TB544"}
+        assert [check.code for check in report.families[-1].checks] == ["TB544"]
+
+    def test_lifting_is_tried_where_no_place_is_named(self, prove):
+        lifted = (SUCCESS, 'Above("cube", height=0.15)')
+        waits = (PAIR_EXPERT, "expert:\n  - right: {reach: lamp}\n")
+        (finding,) = prove(lifted, waits, only=(NEEDS,)).findings
+        assert (finding.code, finding.path) == ("TB542", "success")
+        assert finding.message.startswith("left alone, cube.top up succeeds from 1/1")
+
+    def test_one_robot_needs_no_other(self, write):
+        report = validate_task(write(), seeds=1, only=(NEEDS,))
+        assert report.families[-1].summary == "random 0, nothing 0"
+
+
+class TestPays:
+    def test_a_term_that_is_not_a_number_is_named(self, prove):
+        nan = own("measure", 'return float("nan") if world.held("cube", "left") else 0.0', use="")
+        used = ("    reward = (\n", '    reward = (\n        Paid("mean", own()),\n')
+        report = prove(*nan, used, only=(PAYS,))
+        (finding,) = report.findings
+        assert (finding.code, finding.path) == ("TB551", "reward.mean")
+        assert "paid nan" in finding.message
+
+    def test_ending_the_episode_early_ends_costs(self, prove):
+        ends = ("episode_steps: 30", "episode_steps: 30, ends_on: [failure]")
+        costly = (
+            "    stages =",
+            '    lifted = Once(Held("cube"))\n    failure = lifted & Released("cube")\n'
+            "    stages =",
+        )
+        paid = (
+            '        Distance("carry", "cube", "goal"),\n',
+            '        Bonus("time", Near("cube", "goal", within=9.0), -1.0),\n'
+            '        Bonus("done", success, 0.5),\n',
+        )
+        report = prove(ends, costly, paid, only=(PAYS,))
+        (finding,) = report.findings
+        assert finding.code == "TB555"
+        assert finding.message.startswith(("dropping everything after", "throwing everything"))
+
+    def test_a_robot_that_may_idle_may_be_left_out(self, prove):
+        optional = ("timing:", "cooperation: optional\ntiming:")
+        carried = (SUCCESS, 'Near("cube", "goal", within=0.05)')
+        unpaid = ('        Distance("point", "right.tcp", "lamp", agent="right"),\n', "")
+        report = prove(optional, carried, unpaid, only=(NEEDS, PAYS))
+        assert report.findings == ()
+        assert "TB554" not in {check.code for check in report.families[-1].checks}
+
+
+@pytest.mark.parametrize("family", ["reach", "solvable", NEEDS, PAYS])
+def test_without_an_expert_the_rest_is_checked(family, prove):
+    report = prove((PAIR_EXPERT, ""), only=(family,))
+    assert report.ok
+    assert codes(report) == ({"TB533"} if family == "solvable" else set())

@@ -1,0 +1,65 @@
+"""The chart of what pays."""
+
+from __future__ import annotations
+
+import pytest
+
+from taskbuilder.validate.formats.chart import Axis, chart, ways
+from taskbuilder.validate.report import Probe
+
+
+def test_the_best_stands_on_top_and_what_beats_the_expert_is_told_apart(probes):
+    listed = [(way.name, way.kind) for way in ways(probes, discounted=False)]
+    assert listed == [("stall after stage 2", "rival"), ("expert", "expert"), ("random", "other")]
+    listed = [(way.name, way.kind) for way in ways(probes, discounted=True)]
+    assert listed == [("expert", "expert"), ("stall after stage 2", "other"), ("random", "other")]
+
+
+def test_what_is_not_finite_is_left_out(probes):
+    random = ways(probes, discounted=False)[-1]
+    assert (random.returns, random.mean, random.episodes) == ((-44.0,), -44.0, 2)
+    (wild,) = ways([Probe("expert", (float("inf"),), (0.0,), 0)], discounted=False)
+    assert wild.mean is None
+    assert (
+        "not finite"
+        in chart("", [Probe("expert", (float("inf"),), (0.0,), 0)], discounted=False).text
+    )
+
+
+def test_without_an_expert_nothing_beats_it(probes):
+    assert {way.kind for way in ways(probes[1:], discounted=False)} == {"other"}
+
+
+def test_every_episode_is_a_dot_until_there_are_too_many(probes):
+    assert chart("", probes, discounted=False).text.count("<circle") == 5
+    many = Probe("expert", tuple(map(float, range(1000))), (), 0)
+    assert chart("", [many], discounted=False).text.count("<circle") <= 60
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ticks"),
+    [(-50.0, 70.0, [-50, 0, 50]), (0.0, 1.0, [0, 0.5, 1]), (-3.1, 0.2, [-3, -2, -1, 0])],
+)
+def test_ticks_are_round_and_on_the_axis(low, high, ticks):
+    assert Axis(low, high).ticks() == ticks
+
+
+@pytest.mark.parametrize(
+    ("axis", "value", "text"),
+    [
+        (Axis(-100.0, 52.0), -32.0, "−32.0"),
+        (Axis(0.0, 5.0), 1.234, "1.23"),
+        (Axis(0.0, 0.5), 0.1, "0.100"),
+        (Axis(0.0, 2e4), 12345.6, "12,346"),
+        (Axis(-50.0, 50.0), -0.01, "0.0"),
+    ],
+)
+def test_returns_are_as_precise_as_the_chart_is_long(axis, value, text):
+    assert axis.tell(value) == text
+
+
+@pytest.mark.parametrize("value", [0.0, 5.0, -1e-12, 1e12])
+def test_returns_that_are_all_alike_have_an_axis(value):
+    text = chart("", [Probe("expert", (value, value), (value,), 0)], discounted=False).text
+    assert "nan" not in text
+    assert 'cx="' in text

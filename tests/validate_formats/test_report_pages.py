@@ -1,0 +1,194 @@
+"""Reports as pages: whole, safe, and with all that there is to show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from made_up import NASTY, played
+
+from taskbuilder import load_task
+from taskbuilder.expert.demonstration import Trouble
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.validate.formats.page import Page, index_page, task_page
+from taskbuilder.validate.formats.pages import make_page, write_index, write_page
+from taskbuilder.validate.formats.pictures import Pictures, take_pictures
+from taskbuilder.validate.report import FamilyResult
+
+VOID = {"img", "meta", "br"}
+
+
+class Parsed(HTMLParser):
+    """A page taken apart; refuses tags that do not close as they opened."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.feed(page)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.text += data
+
+    def all(self, tag, **wanted):
+        return [a for t, a in self.tags if t == tag and wanted.items() <= a.items()]
+
+
+@pytest.fixture(autouse=True)
+def small_pictures(monkeypatch):
+    """Pictures are taken small, to be quick."""
+    for name in ("LARGE", "SMALL"):
+        monkeypatch.setattr(f"taskbuilder.validate.formats.pictures.{name}", 32)
+
+
+@pytest.fixture(scope="module")
+def task():
+    return load_task("handover")
+
+
+@pytest.fixture
+def full(passed, probes):
+    """A report with episodes and probes."""
+    trouble = Trouble(2, "left: bring stick to meeting", "left", "no way", "left has no way", 2)
+    solvable = FamilyResult(
+        "solvable",
+        (),
+        (),
+        "1/3",
+        demonstrations=(
+            played(0, success=True),
+            played(7, success=False, trouble=trouble),
+            played(8, success=False),
+        ),
+    )
+    needs = FamilyResult("needs", (), (), "", demonstrations=(played(9, success=True),))
+    pays = FamilyResult("pays", (), (), "", probes=probes)
+    return replace(passed, families=(*passed.families, solvable, needs, pays))
+
+
+def test_a_page_needs_nothing_but_itself(task, full):
+    page = Parsed(task_page(Page(full, task, take_pictures(task, full))))
+    for tag, attributes in page.tags:
+        assert tag not in ("script", "link", "iframe", "base", "form", "a")
+        assert not [name for name in attributes if name.startswith("on")]
+        assert (attributes.get("src") or "data:image/jpeg;base64,").startswith("data:image/jpeg;")
+    (policy,) = page.all("meta", **{"http-equiv": "Content-Security-Policy"})
+    assert policy["content"].startswith("default-src 'none'")
+    assert "url(" not in task_page(Page(full, task))
+
+
+def test_what_comes_from_files_is_text(failed):
+    text = task_page(Page(failed))
+    page = Parsed(text)
+    assert not page.all("script")
+    assert not page.all("b", class_="")
+    assert NASTY.replace("\x1b", "�").replace("\udc80", "�") in page.text
+    assert text.encode()
+
+
+def test_findings_show_their_lines_and_what_their_codes_mean(failed, source):
+    page = Parsed(task_page(Page(failed)))
+    assert "Failed: 2 errors, 1 warning" in page.text
+    assert f"{source}:4:18" in page.text
+    assert "cube: {mass: heavy, <b>: 3}" in page.text
+    assert len(page.all("mark")) == 1
+    assert "Value of another type" in page.text
+    assert "not run, as static and build failed" in page.text
+
+
+def test_a_code_is_explained_once(failed):
+    static = failed.families[0]
+    wrong = static.findings[0]
+    twice = replace(static, findings=(wrong, replace(wrong, message="is the text again")))
+    page = Parsed(task_page(Page(replace(failed, families=(twice,)))))
+    assert len(page.all("p", **{"class": "meaning"})) == 1
+    assert page.text.count("Value of another type") == 2
+
+
+def test_the_expert_is_shown_stage_by_stage(task, full):
+    pictures = take_pictures(task, full)
+    assert [(m.step, m.stages) for m in pictures.strip] == [(0, ()), (1, (1,)), (2, (2,)), (3, ())]
+    text = Parsed(task_page(Page(full, task, pictures))).text
+    assert "left grasp stick.left_end" in text
+    assert (
+        "Seed 0: each picture is the end of a stage. Solved after 0.3\N{NO-BREAK SPACE}s." in text
+    )
+
+
+def test_episodes_that_went_wrong_are_shown_at_the_moment_that_decided(task, full):
+    pictures = take_pictures(task, full)
+    shown = [(f.family, f.demonstration.seed, f.moment.step) for f in pictures.failures]
+    assert shown == [("solvable", 7, 2), ("solvable", 8, 4), ("needs", 9, 3)]
+    text = Parsed(task_page(Page(full, task, pictures))).text
+    assert "left: bring stick to meeting: no way" in text
+    assert "left has no way." in text
+    assert "Every stage was played, yet the task was not solved" in text
+    assert "Solved, though it should not have been." in text
+
+
+def test_every_camera_has_its_picture(task, passed):
+    pictures = take_pictures(task, passed)
+    assert [picture.name for picture in pictures.scene] == list(task.file.spec.scene.cameras)
+    page = Parsed(task_page(Page(passed, task, pictures)))
+    assert len(page.all("img")) == 4
+    assert all(int(image["width"]) == 32 and image["alt"] for image in page.all("img"))
+
+
+def test_without_pictures_the_stages_are_listed(task, passed):
+    page = Parsed(task_page(Page(passed, task)))
+    assert not page.all("img")
+    assert "right reach stick.right_end, 10 cm above" in page.text
+
+
+def test_a_scene_that_cannot_be_shown_is_no_reason_to_show_nothing(task, full, monkeypatch):
+    from taskbuilder.errors import SimulationError
+
+    def fail(*_):
+        raise SimulationError("the engine gave up")
+
+    monkeypatch.setattr("taskbuilder.validate.formats.pictures.build_world", fail)
+    pictures = take_pictures(task, full)
+    assert pictures == Pictures(trouble="The scene cannot be shown: the engine gave up")
+    assert "the engine gave up" in Parsed(task_page(Page(full, task, pictures))).text
+
+
+def test_a_report_of_files_alone_takes_no_pictures(passed, failed):
+    catalogue = Catalogue.discover()
+    static = replace(passed, families=passed.families[:1])
+    assert make_page("handover", static, catalogue).pictures == Pictures()
+    assert make_page("handover", static, catalogue).task is not None
+
+
+def test_files_are_named_after_tasks_and_never_shared(tmp_path, task, passed, failed):
+    odd = replace(passed, task="../x/a b&c.yaml")
+    for page, taken, name in (
+        (Page(passed, task), (), "handover.html"),
+        (Page(passed, task), ("handover.html", "handover-2.html"), "handover-3.html"),
+        (Page(replace(passed, task="mine/lift"), task), (), "mine-lift.html"),
+        (Page(odd), (), "a-b-c.html"),
+        (Page(replace(passed, task="/.."), task), (), "task.html"),
+    ):
+        file = write_page(tmp_path, page, taken)
+        assert (file.parent, file.name) == (tmp_path, name)
+        assert file.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_an_index_leads_to_every_page(tmp_path, task, passed, failed):
+    pages = [("handover.html", Page(passed, task)), ("lift.html", Page(failed))]
+    page = Parsed(write_index(tmp_path, pages).read_text(encoding="utf-8"))
+    assert [link["href"] for link in page.all("a")] == ["handover.html", "lift.html"]
+    assert "2 tasks, 1 failed" in page.text
+    assert "2 tasks, all passed" in index_page(pages[:1] * 2)
