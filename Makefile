@@ -24,6 +24,7 @@ benchmarks:
 	python benchmarks/authoring.py
 	python benchmarks/physics_hz.py
 	python benchmarks/environments.py
+	python benchmarks/experts.py
 
 interop:
 	tests/interop/run.sh

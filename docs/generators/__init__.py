@@ -14,7 +14,7 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 from sphinx.errors import ExtensionError
 
-from generators import api, codes, commands, keys, robots, tasks, vocabulary
+from generators import api, codes, commands, keys, results, robots, tasks, vocabulary
 
 GENERATORS: Mapping[str, Callable[[str], str]] = {
     "api": api.names,
@@ -22,11 +22,13 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "codes": codes.entries,
     "colours": keys.colours,
     "commands": commands.helps,
+    "experts": results.experts,
     "gallery": tasks.gallery,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
     "manners": keys.manners,
     "nodes": vocabulary.nodes,
+    "probes": results.probes,
     "robots": robots.library,
     "scaffold": commands.scaffold,
     "task": tasks.page,

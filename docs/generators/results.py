@@ -1,0 +1,52 @@
+"""Measured results, from the files that the benchmarks and the validator wrote."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from generators.markdown import table
+
+RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
+
+
+def probes(task: str) -> str:
+    """What ways of playing a task earn, the best first."""
+    report = next(report for report in _read("proofs.json")["tasks"] if report["task"] == task)
+    ways = sorted(report["probes"], key=lambda way: -way["return"])
+    return table(
+        ["", "return", "discounted by 0.95"],
+        (
+            [way["name"], _signed(way["return"]), _signed(way["discounted_return"])]
+            for way in ways
+            if not way["name"].startswith(("drop", "throw"))
+        ),
+    )
+
+
+def experts(_: str) -> str:
+    """How reliably and how soon experts do their tasks."""
+    rows = []
+    for scene, found in _read("experts.json")["scenes"].items():
+        task, _, variation = scene.partition("/")
+        low, high = (100.0 * bound for bound in found["interval"])
+        rows.append(
+            [
+                task,
+                variation,
+                f"{found['solved']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
+                f"{found['first_success_median']:g}, at most {found['first_success_last']}",
+                f"{found['planning_median_s']:.2f} s",
+            ]
+        )
+    head = ["task", "variation", "succeeds", "after control steps, median", "planning, median"]
+    return table(head, rows)
+
+
+def _read(name: str) -> Any:
+    return json.loads((RESULTS / name).read_text(encoding="utf-8"))
+
+
+def _signed(value: float) -> str:
+    return f"{value:.1f}".replace("-", "−")
