@@ -26,7 +26,7 @@ from taskbuilder.validate.running import Run
 from taskbuilder.validate.shares import Share
 from taskbuilder.validate.studio import Start, Studio
 
-MOST_SOLOS = 4
+MOST_SOLOS = 3
 
 NOTHING, RANDOM = "nothing", "random"
 

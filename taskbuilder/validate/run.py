@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
+from importlib import import_module
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -16,6 +17,7 @@ from taskbuilder.errors import (
     UsageError,
     display_path,
 )
+from taskbuilder.jobs import Map, workers
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.spec.explain import suggestion
 from taskbuilder.task import Task, load_task
@@ -112,8 +114,16 @@ def validate_task(
     static = _timed(static_family(task), started)
     if level == "static":
         return TaskReport(task.name, headline(task), (static,))
-    families = _wanted(level, only)
-    return _play(task, str(reference), catalogue, static, families, seeds, progress, jobs)
+    with workers(jobs if level == "full" else 1) as spread:
+        spread(get_ready, range(jobs))  # they load what they need while this process does
+        families = _wanted(level, only)
+        return _play(task, str(reference), catalogue, static, families, seeds, progress, spread)
+
+
+def get_ready(number: int) -> int:
+    """Load, in another process, what playing a task takes."""
+    import_module("taskbuilder.validate.running")
+    return number
 
 
 def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
@@ -137,10 +147,9 @@ def _play(
     families: tuple[Family, ...],
     seeds: int,
     progress: Progress,
-    jobs: int,
+    spread: Map,
 ) -> TaskReport:
-    """Run the families that need physics, with as many processes as asked for."""
-    from taskbuilder.jobs import workers
+    """Run the families that need physics."""
     from taskbuilder.validate.running import Run
     from taskbuilder.validate.studio import Source, close_studio
 
@@ -148,11 +157,10 @@ def _play(
     results = [static]
     skipped: list[str] = []
     try:
-        with workers(jobs) as spread:
-            run = Run(task, source, seeds, progress, spread)
-            for result in _results(run, families):
-                results += [result] if isinstance(result, FamilyResult) else []
-                skipped += [result] if isinstance(result, str) else []
+        run = Run(task, source, seeds, progress, spread)
+        for result in _results(run, families):
+            results += [result] if isinstance(result, FamilyResult) else []
+            skipped += [result] if isinstance(result, str) else []
     finally:
         close_studio(source)
     return TaskReport(task.name, headline(task), tuple(results), run.measures, tuple(skipped))
