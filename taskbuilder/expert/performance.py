@@ -6,6 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -149,7 +150,7 @@ class Performance:
         robots = tuple(robot for robot in stage.together if robot not in self._without)
         if robots:
             name = " and ".join(robots)
-            phase: Phase = lambda now: bring(now, robots, stage)  # noqa: E731
+            phase = partial(bring, robots=robots, order=stage)
             self._act({name: deque([phase])}, {name: stage})
 
     def _wait(self, stage: Wait) -> None:
