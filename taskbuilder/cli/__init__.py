@@ -42,6 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return OK
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
+        _forget_interrupt()
         return INTERRUPTED
     except Exception as error:
         if "--debug" in words:
@@ -57,6 +58,16 @@ def _run(words: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else USAGE
     status: int = arguments.run(arguments)
     return status
+
+
+def _forget_interrupt() -> None:
+    """Let the process end with our status and not by a signal.
+
+    CPython marks the process as interrupted whenever Ctrl-C strikes within `exec` or `eval` of a
+    string, as dataclasses and namedtuples do while modules are imported, and forgets it only when
+    the next string is executed; a handled interrupt would still kill the process as it exits.
+    """
+    exec("")  # noqa: S102
 
 
 def _fail(error: Exception) -> int:

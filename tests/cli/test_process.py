@@ -93,6 +93,22 @@ def test_ctrl_c_leaves_no_half_written_picture(tmp_path):
         assert cv2.imread(str(file)) is not None
 
 
+_INTERRUPTED_IN_A_STRING = """\
+import sys
+from taskbuilder import cli
+cli.parse = lambda words: exec("raise KeyboardInterrupt")
+sys.exit(cli.main([]))
+"""
+
+
+def test_ctrl_c_while_python_executes_a_string_ends_with_130_too(tmp_path):
+    """Modules with dataclasses or namedtuples execute strings while they are imported."""
+    (tmp_path / "interrupted.py").write_text(_INTERRUPTED_IN_A_STRING)
+    command = [sys.executable, "-m", "interrupted"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
 @pytest.mark.parametrize("words", [("--help",), ("list",), ("schema", "task")])
 def test_a_reader_that_has_seen_enough_is_no_error(words, tmp_path):
     end, start = os.pipe()
