@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import errno
 import json
-import os
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.files import write_whole
 from taskbuilder.sim.cameras import LARGEST_SIDE, STUDIO, Image, capture
 from taskbuilder.world.world import World
 
@@ -223,23 +221,3 @@ def save_still(still: Still, stem: Path, modalities: Sequence[Modality]) -> list
             write_whole(legend, (json.dumps(still.legend(), indent=2) + "\n").encode())
             written.append(legend)
     return written
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file aside and rename it, so that it is there whole or not at all.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "is a folder; name a file", str(path))
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        aside = Path(name)
-        aside.chmod(0o644)
-        aside.replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

@@ -1,6 +1,22 @@
 """Collaborative Lift: success and reward."""
 
-from taskbuilder.description import Below, Bonus, Description, Distance, Held, Level, Near, On
+from taskbuilder.description import (
+    Below,
+    Bonus,
+    Closeness,
+    Description,
+    Distance,
+    Height,
+    Held,
+    Ladder,
+    Least,
+    Level,
+    Near,
+    On,
+    Share,
+    Sustained,
+    Then,
+)
 
 
 class CollaborativeLift(Description):
@@ -20,3 +36,20 @@ class CollaborativeLift(Description):
         Distance("lift", "cube", "goal"),
         Bonus("goal", at_goal, 4.0),
     )
+
+    lowest = Least(
+        Height("tray.left_handle", "table.top"), Height("tray.right_handle", "table.top")
+    )
+    progress = Ladder(
+        0.5 * Closeness("left.tcp", "tray.left_handle_top")
+        + 0.5 * Closeness("right.tcp", "tray.right_handle_top")
+        + Ladder(0.0, (Held("tray.left_handle", by="left"), 0.5))
+        + Ladder(0.0, (Held("tray.right_handle", by="right"), 0.5)),
+        (
+            lifted & On("cube", "tray"),
+            2.5 + 2.0 * Share(lowest - 0.05, of=0.08) + 2.0 * Closeness("cube", "goal"),
+        ),
+        (success, 8.0),
+    )
+
+    setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted, seconds=0.3))

@@ -1,6 +1,19 @@
 """Handover: success and reward."""
 
-from taskbuilder.description import Below, Bonus, Description, Distance, Held, Near
+from taskbuilder.description import (
+    Below,
+    Bonus,
+    Closeness,
+    Description,
+    Distance,
+    Height,
+    Held,
+    Ladder,
+    Near,
+    Share,
+    Sustained,
+    Then,
+)
 
 
 class Handover(Description):
@@ -21,3 +34,24 @@ class Handover(Description):
         Distance("carry", "stick", "goal"),
         Bonus("handover", handed_over, 2.0),
     )
+
+    lift = Share(Height("stick", "table.top"), of=0.1)
+    progress = Ladder(
+        0.5 * Closeness("left.tcp", "stick.left_end") + 0.15 * Closeness("right.tcp", "meeting"),
+        (
+            taken,
+            1.5
+            + 0.25 * lift
+            + 0.5 * Closeness("stick", "meeting")
+            + 0.25 * lift * Closeness("right.tcp", "stick.right_end"),
+        ),
+        (shared, 4.0),
+        (
+            handed_over,
+            5.15 - 0.15 * Closeness("left.tcp", "stick.left_end") + Closeness("stick", "goal"),
+        ),
+        (success, 7.0),
+    )
+
+    held = taken | Held("stick", by="right")
+    setback = Then(held, Sustained(~held, seconds=0.3))

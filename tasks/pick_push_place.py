@@ -1,6 +1,20 @@
 """Pick-Push-Place: success and reward."""
 
-from taskbuilder.description import Below, Bonus, Description, Distance, Held, Inside, On
+from taskbuilder.description import (
+    Below,
+    Bonus,
+    Closeness,
+    Description,
+    Distance,
+    Height,
+    Held,
+    Inside,
+    Ladder,
+    On,
+    Share,
+    Sustained,
+    Then,
+)
 
 
 class PickPushPlace(Description):
@@ -23,3 +37,24 @@ class PickPushPlace(Description):
         Distance("gather", "cube", "tray"),
         Bonus("place", in_tray, 4.0),
     )
+
+    cube_held = Held("cube", by="left")
+    tray_held = Held("tray", by="right")
+    lift = Share(Height("cube", "table.top") - 0.0225, of=0.06)
+    progress = Ladder(
+        0.5 * Closeness("left.tcp", "cube.middle")
+        + 0.5 * Closeness("right.tcp", "tray.grip")
+        + Ladder(0.0, (cube_held, 0.5 + 0.5 * lift))
+        + Ladder(0.0, (tray_held, 0.5)),
+        (
+            cube_held & tray_held,
+            2.5
+            + 0.5 * lift
+            + Closeness("tray", "middle")
+            + Closeness("cube", "above_tray")
+            + lift * Closeness("cube", "above_tray", scale=0.08),
+        ),
+        (in_tray, 7.0),
+    )
+
+    setback = Then(cube_held, Sustained(~cube_held & ~in_tray, seconds=0.5))

@@ -18,7 +18,6 @@ from taskbuilder.render import (
     save_image,
     save_still,
     take_still,
-    write_whole,
 )
 from taskbuilder.sim.cameras import Image
 from taskbuilder.sim.renderers import probe_egl
@@ -268,16 +267,3 @@ def test_a_file_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
         save_image(old, np.zeros((2, 2, 3), dtype=np.uint8))
     assert [file.name for file in tmp_path.iterdir()] == ["picture.png"]
     assert old.read_bytes() == b"old"
-
-
-def test_a_written_file_replaces_the_old_one_and_can_be_read_by_all(tmp_path):
-    file = tmp_path / "notes.txt"
-    write_whole(file, b"one")
-    write_whole(file, b"two")
-    assert file.read_bytes() == b"two"
-    assert file.stat().st_mode & 0o777 == 0o644
-
-
-def test_a_folder_is_not_replaced_by_a_file(tmp_path):
-    with pytest.raises(IsADirectoryError, match="is a folder; name a file"):
-        write_whole(tmp_path, b"one")

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from generators.expressions import expression
 from generators.markdown import code, number, table
 from generators.stages import numbered
-from taskbuilder.description import Bonus, Distance, Paid, Potential, Term
-from taskbuilder.description.node import All, Any_, Node, Not
+from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.spec.load import fill
 from taskbuilder.spec.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
@@ -119,6 +118,13 @@ def _sections(task: Task) -> Iterator[str]:
         ["term", "agent", "pays", f"in equation {_equation(name)}"],
         (_term(name, term) for term in task.description.reward),
     )
+    if isinstance(task.description.progress, Ladder):
+        yield "## Progress"
+        yield (
+            "How far the task is, for [training signals](../descriptions.md#progress); it is no "
+            "part of the reward. The last row that holds counts."
+        )
+        yield table(["while", "progress"], _progress(task.description.progress))
     if spec.expert:
         yield "## Expert"
         yield numbered(spec.expert)
@@ -192,29 +198,10 @@ def _conditions(task: Task) -> Iterator[list[str]]:
         yield [f"stage {number_}: {name}", "as success" if same else code(expression(stage))]
 
 
-def expression(node: Node) -> str:
-    """A condition as it is written in a description."""
-    if isinstance(node, All | Any_):
-        return (" & " if isinstance(node, All) else " | ").join(
-            f"({expression(part)})" if isinstance(part, All | Any_) else expression(part)
-            for part in node.of
-        )
-    if isinstance(node, Not):
-        inner = expression(node.of)
-        return f"~({inner})" if isinstance(node.of, All | Any_) else f"~{inner}"
-    if hasattr(node, "call"):
-        return repr(node)
-    inside = []
-    for field in fields(node):  # type: ignore[arg-type]  # every node that is not a call is one
-        value = getattr(node, field.name)
-        if value != field.default:
-            text = expression(value) if isinstance(value, Node) else _literal(value)
-            inside.append(f"{field.name}={text}" if field.kw_only else text)
-    return f"{type(node).__name__}({', '.join(inside)})"
-
-
-def _literal(value: object) -> str:
-    return f'"{value}"' if isinstance(value, str) else repr(value).replace("'", '"')
+def _progress(ladder: Ladder) -> Iterator[list[str]]:
+    yield ["no row below holds", code(expression(ladder.ground))]
+    for when, value in ladder.rungs:
+        yield [code(expression(when)), code(expression(value))]
 
 
 def _equation(name: str) -> str:

@@ -6,7 +6,16 @@ Everything that a description file needs is importable from here.
 from taskbuilder.description.contact import Contact, EmptyHanded, Held, On, Released
 from taskbuilder.description.description import Description, Outcome
 from taskbuilder.description.logic import AtLeast, Never, Once, Sustained, Then
-from taskbuilder.description.measures import Closeness, Gap, Height, Ladder, Measure, measure
+from taskbuilder.description.measures import (
+    Closeness,
+    Gap,
+    Height,
+    Ladder,
+    Least,
+    Measure,
+    Share,
+    measure,
+)
 from taskbuilder.description.node import (
     BodyName,
     Condition,
@@ -56,6 +65,7 @@ __all__ = [
     "JointName",
     "JointPosition",
     "Ladder",
+    "Least",
     "Level",
     "Measure",
     "Moved",
@@ -69,6 +79,7 @@ __all__ = [
     "Potential",
     "Released",
     "RobotName",
+    "Share",
     "SiteName",
     "Stationary",
     "Sustained",

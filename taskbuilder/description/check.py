@@ -41,6 +41,7 @@ def _check_attributes(description: type[Description], file: Location) -> Iterato
         ("success", Condition, 'a condition, such as Inside("cube", "tray")'),
         ("failure", Condition, 'a condition, such as Below("cube", height=0.3)'),
         ("progress", Measure, 'a measure, such as Closeness("cube", "goal")'),
+        ("setback", Condition, "a condition, such as Then(held, ~held)"),
     )
     for name, sort, example in expected:
         value = getattr(description, name, None)
@@ -91,7 +92,10 @@ def _expressions(description: type[Description]) -> Iterator[Node]:
     reward = getattr(description, "reward", ())
     stages = description.stages
     candidates = (
-        *(getattr(description, name, None) for name in ("success", "failure", "progress")),
+        *(
+            getattr(description, name, None)
+            for name in ("success", "failure", "progress", "setback")
+        ),
         *description.attributes().values(),
         *(stages.values() if isinstance(stages, dict) else ()),
         *(reward if isinstance(reward, tuple) else ()),

@@ -22,6 +22,7 @@ class Description:
         stages: Milestones by name, in the order in which they come.
         reward: The terms that are paid at every control step. Required.
         progress: How far the task is, for training signals; never part of the reward.
+        setback: When going on teaches little, such as after a drop: training may end there.
     """
 
     success: ClassVar[Condition]
@@ -29,6 +30,7 @@ class Description:
     stages: ClassVar[Mapping[str, Condition]] = {}
     reward: ClassVar[tuple[Term, ...]]
     progress: ClassVar[Measure | None] = None
+    setback: ClassVar[Condition] = Never()
 
     @classmethod
     def attributes(cls) -> dict[str, Condition]:

@@ -43,6 +43,9 @@ class Measure(Node):
     def __sub__(self, other: Measure | float) -> Measure:
         return Sum((self, Product((Constant(-1.0), as_measure(other)))))
 
+    def __rsub__(self, other: float) -> Measure:
+        return Sum((as_measure(other), Product((Constant(-1.0), self))))
+
     def __mul__(self, other: Measure | float) -> Measure:
         return Product((self, as_measure(other)))
 
@@ -134,6 +137,49 @@ class Height(Measure):
     def value(self, world: WorldView) -> float:
         base = world.position(self.reference)[2] if self.reference else 0.0
         return world.position(self.frame)[2] - base
+
+
+@dataclass(frozen=True)
+class Share(Measure):
+    """How much of a whole there is: measure / of, from 0 to 1."""
+
+    measure: Measure
+    _: KW_ONLY
+    of: float
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """What is measured."""
+        return (self.measure,)
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return min(max(parts[0] / self.of, 0.0), 1.0), memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.of > 0:
+            yield f"of is {self.of}; more than 0"
+
+
+@dataclass(frozen=True, init=False)
+class Least(Measure):
+    """The least of measures: ``Least(Height("tray.left"), Height("tray.right"))``."""
+
+    of: tuple[Measure, ...]
+
+    def __init__(self, *of: Measure | float) -> None:
+        object.__setattr__(self, "of", tuple(as_measure(value) for value in of))
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """What it is the least of."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return min(parts), memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.of:
+            yield "it is the least of nothing; give it measures"
 
 
 @dataclass(frozen=True, init=False)

@@ -16,6 +16,7 @@ from taskbuilder.description.description import Outcome, Referee
 from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
+from taskbuilder.spec.scene import ActionSpec
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.randomness import EpisodeRandomness
@@ -97,11 +98,15 @@ class Episode:
 
     @property
     def terminated(self) -> bool:
-        """Ended by success or failure, as the task's `ends_on` says, or by an explosion."""
+        """Ended by success or failure, as the task's `ends_on` says, or by an explosion.
+
+        With the option `end_on_setback` also by a setback.
+        """
         ends = self._file.spec.timing.ends_on
         won = self.outcome.success and "success" in ends
         lost = self.outcome.failure and "failure" in ends
-        return won or lost or self.exploded
+        thrown_back = self.options.end_on_setback and self.outcome.conditions["setback"]
+        return won or lost or thrown_back or self.exploded
 
     @property
     def truncated(self) -> bool:
@@ -179,9 +184,14 @@ class Episode:
         dt = 1.0 / self._file.spec.timing.control_hz
         scene = self._file.scenes[self._variation]
         return {
-            name: RobotActions(self.world, robot, scene.robots[name].action, dt)
+            name: RobotActions(self.world, robot, self._framed(scene.robots[name].action), dt)
             for name, robot in self.world.robots.items()
         }
+
+    def _framed(self, action: ActionSpec) -> ActionSpec:
+        if self.options.frame == "base" and action.frame == "world":
+            return action.model_copy(update={"frame": "base"})
+        return action
 
     # --- what observations read
 

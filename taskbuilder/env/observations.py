@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +35,7 @@ class Reading:
         high: Greatest value of each number.
         turns: Index of the first number of a quaternion among them, or None.
         noise: Gaussian noise on the numbers, or None.
+        matrix: Show the quaternion as the first two columns of its rotation matrix.
     """
 
     name: str
@@ -43,11 +44,30 @@ class Reading:
     high: tuple[float, ...]
     turns: int | None = None
     noise: Noise | None = None
+    matrix: bool = False
 
     @property
     def size(self) -> int:
         """How many numbers it has."""
         return len(self.low)
+
+    def with_matrix(self) -> Reading:
+        """The same with rotations as the first two columns of their matrices, six numbers."""
+        if self.turns is None:
+            return self
+        unit = (1.0,) * 6
+        low = (*self.low[: self.turns], *(-n for n in unit))
+        return replace(self, low=low, high=(*self.high[: self.turns], *unit), matrix=True)
+
+    def shown(self, episode: Episode) -> Sequence[float]:
+        """The numbers as they are seen now."""
+        values = self.read(episode)
+        if self.noise is not None:
+            values = self.noisy(values, episode.noise_rng)
+        if self.matrix and self.turns is not None:
+            x, y, z, w = values[self.turns :]
+            return (*values[: self.turns], *_columns((x, y, z, w)))
+        return values
 
     def noisy(self, values: Sequence[float], rng: np.random.Generator) -> Sequence[float]:
         """The numbers with the channel's noise."""
@@ -78,14 +98,12 @@ class View:
         self.low = np.array(numbers, dtype=np.float32)
         numbers = [value for reading in self.readings for value in reading.high]
         self.high = np.array(numbers, dtype=np.float32)
-        self._noisy = any(reading.noise for reading in self.readings)
 
     def vector(self, episode: Episode) -> NDArray[np.float32]:
         """All channels of numbers, one after the other: (n,) float32, inside the bounds."""
         values: list[float] = []
         for reading in self.readings:
-            numbers = reading.read(episode)
-            values += reading.noisy(numbers, episode.noise_rng) if self._noisy else numbers
+            values += reading.shown(episode)
         array = np.array(values, dtype=np.float32)
         np.maximum(array, self.low, out=array)  # np.clip takes four times as long
         np.minimum(array, self.high, out=array)
@@ -207,24 +225,53 @@ def _upper(q: Quat) -> Quat:
     return q if q[3] >= 0.0 else (-q[0], -q[1], -q[2], -q[3])
 
 
+def _columns(q: Quat) -> Sequence[float]:
+    """The first two columns of a rotation's matrix (Zhou et al. 2019): continuous everywhere."""
+    x, y, z, w = q
+    first = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y))
+    return (*first, 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x))
+
+
 def _around(size: int, limit: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return (-limit,) * size, (limit,) * size
+
+
+def surroundings(agent: str, world: World) -> tuple[str, ...]:
+    """The whole scene as one agent may see it: itself first, then the others in file order.
+
+    It names itself "self", as task files do, so that what they say of a channel holds here too.
+    Where something can be grasped is told in the frame of the agent's tool besides.
+    """
+    robots = ("self", *(name for name in world.robots if name != agent))
+    moving = {name: thing for name, thing in world.objects.items() if not thing.spec.fixed}
+    grasps = [f"{name}.{grasp}" for name, thing in moving.items() for grasp in thing.spec.grasps]
+    return (
+        *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
+        *(f"{name}.pose" for name in moving),
+        *(f"{grasp}.position in self.tcp" for grasp in grasps),
+        *_moving_joints(world),
+        *(f"{site}.position" for site in world.sites),
+        "time_left",
+    )
+
+
+def _moving_joints(world: World) -> list[str]:
+    return [
+        f"{name}.{joint}"
+        for name, thing in world.objects.items()
+        for joint, info in thing.body.joints.items()
+        if info.type != "fixed"
+    ]
 
 
 def everything(world: World) -> tuple[str, ...]:
     """Every channel of numbers there is, for a centralised critic."""
     robots = ("joints", "joint_velocities", "tcp", "gripper", "holding")
     moving = [name for name, thing in world.objects.items() if not thing.spec.fixed]
-    fixed_joints = [
-        f"{name}.{joint}"
-        for name, thing in world.objects.items()
-        for joint, info in thing.body.joints.items()
-        if info.type != "fixed"
-    ]
     return (
         *(f"{robot}.{quantity}" for robot in world.robots for quantity in robots),
         *(f"{name}.{quantity}" for name in moving for quantity in ("pose", "velocity")),
-        *fixed_joints,
+        *_moving_joints(world),
         *(f"{site}.position" for site in world.sites),
         "time_left",
     )

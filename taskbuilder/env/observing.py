@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,14 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.env.episode import Episode
-from taskbuilder.env.observations import View, everything, is_camera, make_reading
+from taskbuilder.env.observations import (
+    Reading,
+    View,
+    everything,
+    is_camera,
+    make_reading,
+    surroundings,
+)
 from taskbuilder.env.options import Options
 from taskbuilder.env.spaces import VECTOR, image_values, observation_space
 from taskbuilder.errors import UsageError
@@ -30,8 +38,11 @@ class Observer:
         spec, names = task.file.spec, task.file.names
         self._flat = options.flat
         listed = spec.observe or {agent: default_channels(names) for agent in task.agents}
+        if options.observe == "scene":
+            listed = {agent: surroundings(agent, world) for agent in task.agents}
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
         self._task, self._world = task, world
+        self._own_frames, self._matrices = options.frame == "base", options.rotation == "matrix"
         self._views = {
             agent: self._view((*listed[agent], *extra), agent, spec.observation_noise.get(agent))
             for agent in task.agents
@@ -76,8 +87,16 @@ class Observer:
             if is_camera(channel, self._world):
                 cameras.append(channel)
             else:
-                readings.append(make_reading(text, channel, self._world, (noise or {}).get(text)))
+                readings.append(self._reading(text, channel, agent, (noise or {}).get(text)))
         return View(readings, cameras)
+
+    def _reading(
+        self, text: str, channel: Channel, agent: str | None, noise: Noise | None
+    ) -> Reading:
+        if agent and self._own_frames and channel.frame == "world":
+            channel = replace(channel, frame=f"{agent}.base")
+        reading = make_reading(text, channel, self._world, noise)
+        return reading.with_matrix() if self._matrices else reading
 
     def _seen(self, view: View, episode: Episode, images: Mapping[str, _Look]) -> Any:
         vector = view.vector(episode)

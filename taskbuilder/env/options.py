@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from taskbuilder.errors import UsageError
 from taskbuilder.spec.explain import suggestion
@@ -12,6 +15,27 @@ from taskbuilder.spec.load import TaskFile
 from taskbuilder.task import Task
 
 RewardSharing = Literal["team", "local"]
+Seen = Literal["task", "scene"]
+Frame = Literal["task", "base"]
+Rotation = Literal["quaternion", "matrix"]
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A recorded beginning of an episode, from which others may go on.
+
+    Attributes:
+        seed: Of its reset.
+        actions: What every agent did: (steps, n) each, as the environment takes them.
+    """
+
+    seed: int
+    actions: Mapping[str, NDArray[np.float32]]
+
+    @property
+    def steps(self) -> int:
+        """Its control steps."""
+        return min(len(actions) for actions in self.actions.values())
 
 
 @dataclass(frozen=True)
@@ -27,6 +51,17 @@ class Options:
         control_hz: Control steps a second; by default the task's.
         variation: Which variation, 0 being the plain task; or ``random``, drawn each episode.
         randomize: Draw the quantities that the task lists under ``randomize``.
+        observe: ``task``: every agent sees what the task file lists for it; ``scene``: itself, then
+            the other robots' tools and grippers, all that moves, all sites and the time left.
+        frame: ``task``: poses are seen, and tool motions given, in the frames of the task file;
+            ``base``: what would be in the world's is in each robot's own base frame, so that
+            robots that face each other are alike.
+        rotation: Orientations as ``quaternion`` (x, y, z, w), or as ``matrix``: the first two
+            columns of the rotation matrix, which do not jump where a quaternion changes its sign.
+        end_on_setback: Also end episodes on the description's ``setback``, for training.
+        openings: Recorded beginnings. An episode that takes one begins at a step of it that is
+            drawn, with the time that is then left.
+        opening_share: Which share of the episodes do, from 0 to 1.
         cameras: Cameras whose colour images every agent sees besides its own channels.
         camera_size: Width and height of observed images; by default each camera's own.
         renderer: What draws pictures.
@@ -40,6 +75,12 @@ class Options:
     control_hz: int | None = None
     variation: int | Literal["random"] = 0
     randomize: bool = False
+    observe: Seen = "task"
+    frame: Frame = "task"
+    rotation: Rotation = "quaternion"
+    end_on_setback: bool = False
+    openings: tuple[Opening, ...] = ()
+    opening_share: float = 0.0
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
     renderer: Literal["auto", "tiny", "egl"] = "tiny"
@@ -75,7 +116,14 @@ class Options:
             raise UsageError(
                 f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
             )
+        _choice("observe", self.observe, ("task", "scene"))
+        _choice("frame", self.frame, ("task", "base"))
+        _choice("rotation", self.rotation, ("quaternion", "matrix"))
         _choice("renderer", self.renderer, ("auto", "tiny", "egl"))
+        if not 0.0 <= self.opening_share <= 1.0:
+            raise UsageError(f"opening_share is {self.opening_share}; 0 to 1")
+        if self.openings and self.variation == "random":
+            raise UsageError("openings belong to one variation; variation is random")
         size = self.camera_size
         if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
             raise UsageError(f"camera_size is {size!r}; a width and a height of 1 to 4096 pixels")

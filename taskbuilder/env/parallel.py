@@ -25,6 +25,7 @@ from taskbuilder.env.spaces import action_space, read_action
 from taskbuilder.errors import SimulationError, UsageError
 from taskbuilder.sim.cameras import STUDIO, capture
 from taskbuilder.task import Task, load_task
+from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.world import World, WorldState
 
 Observations = dict[str, Any]
@@ -125,7 +126,24 @@ class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
             self._seeds = np.random.default_rng(seed)
         self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
         self.agents = list(self.possible_agents)
+        if self.options.openings:
+            self._open(EpisodeRandomness(self.episode.seed).opening())
         return self._look(), self._infos()
+
+    def _open(self, rng: np.random.Generator) -> None:
+        """Go on from a step of a recorded episode, if chance wants it."""
+        if rng.random() >= self.options.opening_share:
+            return
+        opening = self.options.openings[rng.integers(len(self.options.openings))]
+        seed = self.episode.seed
+        self.episode.reset(opening.seed)
+        self.episode.noise_rng = EpisodeRandomness(seed).noise()  # its own, each time another
+        for step in range(int(rng.integers(1, opening.steps + 1))):
+            actions = {agent: values[step] for agent, values in opening.actions.items()}
+            self.episode.step(self._read(actions))
+            if self.episode.over:  # it was recorded elsewhere, or to its very end
+                self.episode.reset(seed)
+                return
 
     def step(
         self, actions: Mapping[str, Any]

@@ -14,7 +14,8 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from taskbuilder.render import Pixels, write_whole
+from taskbuilder.files import write_whole
+from taskbuilder.render import Pixels
 from taskbuilder.sim.chatter import captured
 
 CODECS = ("vp09", "mp4v")

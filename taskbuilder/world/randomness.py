@@ -37,6 +37,10 @@ class EpisodeRandomness:
         """For the values of the quantities that the task file lists under ``randomize``."""
         return self._generator(3)
 
+    def opening(self) -> np.random.Generator:
+        """For whether and where an episode goes on from a recorded one."""
+        return self._generator(4)
+
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 

@@ -9,7 +9,7 @@ from fake_world import A, B, FakeWorld, Number, describe
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskbuilder.description import Closeness, Gap, Height, Ladder
+from taskbuilder.description import Closeness, Gap, Height, Ladder, Least, Share
 from taskbuilder.description.description import Referee
 from taskbuilder.description.measures import Constant
 
@@ -30,6 +30,8 @@ def test_measures_calculate_as_numbers_do(x, y):
     assert now(2 * X) == now(X * 2) == x * 2
     assert now(0.5 * (3 + X)) == 0.5 * (3 + x)
     assert now(X - 1) == x - 1
+    assert now(1 - X) == 1 - x
+    assert now(1.0 - 0.5 * X) == 1.0 - 0.5 * x
 
 
 def test_measures_are_always_floats(world, now):
@@ -66,13 +68,49 @@ def test_a_ladder_without_rungs_is_its_ground(now):
     assert now(Ladder(0.5)) == 0.5
 
 
+@pytest.mark.parametrize(
+    ("height", "share"), [(0.0, 0.0), (0.02, 0.25), (0.08, 1.0), (0.5, 1.0), (-0.1, 0.0)]
+)
+def test_a_share_is_how_much_there_is_of_a_whole_and_no_more(world, now, height, share):
+    world.put("cube", 0.0, 0.0, height)
+    assert now(Share(Height("cube"), of=0.08)) == pytest.approx(share)
+    assert now(2 * Share(Height("cube") - 0.01, of=0.08)) <= 2.0
+
+
+@given(numbers=st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=2), bound=st.floats(-1e3, 1e3))
+def test_the_least_of_measures_and_numbers_is_the_least(numbers, bound):
+    world = FakeWorld(numbers=dict(zip("xy", numbers, strict=True)))
+
+    def now(measure):
+        return Referee(describe(progress=measure), ("left",)).start(world).progress
+
+    assert now(Least(X, Y)) == now(Least(Y, X)) == min(numbers)
+    assert now(Least(X, bound)) == min(numbers[0], bound)
+    assert now(Least(X)) == numbers[0]
+
+
+def test_parts_of_a_share_and_of_the_least_are_measured_once_and_follow_the_world(world):
+    world.numbers = {"x": 4.0, "y": 1.0}
+    referee = Referee(describe(progress=Share(Least(X, Y), of=2) + Least(X, Y)), ("left",))
+    assert referee.start(world).progress == 1.5
+    assert world.asked == {"x": 1, "y": 1}
+    world.numbers = {"x": 0.5, "y": 1.0}
+    assert referee.judge(world).progress == 0.75
+
+
 def test_a_condition_is_no_measure():
     with pytest.raises(TypeError):
         X + A
+    with pytest.raises(TypeError):
+        1 - A
+    with pytest.raises(TypeError):
+        Least(X, A)
     with pytest.raises(TypeError):
         Ladder(X, (A, B))
 
 
 def test_equal_measures_are_one_value():
     assert len({X + Y, Number("x") + Number("y"), Y + X}) == 2
+    assert len({Least(X, Y), Least(Number("x"), Y), Least(Y, X)}) == 2
+    assert len({Share(X, of=1.0), Share(Number("x"), of=1.0), Share(X, of=2.0)}) == 2
     assert len({Gap("a", "b"), Gap("a", "b"), Gap("b", "a")}) == 2

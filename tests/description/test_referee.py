@@ -50,6 +50,7 @@ def test_an_outcome_names_every_condition_of_the_description(world):
         "failure": False,
         "almost": True,
         "touched": True,
+        "setback": False,
     }
     assert list(outcome.conditions)[:3] == ["success", "failure", "almost"]
 
@@ -67,6 +68,7 @@ def test_conditions_of_a_base_class_are_named_too(world):
     assert Task.conditions() == {
         "success": B,
         "failure": Never(),
+        "setback": Never(),
         "touched": A,
         "left_alone": ~B,
     }

@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
+from library_experts import SCENES, SEEDS, TASKS, expert_of, played
 from written_experts import Digest, same
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.expert.demonstration import replay
 from taskbuilder.expert.player import Expert
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.task import load_task
 
-TASKS = tuple(Catalogue.discover().tasks)
-SCENES = [(name, k) for name in TASKS for k in range(len(load_task(name).file.scenes))]
-SEEDS = range(20_000, 20_004)
 MARGIN_STEPS = 5
-
-
-@cache
-def expert_of(scene):
-    """An expert for a scene of a task."""
-    name, variation = scene
-    return Expert(parallel_env(name, variation=variation))
-
-
-@cache
-def played(scene, seed):
-    """What the expert did from a seed, and the hash of all that happened."""
-    digest = Digest()
-    return expert_of(scene).play(seed, watch=digest), digest.hex
 
 
 @pytest.mark.parametrize("scene", SCENES)
 class TestExpert:
     def test_does_the_task_with_steps_to_spare(self, scene):
         for seed in SEEDS:
-            demonstration, _ = played(scene, seed)
+            demonstration = played(scene, seed).demonstration
             assert demonstration.trouble is None
             horizon = expert_of(scene).env.episode.horizon
             assert demonstration.steps == horizon
@@ -51,7 +31,7 @@ class TestExpert:
     def test_ends_a_stage_after_the_one_before(self, scene):
         stages = expert_of(scene).env.task.file.spec.expert
         for seed in SEEDS:
-            ends = played(scene, seed)[0].stage_ends
+            ends = played(scene, seed).demonstration.stage_ends
             assert len(ends) == len(stages)
             assert list(ends) == sorted(set(ends))
 
@@ -60,14 +40,14 @@ class TestExpert:
         other = parallel_env(name, variation=variation)
         for seed in SEEDS[:2]:
             digest = Digest()
-            demonstration, first = played(scene, seed)
-            replay(other, demonstration, digest)
-            assert digest.hex == first
+            first = played(scene, seed)
+            replay(other, first.demonstration, digest)
+            assert digest.hex == first.digest
         other.close()
 
     def test_plays_a_seed_alike_whatever_it_played_before(self, scene):
         again = expert_of(scene).play(SEEDS[0])
-        assert same(again, played(scene, SEEDS[0])[0])
+        assert same(again, played(scene, SEEDS[0]).demonstration)
 
     @pytest.mark.parametrize("robot", ["left", "right"])
     def test_fails_when_a_robot_stays_home(self, scene, robot):
@@ -75,3 +55,19 @@ class TestExpert:
         assert not demonstration.success
         moved = np.abs(demonstration.actions[robot]).max()
         assert moved < 1e-6
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_in_the_robots_own_frames_it_does_the_task_and_is_replayed_to_the_bit(task):
+    env, other = (parallel_env(task, frame="base", observe="scene") for _ in range(2))
+    expert, digest, again = Expert(env), Digest(), Digest()
+    demonstration = expert.play(SEEDS[0], watch=digest)
+    assert demonstration.success
+    assert demonstration.trouble is None
+    replay(other, demonstration, again)
+    assert again.hex == digest.hex
+    worldly = played((task, 0), SEEDS[0]).demonstration
+    assert not np.array_equal(demonstration.actions["right"], worldly.actions["right"])
+    expert.close()
+    env.close()
+    other.close()

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from taskbuilder.errors import FileError
-from taskbuilder.render import write_whole
+from taskbuilder.files import write_whole
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import load_task
 from taskbuilder.validate.formats.page import Page, index_page, task_page

@@ -1,0 +1,66 @@
+"""Experts of the library's tasks, and what they did: played once, for as many tests as like."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+from written_experts import Digest
+
+from taskbuilder.description.description import Outcome
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.expert.player import Expert
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.task import load_task
+
+TASKS = tuple(Catalogue.discover().tasks)
+SCENES = [(name, k) for name in TASKS for k in range(len(load_task(name).file.scenes))]
+SEEDS = range(20_000, 20_004)
+
+
+@dataclass
+class Watching:
+    """Keeps what the referee said, and whether any robot held anything, at reset and each step."""
+
+    digest: Digest = field(default_factory=Digest)
+    outcomes: list[Outcome] = field(default_factory=list)
+    holding: list[bool] = field(default_factory=list)
+
+    def __call__(self, env: TaskEnv) -> None:
+        self.digest(env)
+        self.outcomes.append(env.episode.outcome)
+        self.holding.append(any(env.episode.holding(robot) for robot in env.possible_agents))
+
+
+@dataclass(frozen=True)
+class Played:
+    """An expert's episode.
+
+    Attributes:
+        demonstration: What it did.
+        digest: The hash of all that happened.
+        outcomes: What the referee said, at reset and after each control step.
+        holding: Whether any robot held anything then.
+    """
+
+    demonstration: Demonstration
+    digest: str
+    outcomes: Sequence[Outcome]
+    holding: Sequence[bool]
+
+
+@cache
+def expert_of(scene: tuple[str, int]) -> Expert:
+    """An expert for a scene of a task."""
+    name, variation = scene
+    return Expert(parallel_env(name, variation=variation))
+
+
+@cache
+def played(scene: tuple[str, int], seed: int) -> Played:
+    """What the expert did from a seed."""
+    watch = Watching()
+    demonstration = expert_of(scene).play(seed, watch=watch)
+    return Played(demonstration, watch.digest.hex, watch.outcomes, watch.holding)
