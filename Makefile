@@ -31,3 +31,4 @@ interop:
 
 soak:
 	python benchmarks/soak.py
+	python benchmarks/kills.py

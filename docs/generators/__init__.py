@@ -26,6 +26,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "gallery": tasks.gallery,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
+    "learning": results.learning,
     "manners": keys.manners,
     "nodes": vocabulary.nodes,
     "probes": results.probes,
@@ -34,6 +35,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "task": tasks.page,
     "verbs": keys.verbs,
     "view": vocabulary.view,
+    "zoo": results.zoo,
 }
 
 _MARK = re.compile(r"^% generated: (\w+)(?: (.*))?$", re.MULTILINE)

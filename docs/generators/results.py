@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from generators.markdown import table
+from taskbuilder.learn.zoo import load_policy, zoo_names
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
@@ -42,6 +43,48 @@ def experts(_: str) -> str:
         )
     head = ["task", "variation", "succeeds", "after control steps, median", "planning, median"]
     return table(head, rows)
+
+
+def learning(_: str) -> str:
+    """What came of the learning runs."""
+    rows = []
+    for run in _read("learning.json")["runs"]:
+        low, high = (100.0 * bound for bound in run["interval"])
+        rows.append(
+            [
+                run["task"],
+                run["track"],
+                str(run["seed"]),
+                {"scene": "the whole scene", "task": "as the task says"}[run["observe"]],
+                f"{run['steps']:,}",
+                f"{100.0 * run['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)",
+                _stages(run["stages"]),
+                f"{run['minutes']:.0f}",
+            ]
+        )
+    if not rows:
+        return "No run is kept yet."
+    head = ["task", "track", "seed", "policies see", "control steps", "success (95 % interval)"]
+    return table([*head, "furthest stage", "minutes"], rows)
+
+
+def _stages(stages: dict[str, int]) -> str:
+    """How many episodes got how far and no further, the furthest first."""
+    reached = [f"{name or 'none'} {count}" for name, count in stages.items() if count]
+    return ", ".join(reversed(reached))
+
+
+def zoo(_: str) -> str:
+    """The policies that come with the package."""
+    rows = []
+    for name in zoo_names():
+        about = load_policy(name).about
+        helped = {"scratch": "nothing", "demos": "demonstrations", "resets": "starts of the expert"}
+        saw = {"scene": "the whole scene", "task": "as the task says"}[about["env"]["observe"]]
+        rows.append([f"`{name}`", helped[about["track"]], saw, f"{about['step']:,}"])
+    if not rows:
+        return "None yet."
+    return table(["policy", "helped by", "sees", "control steps"], rows)
 
 
 def _read(name: str) -> Any:

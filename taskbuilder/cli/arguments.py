@@ -12,8 +12,23 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
+from taskbuilder.cli.kinds import size, whole
+from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 
-_COMMANDS = ("list", "show", "new", "validate", "render", "demo", "bench", "robots", "schema")
+_COMMANDS = (
+    "list",
+    "show",
+    "new",
+    "validate",
+    "render",
+    "demo",
+    "train",
+    "evaluate",
+    "plot",
+    "bench",
+    "robots",
+    "schema",
+)
 
 
 class Parser(argparse.ArgumentParser):
@@ -66,6 +81,7 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     """
     parser = make_parser()
     arguments, unknown = parser.parse_known_args(words)
+    arguments.words = list(words)
     if unknown:
         arguments.parser.refuse(unknown[0])
     return arguments
@@ -92,17 +108,19 @@ def make_parser() -> Parser:
         dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
     for name in _COMMANDS:
-        _ADDERS[name](_Adder(commands, common, name))
+        _ADDERS[name](Adder(commands, common, name))
     return parser
 
 
-class _Adder:
+class Adder:
     """Adds one command; its function is imported only when the command runs."""
 
     def __init__(self, commands: Any, common: argparse.ArgumentParser, name: str) -> None:
         self._commands, self._common, self._name = commands, common, name
 
     def command(self, summary: str, example: str) -> argparse.ArgumentParser:
+        """A parser for the command, with what all commands have."""
+
         def run(arguments: argparse.Namespace) -> int:
             module = import_module(f"taskbuilder.cli.{self._name}_command")
             status: int = module.run(arguments)
@@ -119,28 +137,28 @@ class _Adder:
         return parser
 
 
-def _add_list(adder: _Adder) -> None:
+def _add_list(adder: Adder) -> None:
     parser = adder.command("list the tasks of the catalogue", "--json")
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
-def _add_show(adder: _Adder) -> None:
+def _add_show(adder: Adder) -> None:
     parser = adder.command("print a task with its defaults filled in, as YAML", "handover")
     parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
 
 
-def _add_new(adder: _Adder) -> None:
+def _add_new(adder: Adder) -> None:
     parser = adder.command("write the files of a new task", "stack_cubes --robots 2")
     parser.add_argument("name", metavar="NAME", help="name of the task, such as stack_cubes")
     parser.add_argument(
-        "--robots", type=_whole(1, 6), default=2, metavar="N", help="robots, 1 to 6 (default 2)"
+        "--robots", type=whole(1, 6), default=2, metavar="N", help="robots, 1 to 6 (default 2)"
     )
     parser.add_argument(
         "--dir", type=Path, default=Path(), metavar="DIR", help="folder to write to (default here)"
     )
 
 
-def _add_validate(adder: _Adder) -> None:
+def _add_validate(adder: Adder) -> None:
     parser = adder.command("try to break tasks, and say what was measured", "handover --quick")
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.add_argument("--all", action="store_true", help="every task of the catalogue")
@@ -153,11 +171,11 @@ def _add_validate(adder: _Adder) -> None:
     seeds = parser.add_mutually_exclusive_group()
     seeds.add_argument("--quick", action="store_true", help="5 seeds in place of 40")
     seeds.add_argument(
-        "--seeds", type=_whole(1, 100_000), metavar="N", help="episodes to sample (default 40)"
+        "--seeds", type=whole(1, 100_000), metavar="N", help="episodes to sample (default 40)"
     )
     parser.add_argument(
         "--jobs",
-        type=_whole(1, 1024),
+        type=whole(1, 1024),
         metavar="N",
         help="processes to spread episodes over (default: one for each core)",
     )
@@ -180,7 +198,7 @@ def _add_validate(adder: _Adder) -> None:
     )
 
 
-def _add_render(adder: _Adder) -> None:
+def _add_render(adder: Adder) -> None:
     parser = adder.command(
         "take pictures of tasks, without a display", "handover --camera front --modality rgb depth"
     )
@@ -196,7 +214,7 @@ def _add_render(adder: _Adder) -> None:
     parser.add_argument(
         "--camera", nargs="+", metavar="C", help="cameras of the scene (default all)"
     )
-    parser.add_argument("--size", type=_size, metavar="WxH", help="pixels, such as 640x480")
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels, such as 640x480")
     parser.add_argument(
         "--modality",
         nargs="+",
@@ -208,24 +226,25 @@ def _add_render(adder: _Adder) -> None:
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
-def _add_demo(adder: _Adder) -> None:
+def _add_demo(adder: Adder) -> None:
     parser = adder.command(
         "play a task with its expert, and show how it went",
         "handover --episodes 10 --video",
     )
     parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
     parser.add_argument(
-        "--episodes", type=_whole(1, 100_000), default=1, metavar="N", help="to play (default 1)"
+        "--episodes", type=whole(1, 100_000), default=1, metavar="N", help="to play (default 1)"
     )
     parser.add_argument(
         "--policy",
         default="expert",
         metavar="P",
-        help="who plays: expert, random or nothing (default expert)",
+        help="who plays: expert, random, nothing, or a trained policy: zoo:TASK/TRACK, a run's "
+        "folder, a file (default expert)",
     )
     parser.add_argument(
         "--jobs",
-        type=_whole(1, 1024),
+        type=whole(1, 1024),
         metavar="N",
         help="processes to spread episodes over (default: one for each core)",
     )
@@ -243,7 +262,7 @@ def _add_demo(adder: _Adder) -> None:
         "--camera", nargs="+", metavar="C", help="cameras of the scene (default its first)"
     )
     parser.add_argument(
-        "--size", type=_size, metavar="WxH", help="pixels of a picture, such as 640x480"
+        "--size", type=size, metavar="WxH", help="pixels of a picture, such as 640x480"
     )
     _add_episode(parser, "first episode (default 0); others follow")
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
@@ -251,10 +270,10 @@ def _add_demo(adder: _Adder) -> None:
 
 def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
     """Options that say what is played and what draws it."""
-    parser.add_argument("--seed", type=_whole(0, 2**32 - 1), default=0, metavar="N", help=seed)
+    parser.add_argument("--seed", type=whole(0, 2**32 - 1), default=0, metavar="N", help=seed)
     parser.add_argument(
         "--variation",
-        type=_whole(0, 10_000),
+        type=whole(0, 10_000),
         default=0,
         metavar="K",
         help="which variation; 0 is the plain task",
@@ -267,7 +286,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
     )
 
 
-def _add_robots(adder: _Adder) -> None:
+def _add_robots(adder: Adder) -> None:
     parser = adder.command(
         "list the robots, or check one: its files, its joints, and a picture",
         "check path/to/robot.yaml",
@@ -282,17 +301,17 @@ def _add_robots(adder: _Adder) -> None:
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
-def _add_bench(adder: _Adder) -> None:
+def _add_bench(adder: Adder) -> None:
     parser = adder.command(
         "measure what a task's environment costs, beside its physics alone", "handover"
     )
     parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
     parser.add_argument(
-        "--episodes", type=_whole(1, 1000), default=10, metavar="N", help="to play (default 10)"
+        "--episodes", type=whole(1, 1000), default=10, metavar="N", help="to play (default 10)"
     )
     parser.add_argument(
         "--workers",
-        type=_whole(0, 64),
+        type=whole(0, 64),
         default=2,
         metavar="N",
         help="measure scaling up to so many processes (default 2)",
@@ -300,7 +319,7 @@ def _add_bench(adder: _Adder) -> None:
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
-def _add_schema(adder: _Adder) -> None:
+def _add_schema(adder: Adder) -> None:
     parser = adder.command(
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
     )
@@ -316,33 +335,10 @@ _ADDERS = {
     "validate": _add_validate,
     "render": _add_render,
     "demo": _add_demo,
+    "train": add_train,
+    "evaluate": add_evaluate,
+    "plot": add_plot,
     "bench": _add_bench,
     "robots": _add_robots,
     "schema": _add_schema,
 }
-
-
-def _whole(least: int, most: int) -> Any:
-    """A converter for whole numbers in a range."""
-
-    def convert(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f'"{text}" is no whole number') from None
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{value} is not from {least} to {most}")
-        return value
-
-    return convert
-
-
-def _size(text: str) -> tuple[int, int]:
-    """A converter for WIDTHxHEIGHT."""
-    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
-    if not match:
-        raise argparse.ArgumentTypeError(f'"{text}" is no size; write WxH, such as 640x480')
-    width, height = int(match[1]), int(match[2])
-    if not (16 <= width <= 2048 and 16 <= height <= 2048):
-        raise argparse.ArgumentTypeError(f"{text} is not from 16x16 to 2048x2048")
-    return width, height

@@ -13,15 +13,18 @@ from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, progress, say
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
-from taskbuilder.env.parallel import parallel_env
+from taskbuilder.cli.trained import Place, is_trained
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.demonstration import Demonstration
-from taskbuilder.expert.policies import Player, player_named
+from taskbuilder.expert.policies import Acting, Player, player_named
+from taskbuilder.files import write_whole
 from taskbuilder.film.chronicle import chronicle
 from taskbuilder.film.film import save_film
 from taskbuilder.film.strip import film_strip
 from taskbuilder.jobs import cores, workers
-from taskbuilder.render import save_image, write_whole
+from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.zoo import load_policy
+from taskbuilder.render import save_image
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
@@ -31,8 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     catalogue = catalogue_of(arguments)
     task = load_task(arguments.task, catalogue=catalogue)
     _check(task, arguments)
+    cast = _cast(catalogue, arguments)
     make_folder(arguments.out)
-    cast = Cast(arguments.task, catalogue, arguments.variation, arguments.policy)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     jobs = min(arguments.jobs or cores(), len(seeds))
     played = []
@@ -43,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
                 say(_line(task, episode, len(str(seeds[-1]))))
     if not arguments.json:
         print(_summary(played))
-    files = [display_path(file) for file in _show(task, played[0], arguments)]
+    files = [display_path(file) for file in _show(task, played[0], cast, arguments)]
     if arguments.json:
         print_json({**_as_data(task, played), "files": files})
     else:
@@ -54,7 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _check(task: Task, arguments: argparse.Namespace) -> None:
     """Refuse what cannot be played or shown before anything is."""
     check_views(task, arguments)
-    player_named(arguments.policy)
+    if not is_trained(arguments.policy):
+        player_named(arguments.policy)
     if arguments.policy == "expert" and not task.file.spec.expert:
         file = display_path(task.file.entry.file)
         raise UsageError(
@@ -63,24 +67,46 @@ def _check(task: Task, arguments: argparse.Namespace) -> None:
         )
 
 
+def _cast(catalogue: Catalogue, arguments: argparse.Namespace) -> Cast:
+    """Who plays where; a trained policy that does not fit is refused."""
+    trained = is_trained(arguments.policy)
+    options = options_of(load_policy(arguments.policy)) if trained else {}
+    options["variation"] = arguments.variation
+    place = Place(arguments.task, catalogue, tuple(options.items()))
+    cast = Cast(place, arguments.policy)
+    if trained:
+        with ExitStack() as stack:
+            cast.hire(stack)
+    return cast
+
+
 # Playing
 
 
 @dataclass(frozen=True)
 class Cast:
-    """Who plays what, in a form that other processes can be told.
+    """Who plays where, in a form that other processes can be told.
 
     Attributes:
-        task: Name or path of the task.
-        catalogue: Where it is looked up.
-        variation: Which scene.
+        place: Makes the environment.
         policy: Who plays.
     """
 
-    task: str
-    catalogue: Catalogue
-    variation: int
+    place: Place
     policy: str
+
+    def hire(self, stack: ExitStack) -> Player:
+        """A player, to be let go by the stack.
+
+        Raises:
+            UsageError: A trained policy does not fit the task.
+        """
+        env = stack.enter_context(closing(self.place()))
+        if not is_trained(self.policy):
+            return stack.enter_context(closing(player_named(self.policy)(env)))
+        policy = load_policy(self.policy)
+        check_fits(policy, env, self.policy)
+        return Acting(env, policy.act)
 
 
 def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Demonstration, None, None]:
@@ -90,14 +116,7 @@ def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Demonstr
             yield from spread(partial(_play_elsewhere, cast), seeds)
         return
     with ExitStack() as stack:
-        player = _hire(cast, stack)
-        yield from map(player.play, seeds)
-
-
-def _hire(cast: Cast, stack: ExitStack) -> Player:
-    task = load_task(cast.task, catalogue=cast.catalogue)
-    env = stack.enter_context(closing(parallel_env(task, variation=cast.variation)))
-    return stack.enter_context(closing(player_named(cast.policy)(env)))
+        yield from map(cast.hire(stack).play, seeds)
 
 
 def _play_elsewhere(cast: Cast, seed: int) -> Demonstration:
@@ -107,7 +126,7 @@ def _play_elsewhere(cast: Cast, seed: int) -> Demonstration:
 @lru_cache(maxsize=1)
 def _hired_once(cast: Cast) -> Player:
     """A player that is kept for as long as its process lives."""
-    return _hire(cast, ExitStack())
+    return cast.hire(ExitStack())
 
 
 # Saying
@@ -167,7 +186,9 @@ def _as_data(task: Task, episodes: Sequence[Demonstration]) -> dict[str, Any]:
 # Showing
 
 
-def _show(task: Task, episode: Demonstration, arguments: argparse.Namespace) -> list[Path]:
+def _show(
+    task: Task, episode: Demonstration, cast: Cast, arguments: argparse.Namespace
+) -> list[Path]:
     """Write what an episode looked like, and say where."""
     from taskbuilder.charts import Mark, reward_chart  # a second, when all else is in order
 
@@ -176,8 +197,7 @@ def _show(task: Task, episode: Demonstration, arguments: argparse.Namespace) -> 
     cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
     cameras = list(dict.fromkeys(cameras))
     subtitle = _subtitle(task, episode, arguments.policy)
-    env = parallel_env(task, variation=episode.variation, renderer=arguments.renderer)
-    with closing(env):
+    with closing(cast.place(renderer=arguments.renderer)) as env:
         story = chronicle(env, episode)
         size = arguments.size
         page = film_strip(env, episode, story, cameras, subtitle=subtitle, size=size)

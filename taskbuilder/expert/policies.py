@@ -1,11 +1,12 @@
-"""Who can play an episode: the expert, and two that set it off."""
+"""Who can play an episode: the expert, two that set it off, and any function of what is seen."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UnknownNameError
@@ -14,6 +15,9 @@ from taskbuilder.expert.driving import Actions, Driver
 from taskbuilder.expert.player import Expert
 from taskbuilder.expert.recording import Recording
 from taskbuilder.spec.explain import suggestion
+
+Act = Callable[[Mapping[str, Any]], Mapping[str, NDArray[np.floating]]]
+"""Every agent's action, given what each sees."""
 
 
 class Player(Protocol):
@@ -49,7 +53,7 @@ class Random:
                 drawn[agent] = np.array(numbers, dtype=np.float32)
             return drawn
 
-        return _play(self.env, seed, draw, watch)
+        return _play(self.env, seed, lambda _: draw(), watch)
 
     def close(self) -> None:
         """Nothing is kept."""
@@ -67,7 +71,34 @@ class Nothing:
 
     def play(self, seed: int, *, watch: Watch = lambda _: None) -> Demonstration:
         """Play one episode; see `Expert.play`."""
-        return _play(self.env, seed, Driver(self.env).hold, watch)
+        driver = Driver(self.env)
+        return _play(self.env, seed, lambda _: driver.hold(), watch)
+
+    def close(self) -> None:
+        """Nothing is kept."""
+
+
+class Acting:
+    """Does what a function of the observations says, such as a trained policy.
+
+    Args:
+        env: Any environment of a task, its actions flat and its variation fixed.
+        act: Every agent's action, as the environment takes it, given what each sees. What it
+            remembers from step to step is its own affair.
+    """
+
+    def __init__(self, env: TaskEnv, act: Act) -> None:
+        self.env = env
+        self._act = act
+
+    def play(self, seed: int, *, watch: Watch = lambda _: None) -> Demonstration:
+        """Play one episode; see `Expert.play`."""
+
+        def act(seen: Mapping[str, Any]) -> Actions:
+            # What is kept is what was done, to the bit.
+            return {a: np.asarray(n, dtype=np.float32) for a, n in self._act(seen).items()}
+
+        return _play(self.env, seed, act, watch)
 
     def close(self) -> None:
         """Nothing is kept."""
@@ -92,8 +123,10 @@ def player_named(name: str) -> Callable[[TaskEnv], Player]:
     return PLAYERS[name]
 
 
-def _play(env: TaskEnv, seed: int, act: Callable[[], Actions], watch: Watch) -> Demonstration:
+def _play(
+    env: TaskEnv, seed: int, act: Callable[[Mapping[str, Any]], Actions], watch: Watch
+) -> Demonstration:
     recording = Recording(env, seed, watch)
     while not recording.over:
-        recording.step(act())
+        recording.step(act(recording.seen))
     return recording.demonstration()

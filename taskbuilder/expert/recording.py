@@ -23,6 +23,9 @@ class Recording:
         seed: Of the reset, which happens at once.
         watch: Called after reset and after each control step.
 
+    Attributes:
+        seen: What every agent observes now.
+
     Raises:
         UsageError: The environment draws its variation.
     """
@@ -37,7 +40,7 @@ class Recording:
         self._rewards: list[float] = []
         self._terms: list[dict[str, float]] = []
         self._first_success: int | None = None
-        env.reset(seed=seed)
+        self.seen, _ = env.reset(seed=seed)
         watch(env)
 
     @property
@@ -58,7 +61,7 @@ class Recording:
         """
         if self.over:
             raise EpisodeOver
-        self.env.step(actions)
+        self.seen, *_ = self.env.step(actions)
         self._actions.append(actions)
         self._rewards.append(self.env.team_reward())
         self._terms.append(dict(self.env.episode.outcome.terms))

@@ -1,4 +1,4 @@
-"""Players that set the expert off: one that acts at random, one that does nothing."""
+"""Players beside the expert: at random, nothing at all, and any function of what is seen."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.expert.demonstration import replay
-from taskbuilder.expert.policies import PLAYERS, Nothing, Random, player_named
+from taskbuilder.expert.policies import PLAYERS, Acting, Nothing, Random, player_named
 
 
 @pytest.fixture(params=[True, False], ids=["normalized", "physical"])
@@ -47,6 +47,29 @@ def test_doing_nothing_leaves_everything_where_it_is(env):
     assert episode.steps == 8
     assert len(joints) == 9
     assert abs(np.array(joints) - joints[0]).max() < 1e-3
+
+
+def test_a_function_acts_by_what_is_seen_at_each_step(env):
+    seen = []
+
+    def act(observations):
+        seen.append({agent: values.copy() for agent, values in observations.items()})
+        # Something that follows from what is seen, in finer numbers than are kept.
+        return {
+            agent: np.resize(np.tanh(values.astype(np.float64)), env.action_space(agent).shape)
+            for agent, values in observations.items()
+        }
+
+    player = Acting(env, act)
+    episode = player.play(3)
+    player.close()
+    assert len(seen) == episode.steps == 8
+    shown, _ = env.reset(seed=3)
+    for step, expected in enumerate(seen):
+        for agent, values in shown.items():
+            assert np.array_equal(values, expected[agent])
+            assert episode.actions[agent].dtype == np.float32
+        shown, *_ = env.step({agent: told[step] for agent, told in episode.actions.items()})
 
 
 @pytest.mark.parametrize("name", ["random", "nothing"])

@@ -1,0 +1,129 @@
+"""The learning runs: three tasks, with demonstrations and from nothing, three seeds each.
+
+    python benchmarks/learning.py [--only handover/demos] [--seeds 1 2 3] [--jobs 2] [--folder runs]
+
+Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
+that neither training nor the choice of a policy has seen, and writes
+
+- benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run, and
+- benchmarks/results/learning.json: what came of each, with the command that makes it again.
+
+A run is an hour or less on one core. Nothing is left out: a run that failed is there as it is.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from machine import describe_machine
+
+RESULTS = Path(__file__).parent / "results"
+TASKS = ("handover", "pick_push_place", "collaborative_lift")
+SEEDS = (1, 2, 3)
+EPISODES = 300
+
+COMMON = ("--observe", "scene", "--evaluate-episodes", "30", "--stop-at", "1")
+TRACKS = {
+    "demos": ("--demos", "100", "--steps", "100000", "--evaluate-every", "5000"),
+    "scratch": ("--steps", "300000", "--evaluate-every", "10000"),
+}
+"""What `taskbuilder train` is told beside the task and the seed, by track."""
+
+OWN: dict[str, tuple[str, ...]] = {}
+"""The same for one task's track alone, by TASK/TRACK."""
+
+KEPT = ("run.json", "episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", metavar="TASK/TRACK")
+    parser.add_argument("--seeds", nargs="+", type=int, default=SEEDS)
+    parser.add_argument("--jobs", type=int, default=2, help="runs at once, a core each")
+    parser.add_argument("--folder", type=Path, default=Path("runs"), help="of the runs themselves")
+    arguments = parser.parse_args()
+    asked = arguments.only or [f"{task}/{track}" for track in TRACKS for task in TASKS]
+    wanted = [(name, seed) for seed in arguments.seeds for name in asked]
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        for line in pool.map(partial(run, folder=arguments.folder), wanted):
+            print(line, flush=True)
+    write_summary()
+    return 0
+
+
+def command(name: str, seed: int, folder: Path) -> list[str]:
+    """What trains a run from the beginning."""
+    task, track = name.split("/")
+    out = folder / f"{task}-{track}-{seed}"
+    options = (*TRACKS[track], *COMMON, *OWN.get(name, ()))
+    return ["train", task, "--seed", str(seed), *options, "--out", str(out)]
+
+
+def run(wanted: tuple[str, int], folder: Path) -> str:
+    """Train, evaluate and keep one run; say what came of it."""
+    name, seed = wanted
+    words = command(name, seed, folder)
+    out = Path(words[-1])
+    again = ["train", "--resume", str(out)] if (out / "run.json").exists() else words
+    with (folder / f"{out.name}.log").open("a") as log:
+        subprocess.run([*TASKBUILDER, *again], stdout=log, stderr=log, check=True)
+    evaluate = ["evaluate", str(out), "--episodes", str(EPISODES), "--jobs", "1", "--json"]
+    played = subprocess.run([*TASKBUILDER, *evaluate], capture_output=True, text=True, check=True)
+    (out / "evaluation.json").write_text(played.stdout)
+    keep(out)
+    result = json.loads(played.stdout)
+    return f"{out.name}: {result['success_rate']:.1%} of {EPISODES} episodes"
+
+
+TASKBUILDER = (sys.executable, "-m", "taskbuilder")
+
+
+def keep(out: Path) -> None:
+    """Copy what is to be kept of a run."""
+    folder = RESULTS / "learning" / out.name
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in KEPT:
+        shutil.copyfile(out / name, folder / name)
+
+
+def write_summary() -> None:
+    """Write what came of all runs that are kept."""
+    folders = sorted((RESULTS / "learning").glob("*/"))
+    data = {
+        "command": "python benchmarks/learning.py",
+        "machine": describe_machine(),
+        "runs": [summary(folder) for folder in folders],
+    }
+    (RESULTS / "learning.json").write_text(json.dumps(data, indent=2) + "\n")
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    """What came of a kept run."""
+    plan = json.loads((folder / "run.json").read_text())
+    result = json.loads((folder / "evaluation.json").read_text())
+    rows = (folder / "evaluations.csv").read_text().splitlines()
+    last_update = (folder / "updates.csv").read_text().splitlines()[-1].split(",")
+    return {
+        "run": folder.name,
+        "command": plan["command"],
+        "task": plan["task"],
+        "track": plan["track"],
+        "seed": plan["seed"],
+        "observe": plan["observe"],
+        "steps": int(rows[-1].split(",")[0]),
+        "minutes": round(float(last_update[1]) / 60.0, 1),
+        **{key: result[key] for key in ("success_rate", "interval", "return", "stages")},
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

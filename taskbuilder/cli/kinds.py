@@ -1,0 +1,44 @@
+"""Converters: what the words of a command line mean, or why they mean nothing."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import Any
+
+
+def whole(least: int, most: int) -> Any:
+    """A converter for whole numbers in a range."""
+
+    def convert(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f'"{text}" is no whole number') from None
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{value} is not from {least} to {most}")
+        return value
+
+    return convert
+
+
+def size(text: str) -> tuple[int, int]:
+    """A converter for WIDTHxHEIGHT."""
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f'"{text}" is no size; write WxH, such as 640x480')
+    width, height = int(match[1]), int(match[2])
+    if not (16 <= width <= 2048 and 16 <= height <= 2048):
+        raise argparse.ArgumentTypeError(f"{text} is not from 16x16 to 2048x2048")
+    return width, height
+
+
+def share(text: str) -> float:
+    """A converter for numbers from 0 to 1."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'"{text}" is no number') from None
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1")
+    return value

@@ -1,0 +1,152 @@
+"""The parser's part for learning: commands that train, evaluate and plot."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Protocol
+
+from taskbuilder.cli.kinds import share, size, whole
+
+
+class Adder(Protocol):
+    """Adds a command to the parser."""
+
+    def command(self, summary: str, example: str) -> argparse.ArgumentParser:
+        """The parser of the command."""
+
+
+def add_train(adder: Adder) -> None:
+    """`taskbuilder train`."""
+    parser = adder.command(
+        "train a policy for each robot of a task",
+        "handover --steps 300000 --seed 1 --out runs/handover-1",
+    )
+    parser.add_argument("task", nargs="?", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "--resume", type=Path, metavar="RUN", help="go on with the run in this folder, as it began"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="RUN", help="folder of the run (default runs/TASK-TRACK-SEED)"
+    )
+    parser.add_argument("--algorithm", metavar="A", help="maddpg or maddpg_openai (default maddpg)")
+    parser.add_argument(
+        "--reward",
+        metavar="R",
+        help="what learners are paid: team, local, shaped or ratchet (default ratchet)",
+    )
+    many = whole(1, 1_000_000_000)
+    parser.add_argument(
+        "--steps", type=many, metavar="N", help="control steps in all (default 300000)"
+    )
+    parser.add_argument("--seed", type=whole(0, 2**31 - 1), metavar="N", help="(default 0)")
+    parser.add_argument(
+        "--envs", type=whole(1, 1024), metavar="N", help="environments at once (default 4)"
+    )
+    parser.add_argument(
+        "--workers",
+        type=whole(0, 1024),
+        metavar="N",
+        help="processes that run them; 0: this one (default 0)",
+    )
+    parser.add_argument(
+        "--demos", type=whole(0, 100_000), metavar="N", help="expert episodes to learn from too"
+    )
+    parser.add_argument(
+        "--starts", type=share, metavar="SHARE", help="of the episodes, begin in states of experts"
+    )
+    parser.add_argument(
+        "--observe", metavar="O", help="what policies see: task or scene (default task)"
+    )
+    parser.add_argument(
+        "--frame", metavar="F", help="poses and motions as in the task, or base (default base)"
+    )
+    parser.add_argument("--rotation", metavar="R", help="quaternion or matrix (default matrix)")
+    parser.add_argument(
+        "--variation", type=whole(0, 10_000), metavar="K", help="which variation (default 0)"
+    )
+    parser.add_argument(
+        "--evaluate-every", type=many, metavar="N", help="control steps (default 10000)"
+    )
+    parser.add_argument(
+        "--evaluate-episodes", type=many, metavar="N", help="of an evaluation (default 20)"
+    )
+    parser.add_argument(
+        "--checkpoint-every", type=many, metavar="N", help="control steps (default 10000)"
+    )
+    parser.add_argument(
+        "--stop-at", type=share, metavar="SHARE", help="success in two evaluations to stop at"
+    )
+    parser.add_argument(
+        "--set", nargs="+", metavar="K=V", help="settings of the algorithm, such as noise=0.2"
+    )
+
+
+def add_evaluate(adder: Adder) -> None:
+    """`taskbuilder evaluate`."""
+    parser = adder.command(
+        "measure what a trained policy achieves in episodes that it has never seen",
+        "zoo:handover/scratch --episodes 300 --video",
+    )
+    parser.add_argument(
+        "policy", metavar="RUN", help="zoo:TASK/TRACK, the folder of a run, or a policy's file"
+    )
+    parser.add_argument(
+        "--episodes", type=whole(1, 100_000), default=300, metavar="N", help="(default 300)"
+    )
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=1_000_000,
+        metavar="N",
+        help="first episode (default 1000000, which no training sees); others follow",
+    )
+    parser.add_argument(
+        "--variation",
+        type=whole(0, 10_000),
+        metavar="K",
+        help="which variation (default that of training)",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=whole(1, 1024),
+        metavar="N",
+        help="processes to spread episodes over (default: one for each core)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="write the result to this folder; films go there, too (default evaluations)",
+    )
+    parser.add_argument(
+        "--video",
+        action="store_true",
+        help="film a best, a median and a failed episode, as MP4 and GIF",
+    )
+    parser.add_argument(
+        "--camera", nargs="+", metavar="C", help="cameras of the scene (default its first)"
+    )
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help="pixels of a film, such as 640x480"
+    )
+    parser.add_argument(
+        "--renderer",
+        choices=("auto", "tiny", "egl"),
+        default="auto",
+        help="tiny: on the CPU; egl: through OpenGL (default auto)",
+    )
+    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+
+
+def add_plot(adder: Adder) -> None:
+    """`taskbuilder plot`."""
+    parser = adder.command(
+        "draw the learning curves of training runs, those alike as one with its band",
+        "runs/handover-scratch-0 runs/handover-scratch-1 --out curves.png",
+    )
+    parser.add_argument("runs", nargs="+", metavar="RUN", help="folders of runs of one task")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE", help="picture, .png or .svg"
+    )
+    parser.add_argument("--title", metavar="T", help="in large letters (default the task)")

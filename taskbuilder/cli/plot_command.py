@@ -1,0 +1,102 @@
+"""`taskbuilder plot`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from taskbuilder.cli.tasks import make_folder
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.files import write_whole
+from taskbuilder.learn.comparison import (
+    WINDOW,
+    Alike,
+    Line,
+    episodes_at,
+    group,
+    labels_of,
+    middle,
+    names_of,
+)
+from taskbuilder.learn.logs import Run, read_run
+
+if TYPE_CHECKING:
+    from taskbuilder.curves import Curve, Group
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw the learning curves of runs of one task, those alike together."""
+    form = _form(arguments.out)
+    folders = {Path(name).resolve(): Path(name) for name in arguments.runs}
+    runs = [read_run(folder) for folder in folders.values()]
+    groups = group(runs)
+    make_folder(arguments.out.parent)
+    from taskbuilder.curves import learning_curves  # a second, when all else is in order
+
+    names = names_of(groups)
+    task = Path(runs[0].plan.task).stem
+    picture = learning_curves(
+        arguments.title or task,
+        _subtitle([task] if arguments.title else [], names, runs),
+        _drawn(groups, names, runs),
+        max((run.stages for run in runs), key=len),
+        episodes_at(runs),
+        form,
+    )
+    write_whole(arguments.out, picture)
+    print(display_path(arguments.out))
+    return 0
+
+
+def _form(path: Path) -> Literal["png", "svg"]:
+    match path.suffix.lower():
+        case ".png":
+            return "png"
+        case ".svg":
+            return "svg"
+    raise UsageError(f"{display_path(path)}: a picture is a .png or an .svg; name it so")
+
+
+def _longest(runs: Sequence[Run]) -> float:
+    """Environment steps of the longest run."""
+    return max(float(run.evaluations["step"][-1]) for run in runs)
+
+
+def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[Run]) -> list[str]:
+    """What was drawn, and how."""
+    count = f"{len(runs)} run{'s' * (len(runs) > 1)}"
+    what = [*task, *names, count] if len(names) == 1 else [*task, count]
+    how = [f"training episodes averaged over {WINDOW * _longest(runs):,.0f} steps"]
+    if len(runs) > len(names):
+        how.append("every run faint, in bold their interquartile mean with its 95% band")
+    return [" · ".join(what), " · ".join(how)]
+
+
+def _drawn(groups: Sequence[Alike], names: Sequence[str], runs: Sequence[Run]) -> list[Group]:
+    """The groups as they are drawn."""
+    from taskbuilder.curves import Group
+
+    longest, labels = _longest(runs), labels_of(runs)
+    return [
+        Group(
+            name,
+            len(alike.runs),
+            _curve(alike.success()),
+            _curve(alike.smoothed("team_return", longest)),
+            {label: _curve(alike.smoothed(f"term/{label}", longest)) for label in labels},
+            alike.stages(),
+        )
+        for alike, name in zip(groups, names, strict=True)
+    ]
+
+
+def _curve(lines: Sequence[Line]) -> Curve:
+    """Runs and what they have in common; the same draws for all, so that pictures repeat."""
+    from taskbuilder.curves import Curve
+
+    found = middle(lines, np.random.default_rng(0))
+    return Curve(lines, (found.steps, found.iqm, found.low, found.high) if found else None)

@@ -1,0 +1,83 @@
+"""Trained policies on the command line: which they are, where they play, what they came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.expert.policies import PLAYERS
+from taskbuilder.learn.plan import RUN_FILE, load_plan
+from taskbuilder.learn.policy import Policy
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.task import load_task
+
+_SAW = {
+    "scene": "the whole scene, more than the task file lists for each robot",
+    "task": "what the task file lists for each robot",
+}
+_HELPED = {
+    "scratch": "no demonstrations, no special starts",
+    "resets": "episodes that may begin in states of the expert, no demonstrations",
+    "demos": "demonstrations of the expert",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a policy plays, in a form that other processes can be told.
+
+    Attributes:
+        task: Name or path of the task.
+        catalogue: Where it is looked up.
+        options: Of the environment, by name.
+    """
+
+    task: str
+    catalogue: Catalogue
+    options: tuple[tuple[str, Any], ...]
+
+    def __call__(self, **more: Any) -> TaskEnv:
+        """Make the environment, with more options if need be."""
+        task = load_task(self.task, catalogue=self.catalogue)
+        return parallel_env(task, **{**dict(self.options), **more})
+
+
+def is_trained(name: str) -> bool:
+    """Whether a policy's name is that of a trained one: of the zoo, of a run, or of a file."""
+    if name in PLAYERS:
+        return False
+    return name.startswith("zoo:") or "/" in name or Path(name).exists()
+
+
+def task_of(name: str, policy: Policy) -> str:
+    """What a policy's task is to be loaded by; a run remembers the path of one by its path.
+
+    Args:
+        name: Of the policy.
+        policy: The same.
+    """
+    if (Path(name) / RUN_FILE).is_file():
+        return load_plan(Path(name))[0].task
+    return str(policy.about.get("task"))
+
+
+def origin(about: Mapping[str, Any]) -> list[list[str]]:
+    """What a policy saw and what trained it: rows of a word and what there is to say."""
+    env, track = about.get("env", {}), about.get("track")
+    options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
+    saw = _SAW.get(env.get("observe"), "not known")
+    helped = _HELPED.get(str(track), "not known what helped")
+    if about.get("starts") and track != "resets":
+        helped += ", episodes that may begin in its states"
+    step = about.get("step")
+    trained = [
+        f"track {track}: {helped}",
+        f"{about.get('algorithm')} paid {about.get('reward')}",
+        f"{step:,} control steps" if isinstance(step, int) else "unknown control steps",
+        f"seed {about.get('seed')}",
+    ]
+    rows = [["saw", f"{saw} ({options})"], ["trained", " · ".join(trained)]]
+    return [*rows, ["command", str(about["command"])]] if about.get("command") else rows

@@ -1,0 +1,131 @@
+"""Checkpoints: a training run as it stood, on the disk, whatever happens next.
+
+A checkpoint is one file, written aside, synced and renamed. The transitions of the replay memory
+are in files of their own, each with those that came since the checkpoint before, so that a
+checkpoint costs as much at the end of a run as at its beginning. Each names the files it needs.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.learn.replay import Replay
+from taskbuilder.learn.store import Arrays, StoreError, read_arrays, write_arrays
+
+FOLDER = "checkpoints"
+KEPT = 2
+"""How many checkpoints are kept: should the last turn out damaged, there is one before it."""
+
+_KIND, _ROWS_KIND = "checkpoint", "transitions"
+_NAME = re.compile(r"step-(\d{9})\.npz")
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What is needed to go on.
+
+    Attributes:
+        step: Control steps so far.
+        arrays: Of the learner.
+        counters: All else: generators' states, lengths of logs, ...
+    """
+
+    step: int
+    arrays: Arrays
+    counters: Mapping[str, Any]
+
+
+class Checkpoints:
+    """The checkpoints of a run.
+
+    Args:
+        run: The run's folder.
+    """
+
+    def __init__(self, run: Path) -> None:
+        self._folder = run / FOLDER
+        self._files: list[tuple[str, int, int]] = []  # name, rows added before it and after it
+        self._needed: list[set[str]] = []  # by the last checkpoints, each
+
+    def save(self, checkpoint: Checkpoint, memories: Mapping[str, Replay]) -> None:
+        """Write a checkpoint, and remove what no kept one needs.
+
+        Raises:
+            OSError: It cannot be written; the ones before it are still there.
+        """
+        self._folder.mkdir(exist_ok=True)
+        files = {name: self._save_rows(name, memory) for name, memory in memories.items()}
+        about = {
+            "kind": _KIND,
+            "step": checkpoint.step,
+            "counters": dict(checkpoint.counters),
+            "rows": files,
+        }
+        name = self._folder / f"step-{checkpoint.step:09d}.npz"
+        write_arrays(name, checkpoint.arrays, about)
+        self._tidy({str(entry[0]) for parts in files.values() for entry in parts})
+
+    def _tidy(self, needed: set[str]) -> None:
+        """Remove what none of the kept checkpoints needs."""
+        for _, path in self._found()[KEPT:]:
+            path.unlink()
+        self._needed = [*self._needed, needed][-KEPT:]
+        if len(self._needed) == KEPT:  # else there may be one from before that needs more
+            for name, _, _ in self._files:
+                if not any(name in names for names in self._needed):
+                    (self._folder / name).unlink(missing_ok=True)
+
+    def _save_rows(self, name: str, memory: Replay) -> list[list[Any]]:
+        """Write the rows that are not in a file yet; name all files with rows still in memory."""
+        known = [entry for entry in self._files if entry[0].startswith(f"{name}-")]
+        done = max((entry[2] for entry in known), default=0)
+        if memory.added > done:
+            file = f"{name}-{done:09d}-{memory.added:09d}.npz"
+            write_arrays(self._folder / file, {"rows": memory.since(done)}, {"kind": _ROWS_KIND})
+            known.append((file, done, memory.added))
+            self._files.append(known[-1])
+        return [list(entry) for entry in known if entry[2] > memory.added - memory.capacity]
+
+    def load(self, memories: Mapping[str, Replay]) -> Checkpoint | None:
+        """Read the newest checkpoint that is whole, and its transitions into the memories.
+
+        Returns:
+            None where there is none.
+
+        Raises:
+            StoreError: There are checkpoints, and none of them is whole.
+        """
+        troubles = []
+        for _, path in self._found():
+            try:
+                arrays, about = read_arrays(path, _KIND)
+                rows = {name: self._read_rows(about["rows"][name]) for name in memories}
+            except (StoreError, OSError) as error:
+                troubles.append(str(error))
+                continue
+            for name, memory in memories.items():
+                self._fill(memory, rows[name], about["rows"][name])
+            return Checkpoint(about["step"], arrays, about["counters"])
+        if troubles:
+            raise StoreError(f"no checkpoint is whole: {'; '.join(troubles)}")
+        return None
+
+    def _read_rows(self, files: list[list[Any]]) -> list[Any]:
+        return [read_arrays(self._folder / name, _ROWS_KIND)[0]["rows"] for name, *_ in files]
+
+    def _fill(self, memory: Replay, parts: list[Any], files: list[list[Any]]) -> None:
+        memory.added = files[0][1] if files else 0
+        for rows in parts:
+            memory.add(rows)
+        self._files += [(str(name), int(first), int(last)) for name, first, last in files]
+
+    def _found(self) -> list[tuple[int, Path]]:
+        """Checkpoints by step, the newest first; those that were not finished do not count."""
+        if not self._folder.is_dir():
+            return []
+        matches = [(_NAME.fullmatch(path.name), path) for path in self._folder.iterdir()]
+        return sorted(((int(m[1]), path) for m, path in matches if m), reverse=True)

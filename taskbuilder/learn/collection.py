@@ -1,0 +1,153 @@
+"""Collecting experience: many environments, a training signal, and the episodes that came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.env.vector import TaskVectorEnv
+from taskbuilder.learn.shapes import Rows, Shapes
+from taskbuilder.learn.signals import Signal
+
+Arrays = Mapping[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True)
+class Finished:
+    """How an episode of training went.
+
+    Attributes:
+        steps: Control steps.
+        success: Whether success held at some step.
+        stage: The furthest stage reached, 0 for none.
+        team: Sum of the task's team reward.
+        paid: Sum of the training signal's pay, mean of the agents.
+        terms: Sum of every reward term, by label.
+    """
+
+    steps: int
+    success: bool
+    stage: int
+    team: float
+    paid: float
+    terms: Mapping[str, float]
+
+
+class Tally:
+    """Adds up what happens in the episodes of each environment."""
+
+    def __init__(self, num_envs: int) -> None:
+        self._sums: dict[str, NDArray[np.float64]] = {}
+        self._steps = np.zeros(num_envs, dtype=np.int64)
+        self._stage = np.zeros(num_envs)
+        self._success = np.zeros(num_envs, dtype=np.bool_)
+
+    def begin(self, rows: NDArray[np.bool_]) -> None:
+        """Episodes begin in these rows."""
+        for values in (*self._sums.values(), self._steps, self._stage, self._success):
+            values[rows] = 0
+
+    def add(self, infos: Mapping[str, Any], paid: NDArray[np.float64]) -> None:
+        """A step was taken in every environment."""
+        parts = {"team": infos["team_reward"], "paid": paid.mean(1)}
+        parts |= {name: value for name, value in infos.items() if name.startswith("reward/")}
+        for name, value in parts.items():
+            self._sums.setdefault(name, np.zeros(len(self._steps)))[:] += value
+        self._steps += 1
+        self._stage = np.maximum(self._stage, infos["stage"])
+        self._success |= infos["success"] > 0.0
+
+    def finished(self, rows: NDArray[np.bool_]) -> Iterator[Finished]:
+        """The episodes that ended in these rows."""
+        for row in np.flatnonzero(rows):
+            sums = {name: float(values[row]) for name, values in self._sums.items()}
+            terms = {n.removeprefix("reward/"): v for n, v in sums.items() if "reward/" in n}
+            yield Finished(
+                int(self._steps[row]),
+                bool(self._success[row]),
+                int(self._stage[row]),
+                sums["team"],
+                sums["paid"],
+                terms,
+            )
+
+
+class Collector:
+    """Steps environments, and makes rows for the replay memory.
+
+    Args:
+        envs: The environments; episodes follow each other within a step.
+        signal: What is paid.
+        shapes: What agents and critics see, the signal's memory included.
+
+    Attributes:
+        observations: What the agents see now: (num_envs, n) each.
+    """
+
+    def __init__(self, envs: TaskVectorEnv, signal: Signal, shapes: Shapes) -> None:
+        self._envs, self._signal, self._layout = envs, signal, shapes.layout
+        self.observations: dict[str, NDArray[np.float32]] = {}
+        self._state: NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
+        self._tally = Tally(envs.num_envs)
+
+    def begin(self, seed: int) -> None:
+        """Begin an episode everywhere, whatever ran before."""
+        self.observations, infos = self._envs.reset(seed=seed)
+        everywhere = np.ones(self._envs.num_envs, dtype=np.bool_)
+        self._signal.begin(infos, everywhere)
+        self._tally.begin(everywhere)
+        self._state = self._seen()
+
+    def _seen(self) -> NDArray[np.float32]:
+        return np.concatenate([self._envs.state(), self._signal.memory()], 1)
+
+    def step(self, actions: Arrays) -> tuple[Rows, Sequence[Finished]]:
+        """Let all act.
+
+        Returns:
+            A row for each transition, and the episodes that ended. Where a worker was lost there
+            is no row: what happened there nobody saw.
+        """
+        later, rewards, terminated, truncated, infos = self._envs.step(dict(actions))
+        ended = terminated | truncated
+        final, next_observations, next_envs = infos, later, self._envs.state()
+        if ended.any():
+            final = {
+                key: np.where(ended, infos["final_info"][key], infos[key])
+                for key in infos["final_info"]
+            }
+            next_observations = _replaced(later, infos["final_obs"], ended)
+            next_envs = np.where(ended[:, None], infos["final_state"], next_envs)
+        paid = self._signal.pay(np.stack([rewards[a] for a in self._envs.agents], 1), final)
+        next_state = np.concatenate([next_envs, self._signal.memory()], 1)
+        rows = self._layout.rows(
+            self.observations,
+            self._state,
+            actions,
+            paid,
+            ended,
+            terminated,
+            next_observations,
+            next_state,
+        )
+        lost = final["lost"] > 0.0
+        self._tally.add(final, paid)
+        finished = list(self._tally.finished(ended & ~lost))
+        self._tally.begin(ended)
+        self._signal.begin(infos, ended)
+        self.observations, self._state = later, self._seen()
+        return rows[~lost], finished
+
+
+def _replaced(
+    observations: Arrays, finals: NDArray[np.object_], rows: NDArray[np.bool_]
+) -> dict[str, NDArray[np.float32]]:
+    replaced = {agent: values.copy() for agent, values in observations.items()}
+    for row in np.flatnonzero(rows):
+        for agent, values in replaced.items():
+            values[row] = finals[row][agent]
+    return replaced

@@ -1,0 +1,247 @@
+"""Evaluation: what a policy achieves in episodes that it has never seen.
+
+Episodes begin where the task begins them, whatever training began with, and nothing is explored.
+Their seeds are apart from those of the expert's episodes and of the evaluations by which policies
+are chosen (see `expertise` and `judging`); training draws its own at random from 31 bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from statistics import fmean, median
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError
+from taskbuilder.learn.policy import Network, Policy
+from taskbuilder.learn.statistics import iqm, wilson
+
+SEED = 1_000_000
+"""First of the episodes that nothing was chosen by."""
+
+EPISODES = 300
+"""That a claim takes."""
+
+Act = Callable[[Mapping[str, NDArray[Any]]], Mapping[str, NDArray[Any]]]
+"""Every agent's action, given what each sees."""
+
+Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
+"""A `map`, perhaps over several processes."""
+
+_OPTIONS = ("observe", "frame", "rotation", "variation")
+
+
+@dataclass(frozen=True)
+class Played:
+    """How an episode went.
+
+    Attributes:
+        seed: Of the reset.
+        success: Success held at some control step.
+        first_success: The first such step, counted from 1, or None.
+        stage: Number of the furthest stage, from 1; 0 where none was reached.
+        team_return: Sum of the team's rewards, not discounted.
+        terms: The same of every reward term, by label.
+        steps: Control steps of the episode.
+    """
+
+    seed: int
+    success: bool
+    first_success: int | None
+    stage: int
+    team_return: float
+    terms: Mapping[str, float]
+    steps: int
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What episodes say together.
+
+    Attributes:
+        episodes: How many there were.
+        successes: In how many success held at some step.
+        interval: Of the success rate: Wilson's, 95 %.
+        mean_return: Of the team.
+        iqm_return: Interquartile mean of the same.
+        steps_to_success: Median of the successful ones, or None if there are none.
+        stages: Episodes by the number of their furthest stage, none (0) first.
+        terms: Mean sum of every reward term, by label.
+        best: Seed of the best episode: the highest return, success before failure.
+        median: Seed of the one in the middle of that order.
+        failed: Seed of the one in the middle of those that failed, or None.
+    """
+
+    episodes: int
+    successes: int
+    interval: tuple[float, float]
+    mean_return: float
+    iqm_return: float
+    steps_to_success: float | None
+    stages: tuple[int, ...]
+    terms: Mapping[str, float]
+    best: int
+    median: int
+    failed: int | None
+
+    @property
+    def success_rate(self) -> float:
+        """Share of the episodes in which success held at some step."""
+        return self.successes / self.episodes
+
+
+def play(env: TaskEnv, act: Act, seed: int) -> Played:
+    """Play an episode.
+
+    Args:
+        env: The environment.
+        act: Who plays.
+        seed: Of the reset.
+    """
+    seen, _ = env.reset(seed=seed)
+    sums: dict[str, float] = {}
+    first_success: int | None = None
+    info: Mapping[str, float] = {}
+    while env.agents:
+        seen, _, _, _, infos = env.step(act(seen))
+        info = next(iter(infos.values()))  # all agents are told the same
+        for name, value in info.items():
+            if name == "team_reward" or name.startswith("reward/"):
+                sums[name] = sums.get(name, 0.0) + value
+        if first_success is None and info["succeeded"]:
+            first_success = int(info["step"])
+    team_return = sums.pop("team_reward")
+    return Played(
+        seed=seed,
+        success=first_success is not None,
+        first_success=first_success,
+        stage=int(info["stage"]),
+        team_return=team_return,
+        terms={name.removeprefix("reward/"): value for name, value in sums.items()},
+        steps=int(info["step"]),
+    )
+
+
+def evaluate(
+    make_env: Callable[[], TaskEnv],
+    policy: Policy,
+    seeds: Iterable[int],
+    spread: Spread | None = None,
+) -> Generator[Played, None, None]:
+    """Play episodes, each as soon as it can be, in the order of their seeds.
+
+    Args:
+        make_env: Makes the environment, with the policy's options. To be told other processes it
+            must be picklable, and equal to what it is unpickled to.
+        policy: Who plays; `check_fits` says whether it can.
+        seeds: Of the episodes.
+        spread: A `map` over several processes; without it they are played in this one.
+    """
+    if spread is not None:
+        yield from spread(partial(_play_elsewhere, make_env, policy), seeds)
+        return
+    with closing(make_env()) as env:
+        for seed in seeds:
+            yield play(env, policy.act, seed)
+
+
+def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: Policy, seed: int) -> Played:
+    return play(_made_once(make_env), policy.act, seed)
+
+
+@lru_cache(maxsize=1)
+def _made_once(make_env: Callable[[], TaskEnv]) -> TaskEnv:
+    """An environment that is kept for as long as its process lives."""
+    return make_env()
+
+
+def summarise(played: Sequence[Played], stages: int) -> Summary:
+    """What episodes say together.
+
+    Args:
+        played: At least one.
+        stages: How many stages the task has.
+    """
+    returns = [episode.team_return for episode in played]
+    to_success = [e.first_success for e in played if e.first_success is not None]
+    order = sorted(played, key=_merit)
+    failed = [episode.seed for episode in order if not episode.success]
+    furthest = np.bincount([episode.stage for episode in played], minlength=stages + 1)
+    return Summary(
+        episodes=len(played),
+        successes=len(to_success),
+        interval=wilson(len(to_success), len(played)),
+        mean_return=fmean(returns),
+        iqm_return=float(iqm(returns)),
+        steps_to_success=median(to_success) if to_success else None,
+        stages=tuple(furthest.tolist()),
+        terms={label: fmean(e.terms[label] for e in played) for label in played[0].terms},
+        best=order[-1].seed,
+        median=order[len(order) // 2].seed,
+        failed=failed[len(failed) // 2] if failed else None,
+    )
+
+
+def _merit(episode: Played) -> tuple[bool, float, int]:
+    return episode.success, episode.team_return, -episode.seed
+
+
+def options_of(policy: Policy) -> dict[str, Any]:
+    """The options of the environment that a policy was trained in, its starts left out.
+
+    Raises:
+        UsageError: The policy does not say them.
+    """
+    options = policy.about.get("env")
+    if not isinstance(options, Mapping):
+        raise UsageError("the policy does not say what its environment was; train it anew")
+    return {name: options[name] for name in _OPTIONS if name in options}
+
+
+def check_fits(policy: Policy, env: TaskEnv, name: str = "the policy") -> None:
+    """Refuse a policy of another task, or of the task as it was.
+
+    Args:
+        policy: The policy.
+        env: Where it is to play, with the policy's options.
+        name: What the policy is called.
+
+    Raises:
+        UsageError: It was trained on another task, for other agents, or with spaces of other
+            sizes.
+    """
+    task, trained = env.task.name, policy.about.get("task")
+    if trained != task:
+        raise UsageError(f"{name} was trained on {trained}, not on {task}")
+    if set(policy.networks) != set(env.possible_agents):
+        theirs, ours = ", ".join(policy.networks), ", ".join(env.possible_agents)
+        raise UsageError(f"{name} plays {theirs}, and {task} as it is now has {ours}; train anew")
+    for agent, network in policy.networks.items():
+        had, has = _sizes(network, name), _numbers(env, agent)
+        for does, size, needed in zip(("sees", "acts by"), had, has, strict=True):
+            if size != needed:
+                now = f"in {task} as it is now {needed}"
+                raise UsageError(f"{name}: {agent} {does} {size} numbers, {now}; train it anew")
+
+
+def _sizes(network: Network, name: str) -> tuple[int, int]:
+    """How many numbers a network takes and gives."""
+    try:
+        takes = len(network.layers[0][0])
+        (gives,) = network(np.zeros(takes)).shape
+    except (ValueError, TypeError, IndexError):
+        raise UsageError(f"{name} is damaged: its layers do not fit each other") from None
+    return takes, gives
+
+
+def _numbers(env: TaskEnv, agent: str) -> tuple[int, int]:
+    """How many numbers an agent sees and acts by."""
+    shapes = env.observation_space(agent).shape, env.action_space(agent).shape
+    seen, said = (shape[0] if shape else 0 for shape in shapes)
+    return seen, said

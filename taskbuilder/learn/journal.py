@@ -1,0 +1,76 @@
+"""The journal of a run: tables that grow row by row, and the same for TensorBoard."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+TABLES = ("episodes", "evaluations", "updates")
+
+
+class Journal:
+    """Appends rows to CSV files, each whole as soon as it is written.
+
+    Args:
+        folder: The run's.
+        lengths: Of the tables in bytes, where a run goes on; what is beyond is cut off, for it
+            belongs to steps that are taken again.
+        step: Where the run goes on.
+    """
+
+    def __init__(self, folder: Path, lengths: Mapping[str, int], step: int) -> None:
+        self._folder = folder
+        for name in TABLES:
+            path = folder / f"{name}.csv"
+            if path.exists():
+                os.truncate(path, lengths.get(name, 0))
+        self._board = _tensorboard(folder, step)
+
+    def add(self, table: str, step: int, row: Mapping[str, float | int | str]) -> None:
+        """Add a row, which has the same keys each time.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        path = self._folder / f"{table}.csv"
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        if not path.exists() or not path.stat().st_size:
+            writer.writerow(["step", *row])
+        writer.writerow([step, *(_short(value) for value in row.values())])
+        with path.open("a", encoding="utf-8") as file:
+            file.write(text.getvalue())
+        for name, value in row.items():
+            if self._board is not None and not isinstance(value, str):
+                self._board.add_scalar(f"{table}/{name}", value, step)
+
+    def lengths(self) -> dict[str, int]:
+        """Of the tables, in bytes, as they are on the disk now."""
+        paths = {name: self._folder / f"{name}.csv" for name in TABLES}
+        for path in paths.values():
+            if path.exists():
+                with path.open("rb") as file:
+                    os.fsync(file.fileno())
+        return {name: path.stat().st_size for name, path in paths.items() if path.exists()}
+
+    def close(self) -> None:
+        """Finish what TensorBoard reads."""
+        if self._board is not None:
+            self._board.close()
+
+
+def _short(value: float | int | str) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _tensorboard(folder: Path, step: int) -> Any:
+    """A writer for TensorBoard where that is installed, else None."""
+    try:
+        from torch.utils.tensorboard import SummaryWriter
+    except ImportError:
+        return None
+    return SummaryWriter(str(folder / "tensorboard"), purge_step=step or None)

@@ -1,0 +1,62 @@
+"""Judging policies in the course of training, in episodes that training does not see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from taskbuilder.env.parallel import parallel_env
+from taskbuilder.learn.evaluation import play, summarise
+from taskbuilder.learn.policy import Policy
+from taskbuilder.task import Task
+
+SEEDS_FROM = 800_000
+"""Seeds of the episodes that policies are chosen by; claims are made on others."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """How a policy did.
+
+    Attributes:
+        success: Share of the episodes in which success held at some step.
+        row: The row for the table of evaluations.
+    """
+
+    success: float
+    row: Mapping[str, float]
+
+
+class Judge:
+    """Plays policies in the same episodes each time, without exploration.
+
+    Args:
+        task: The task.
+        options: Of the environment; see `Options`.
+        episodes: How many.
+    """
+
+    def __init__(self, task: Task, options: Mapping[str, Any], episodes: int) -> None:
+        self._env = parallel_env(task, **options)
+        self._stages = len(task.description.stages)
+        self._seeds = range(SEEDS_FROM, SEEDS_FROM + episodes)
+
+    def __call__(self, policy: Policy) -> Evaluation:
+        """Evaluate a policy."""
+        played = summarise(
+            [play(self._env, policy.act, seed) for seed in self._seeds], self._stages
+        )
+        steps = played.steps_to_success
+        row = {
+            "episodes": played.episodes,
+            "success_rate": played.success_rate,
+            "team_return": played.mean_return,
+            "steps_to_success": -1.0 if steps is None else steps,
+            **{f"stage/{stage}": count for stage, count in enumerate(played.stages)},
+        }
+        return Evaluation(played.success_rate, row)
+
+    def close(self) -> None:
+        """Free the physics."""
+        self._env.close()

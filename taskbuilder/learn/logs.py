@@ -1,0 +1,119 @@
+"""Reading what a training run wrote: its plan and its tables, also while it is under way."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.errors import TaskbuilderError, display_path
+from taskbuilder.learn.plan import Plan, load_plan
+
+Column = NDArray[np.float64]
+Table = Mapping[str, Column]
+"""Columns by name, all of one length."""
+
+_NEEDED = {
+    "episodes": ("step", "episode", "team_return"),
+    "evaluations": ("step", "episode", "episodes", "success_rate", "stage/0"),
+    "updates": ("step",),
+}
+
+
+class LogError(TaskbuilderError):
+    """A table of a run is damaged."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A training run, as far as it has come.
+
+    Attributes:
+        folder: Where it is.
+        plan: What was to be trained and how.
+        stages: Names of the task's stages, in order; () where the run does not say.
+        episodes: A row for each episode of training.
+        evaluations: A row for each evaluation.
+        updates: A row for each thousand control steps or so.
+    """
+
+    folder: Path
+    plan: Plan
+    stages: tuple[str, ...]
+    episodes: Table
+    evaluations: Table
+    updates: Table
+
+
+def read_run(folder: Path) -> Run:
+    """Read a training run.
+
+    Raises:
+        UsageError: There is no run, or one that this version does not understand.
+        LogError: A table is damaged.
+        OSError: A file cannot be read.
+    """
+    plan, about = load_plan(folder)
+    tables = {name: _read(folder / f"{name}.csv", needed) for name, needed in _NEEDED.items()}
+    return Run(folder, plan, tuple(map(str, about.get("stages", ()))), **tables)
+
+
+def _read(path: Path, needed: tuple[str, ...]) -> Table:
+    """Read a table; one that is not there yet has no rows."""
+    if not path.exists():
+        return {name: np.zeros(0) for name in needed}
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        line = path.read_bytes()[: error.start].count(b"\n") + 1
+        raise _damaged(path, line, "is no text") from None
+    # A line without an end is still being written, or the last that a killed run wrote.
+    lines = text.split("\n")[:-1]
+    rows = csv.reader(lines)
+    try:
+        names = next(rows, list(needed))
+        missing = [name for name in needed if name not in names]
+        if missing:
+            has = ", ".join(names)
+            raise _damaged(path, 1, f"has no column {missing[0]}; the columns are {has}")
+        values = [_row(path, rows.line_num, row, names) for row in rows]
+    except csv.Error as error:
+        raise _damaged(path, rows.line_num, str(error)) from None
+    array = np.array(values).reshape(-1, len(names))
+    columns = dict(zip(names, array.T, strict=True))
+    _check_order(path, columns["step"])
+    return columns
+
+
+def _row(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
+    if len(row) != len(names):
+        raise _damaged(path, line, f"has {len(row)} values for {len(names)} columns")
+    return [_number(path, line, name, word) for name, word in zip(names, row, strict=True)]
+
+
+def _number(path: Path, line: int, name: str, word: str) -> float:
+    try:
+        value: float | None = float(word)
+    except ValueError:
+        value = None
+    # The losses of a learner that diverged are none; all else is counted and measured.
+    if value is None or not (math.isfinite(value) or path.stem == "updates"):
+        raise _damaged(path, line, f'{name} is "{word}", which is no number')
+    return value
+
+
+def _check_order(path: Path, steps: Column) -> None:
+    back = np.flatnonzero(np.diff(steps) < 0)
+    if len(back):
+        row = int(back[0])
+        what = f"step {steps[row + 1]:g} comes after {steps[row]:g}"
+        raise _damaged(path, row + 3, what)
+
+
+def _damaged(path: Path, line: int, what: str) -> LogError:
+    return LogError(f"{display_path(path)}:{line}: {what}")

@@ -1,0 +1,323 @@
+"""MADDPG as Lowe et al. (2017) published it, for continuous actions: a baseline, quirks included.
+
+Every agent has an actor of its own, which draws from a Gaussian whose mean and log-std it puts
+out, and a critic of its own, which sees what all agents see and do. What is unusual is the
+published code's and is kept: no tanh and no noise schedule, gradients clipped variable by
+variable, targets that begin as networks of their own, actions kept as they were drawn, and values
+that are carried on beyond the time limit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from taskbuilder.learn.policy import Array, Network, Policy
+from taskbuilder.learn.replay import Memory
+from taskbuilder.learn.shapes import Rows, Shapes
+
+Actions = dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True)
+class OpenaiSettings:
+    """What may be chosen; as it stands, it is what was published, at episodes of 50 steps.
+
+    Attributes:
+        hidden: Units of each hidden layer.
+        lr: Of Adam, for actors and critics.
+        discount: γ.
+        tau: Share of the way that an agent's targets follow at each of its updates.
+        batch: Transitions an update of an agent, drawn with replacement.
+        capacity: Transitions that are kept.
+        warm_up: Control steps before learning begins, with actors as they are: as many episodes as
+            a batch has transitions, of 50 steps each.
+        update_every: Control steps between updates of all agents.
+        clip: Largest norm of the gradient of each variable, be it a weight matrix or a bias.
+        regulariser: Weight of the mean square of the numbers that an actor puts out.
+    """
+
+    hidden: tuple[int, ...] = (64, 64)
+    lr: float = 1e-2
+    discount: float = 0.95
+    tau: float = 0.01
+    batch: int = 1024
+    capacity: int = 1_000_000
+    warm_up: int = 1024 * 50
+    update_every: float = 100
+    clip: float = 0.5
+    regulariser: float = 1e-3
+
+
+class MaddpgOpenai:
+    """The learner.
+
+    Args:
+        shapes: What agents see and say; the state is not looked at.
+        settings: What may be chosen.
+        alike: Whether all agents are always paid the same; each has its own critic even then.
+        seed: Of the initial weights.
+    """
+
+    def __init__(self, shapes: Shapes, settings: OpenaiSettings, *, alike: bool, seed: int) -> None:
+        del alike
+        generator = torch.Generator().manual_seed(seed)
+        self.shapes, self.settings = shapes, settings
+        self._learners = {a: _Agent(a, shapes, settings, generator) for a in shapes.agents}
+
+    def act(
+        self, observations: Mapping[str, Array], rng: np.random.Generator, done: float
+    ) -> Actions:
+        """What the agents do: a draw of their Gaussians, which may lie beyond -1 to 1.
+
+        Args:
+            observations: (num_envs, n) each.
+            rng: Draws.
+            done: Share of the training that is done; nothing depends on it.
+        """
+        del done
+        with torch.no_grad():
+            return {
+                agent: _drawn(learner.actor(torch.from_numpy(observations[agent])), rng).numpy()
+                for agent, learner in self._learners.items()
+            }
+
+    # --- learning
+
+    def begin(self, rows: Rows, rng: np.random.Generator) -> None:
+        """Nothing is prepared: observations stay as they are, and experts are not copied."""
+
+    def update(self, memory: Memory, rng: np.random.Generator, step: int) -> dict[str, float]:
+        """Update every agent, one after the other, each from a batch of its own.
+
+        Args:
+            memory: Where the batches come from.
+            rng: Draws them, and actions.
+            step: Control steps so far; nothing depends on it.
+
+        Returns:
+            Losses, means of the agents, for logs.
+        """
+        del step
+        losses = np.array([self._learn(agent, memory, rng) for agent in self.shapes.agents])
+        critic, actor = losses.mean(0).tolist()
+        return {"critic": critic, "actor": actor}
+
+    def _learn(self, agent: str, memory: Memory, rng: np.random.Generator) -> tuple[float, float]:
+        """Critic, then actor, then targets of one agent."""
+        learner, tau = self._learners[agent], self.settings.tau
+        batch = torch.from_numpy(memory.sample(self.settings.batch, rng))
+        critic_loss = self._critic_loss(agent, batch, rng)
+        learner.critic_adam.minimize(critic_loss)
+        actor_loss = self._actor_loss(agent, batch, rng)
+        learner.actor_adam.minimize(actor_loss)
+        learner.target_actor.follow(learner.actor, tau)
+        learner.target_critic.follow(learner.critic, tau)
+        return critic_loss.item(), actor_loss.item()
+
+    def _critic_loss(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
+        layout = self.shapes.layout
+        actions = [batch[:, part] for part in layout.action.values()]
+        values = self._learners[agent].critic(_inputs(batch, layout.observations, actions))
+        return (values[:, 0] - self._target(agent, batch, rng)).square().mean()
+
+    def _target(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
+        """What values are drawn to: r + γ (1 - terminated) Q', at draws of all target actors: (n,).
+
+        The time limit is no end here, so that values are carried on beyond it.
+        """
+        layout = self.shapes.layout
+        with torch.no_grad():
+            actions = [
+                _drawn(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
+                for name, learner in self._learners.items()
+            ]
+            inputs = _inputs(batch, layout.next_observations, actions)
+            values = self._learners[agent].target_critic(inputs)[:, 0]
+            pay = batch[:, layout.rewards][:, self.shapes.agents.index(agent)]
+            goes_on = 1.0 - batch[:, layout.terminated][:, 0]
+            return pay + self.settings.discount * goes_on * values
+
+    def _actor_loss(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
+        """-Q at an own action drawn anew and the others' remembered ones, and the regulariser."""
+        layout, learner = self.shapes.layout, self._learners[agent]
+        flat = learner.actor(batch[:, layout.observations[agent]])
+        own = _drawn(flat, rng)
+        actions = [own if name == agent else batch[:, part] for name, part in layout.action.items()]
+        values = learner.critic(_inputs(batch, layout.observations, actions))
+        return self.settings.regulariser * flat.square().mean() - values.mean()
+
+    # --- what is kept
+
+    def policy(self, about: Mapping[str, Any]) -> Policy:
+        """The present policy, to play: the Gaussians' means, clipped to -1 to 1.
+
+        The published code plays by drawing, as in training; without the draws an evaluation does
+        not depend on a generator, and log-stds are left out.
+        """
+        networks = {a: learner.mean_network() for a, learner in self._learners.items()}
+        return Policy(networks, about)
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """All that it has learned, by name: networks, targets, optimisers."""
+        return {name: tensor.detach().numpy().copy() for name, tensor in self._tensors().items()}
+
+    def load(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `arrays` gave.
+
+        Raises:
+            KeyError: Something is missing.
+            RuntimeError: Something has another shape.
+        """
+        taken = {name: torch.from_numpy(arrays[name]) for name in self._tensors()}
+        for name, tensor in self._tensors().items():
+            if tensor.shape != taken[name].shape:
+                shapes = f"{tuple(taken[name].shape)}; {tuple(tensor.shape)} is needed"
+                raise RuntimeError(f"{name} has shape {shapes}")
+        with torch.no_grad():
+            for name, tensor in self._tensors().items():
+                tensor.copy_(taken[name])
+
+    def _tensors(self) -> dict[str, Tensor]:
+        return {
+            f"{agent}/{name}": tensor
+            for agent, learner in self._learners.items()
+            for name, tensor in learner.tensors().items()
+        }
+
+
+def _inputs(batch: Tensor, observations: Mapping[str, slice], actions: Sequence[Tensor]) -> Tensor:
+    """What critics see: all observations, then all actions."""
+    return torch.cat([*(batch[:, part] for part in observations.values()), *actions], 1)
+
+
+def _drawn(flat: Tensor, rng: np.random.Generator) -> Tensor:
+    """A draw of the Gaussian with this mean and log-std, differentiable: (n, 2 k) to (n, k)."""
+    mean, log_std = flat.chunk(2, 1)
+    noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
+    return mean + log_std.exp() * noise
+
+
+class _Agent:
+    """Networks, targets and optimisers of one agent."""
+
+    def __init__(
+        self, agent: str, shapes: Shapes, settings: OpenaiSettings, generator: torch.Generator
+    ) -> None:
+        self._said = shapes.actions[agent]
+        seen = sum(shapes.observations.values())
+        actor = (shapes.observations[agent], *settings.hidden, 2 * self._said)
+        critic = (seen + shapes.joint_action, *settings.hidden, 1)
+        self.actor, self.target_actor = _Perceptron(actor, generator), _Perceptron(actor, generator)
+        self.critic = _Perceptron(critic, generator)
+        self.target_critic = _Perceptron(critic, generator)
+        self.actor_adam = _Adam(self.actor.parameters, settings)
+        self.critic_adam = _Adam(self.critic.parameters, settings)
+
+    def mean_network(self) -> Network:
+        """The actor without its log-stds."""
+        *inner, last = self.actor.arrays()
+        weight, bias = last
+        return Network((*inner, (weight[:, : self._said], bias[: self._said])), squash=False)
+
+    def tensors(self) -> dict[str, Tensor]:
+        """All its numbers, by name."""
+        parts = {
+            "actor": self.actor.parameters,
+            "critic": self.critic.parameters,
+            "target_actor": self.target_actor.parameters,
+            "target_critic": self.target_critic.parameters,
+            "actor_adam": self.actor_adam.moments,
+            "critic_adam": self.critic_adam.moments,
+        }
+        return {f"{part}/{n}": tensor for part, ts in parts.items() for n, tensor in enumerate(ts)}
+
+
+class _Perceptron:
+    """A multilayer perceptron with ReLU between its layers.
+
+    Weights are uniform within √(6 / (ins + outs)) (Glorot and Bengio 2010), biases zero.
+
+    Args:
+        sizes: Of the input, the hidden layers and the output.
+        generator: Draws the weights.
+
+    Attributes:
+        parameters: Weight (ins, outs) and bias (outs,) of each layer in turn.
+    """
+
+    def __init__(self, sizes: Sequence[int], generator: torch.Generator) -> None:
+        self.parameters: list[Tensor] = []
+        for ins, outs in pairwise(sizes):
+            bound = math.sqrt(6.0 / (ins + outs))
+            weight = (torch.rand(ins, outs, generator=generator) * 2.0 - 1.0) * bound
+            self.parameters += [weight.requires_grad_(), torch.zeros(outs, requires_grad=True)]
+
+    def __call__(self, inputs: Tensor) -> Tensor:
+        """Evaluate it: (n, ins) to (n, outs)."""
+        *inner, (weight, bias) = self._layers()
+        hidden = inputs
+        for inner_weight, inner_bias in inner:
+            hidden = torch.addmm(inner_bias, hidden, inner_weight).relu_()
+        return torch.addmm(bias, hidden, weight)
+
+    def follow(self, source: _Perceptron, share: float) -> None:
+        """Move towards another by a share of the way."""
+        with torch.no_grad():
+            torch._foreach_lerp_(self.parameters, source.parameters, share)
+
+    def arrays(self) -> list[tuple[Array, Array]]:
+        """Copies of weight and bias of each layer."""
+        return [(w.detach().numpy().copy(), b.detach().numpy().copy()) for w, b in self._layers()]
+
+    def _layers(self) -> list[tuple[Tensor, Tensor]]:
+        return list(zip(self.parameters[::2], self.parameters[1::2], strict=True))
+
+
+class _Adam:
+    """Adam as TensorFlow 1 has it, with the gradient of each variable clipped.
+
+    The step is lr √(1 - β₂ᵗ) / (1 - β₁ᵗ) · m / (√v + ε): ε is added to the root of the second
+    moment as it is, before its bias is corrected (Kingma and Ba 2015, end of their section 2).
+
+    Attributes:
+        moments: Steps so far (1,), then the first and the second moment of every parameter.
+    """
+
+    _first, _second, _epsilon = 0.9, 0.999, 1e-8
+
+    def __init__(self, parameters: Sequence[Tensor], settings: OpenaiSettings) -> None:
+        self._parameters, self._lr, self._clip = list(parameters), settings.lr, settings.clip
+        self._steps = torch.zeros(1, dtype=torch.int64)
+        self._mean = [torch.zeros_like(p) for p in parameters]
+        self._square = [torch.zeros_like(p) for p in parameters]
+        self.moments = [self._steps, *self._mean, *self._square]
+
+    def minimize(self, loss: Tensor) -> None:
+        """Take a step down the gradient, of these parameters and no others."""
+        gradients = _clipped(torch.autograd.grad(loss, self._parameters), self._clip)
+        self._steps += 1
+        steps = int(self._steps)
+        rate = self._lr * math.sqrt(1.0 - self._second**steps) / (1.0 - self._first**steps)
+        with torch.no_grad():
+            torch._foreach_lerp_(self._mean, gradients, 1.0 - self._first)
+            torch._foreach_mul_(self._square, self._second)
+            torch._foreach_addcmul_(self._square, gradients, gradients, 1.0 - self._second)
+            size = torch._foreach_sqrt(self._square)
+            torch._foreach_add_(size, self._epsilon)
+            torch._foreach_addcdiv_(self._parameters, self._mean, size, -rate)
+
+
+def _clipped(gradients: Sequence[Tensor], limit: float) -> tuple[Tensor, ...]:
+    """Every gradient, shortened to a norm where it is longer."""
+    norms = torch._foreach_norm(list(gradients))
+    factors = [limit / max(norm, limit) for norm in torch.stack(list(norms)).tolist()]
+    return tuple(torch._foreach_mul(list(gradients), factors))

@@ -1,0 +1,100 @@
+"""Policies that play: one small network an agent, without torch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Network:
+    """A multilayer perceptron with ReLU between its layers.
+
+    Attributes:
+        layers: Weight (ins, outs) and bias (outs,) of each.
+        squash: Whether a tanh ends it; what goes beyond -1 to 1 is clipped where not.
+    """
+
+    layers: tuple[tuple[Array, Array], ...]
+    squash: bool
+
+    def __call__(self, inputs: NDArray[np.floating]) -> Array:
+        """Evaluate it: (..., ins) to (..., outs), from -1 to 1."""
+        hidden = inputs.astype(np.float32)
+        for number, (weight, bias) in enumerate(self.layers):
+            hidden = hidden @ weight + bias
+            if number < len(self.layers) - 1:
+                hidden = np.maximum(hidden, 0.0)
+        return np.tanh(hidden) if self.squash else np.clip(hidden, -1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What the agents of a task do, each by what it alone sees.
+
+    Attributes:
+        networks: One an agent, by name.
+        about: What it was trained on and how: task, options of the environment, algorithm, ...
+    """
+
+    networks: Mapping[str, Network]
+    about: Mapping[str, Any]
+
+    def act(self, observations: Mapping[str, NDArray[np.floating]]) -> dict[str, Array]:
+        """Every agent's action, from -1 to 1, given its own observation alone."""
+        return {agent: net(observations[agent]) for agent, net in self.networks.items()}
+
+    def arrays(self) -> dict[str, Array]:
+        """Its numbers by name, for a file."""
+        return {
+            f"{agent}/{number}/{kind}": array
+            for agent, net in self.networks.items()
+            for number, layer in enumerate(net.layers)
+            for kind, array in zip(("weight", "bias"), layer, strict=True)
+        }
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, Array], about: Mapping[str, Any], squash: bool) -> Policy:
+        """Put the numbers of a file together again.
+
+        Raises:
+            KeyError: Some are missing.
+        """
+        agents: dict[str, set[int]] = {}
+        for name in arrays:
+            agent, number, _ = name.rsplit("/", 2)
+            agents.setdefault(agent, set()).add(int(number))
+        return cls(
+            {a: Network(_layers(arrays, a, len(n)), squash) for a, n in agents.items()}, about
+        )
+
+
+def _layers(arrays: Mapping[str, Array], agent: str, count: int) -> tuple[tuple[Array, Array], ...]:
+    return tuple(
+        (arrays[f"{agent}/{number}/weight"], arrays[f"{agent}/{number}/bias"])
+        for number in range(count)
+    )
+
+
+def folded(
+    layers: Sequence[tuple[Array, Array]], mean: Array, scale: Array, role: Array
+) -> tuple[tuple[Array, Array], ...]:
+    """Layers that take what an agent sees as it is.
+
+    Args:
+        layers: Layers that take standardised observations, then a one-hot of the role.
+        mean: Subtracted from observations.
+        scale: What they are then divided by.
+        role: The one-hot; (0,) where there is none.
+    """
+    (weight, bias), *rest = layers
+    seen, told = weight[: len(mean)], weight[len(mean) :]
+    first = (seen / scale[:, None]).astype(np.float32)
+    start = (bias + role @ told - (mean / scale) @ seen).astype(np.float32)
+    return ((first, start), *rest)

@@ -1,0 +1,149 @@
+"""Training signals: what learners are paid, beside the task's reward that is always reported.
+
+A signal stands between a vector of environments and a learner. It reads the infos, which the
+policies never see, and may show the critics a memory of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Infos = Mapping[str, Any]
+Pay = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+class Signal(Protocol):
+    """Pays learners.
+
+    Its class says: ``sharing``, the option `reward` of the environments that it builds upon;
+    ``alike``, whether all agents of an environment are always paid the same; ``end_on_setback``,
+    the option of that name; and ``size``, the numbers of its memory that critics see.
+    """
+
+    def begin(self, infos: Infos, rows: Flags) -> None:
+        """Episodes have begun in these rows."""
+        ...
+
+    def pay(self, rewards: Pay, infos: Infos) -> Pay:
+        """What the agents are paid for a step: (num_envs, agents), the environments' included."""
+        ...
+
+    def memory(self) -> NDArray[np.float32]:
+        """What critics see of it: (num_envs, size)."""
+        ...
+
+
+class Plain:
+    """The environment's own rewards: ``team`` or ``local``."""
+
+    sharing = "team"
+    alike = True
+    end_on_setback = False
+    size = 0
+
+    def __init__(self, num_envs: int, discount: float) -> None:
+        del discount
+        self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
+
+    def begin(self, infos: Infos, rows: Flags) -> None:
+        """See `Signal`."""
+
+    def pay(self, rewards: Pay, infos: Infos) -> Pay:
+        """See `Signal`."""
+        del infos
+        return rewards
+
+    def memory(self) -> NDArray[np.float32]:
+        """See `Signal`."""
+        return self._nothing
+
+
+class Local(Plain):
+    """Every agent's own terms and an even share of the common ones."""
+
+    sharing = "local"
+    alike = False
+
+
+class Shaped:
+    """The team's reward and the discounted gain in progress.
+
+    Potential-based shaping (Ng, Harada and Russell 1999): r + w (γ Φ(s') - Φ(s)), which leaves
+    the best policies as they are.
+    """
+
+    sharing = "team"
+    alike = True
+    end_on_setback = False
+    size = 0
+    weight = 3.0
+
+    def __init__(self, num_envs: int, discount: float) -> None:
+        self._discount = discount
+        self._before = np.zeros(num_envs)
+        self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
+
+    def begin(self, infos: Infos, rows: Flags) -> None:
+        """See `Signal`."""
+        self._before[rows] = infos["progress"][rows]
+
+    def pay(self, rewards: Pay, infos: Infos) -> Pay:
+        """See `Signal`."""
+        now = infos["progress"]
+        gain = self._discount * now - self._before
+        self._before = now.copy()
+        pay: Pay = rewards + self.weight * gain[:, None]
+        return pay
+
+    def memory(self) -> NDArray[np.float32]:
+        """See `Signal`."""
+        return self._nothing
+
+
+class Ratchet:
+    """Pays for progress beyond the best of the episode so far, and nothing back for losing it.
+
+    10 max(0, Φ - best Φ so far) + 2 while there is success - 2 for failure or a setback, which ends
+    the episode, times 0.3. The best so far is shown to the critics; policies do not see it. It is
+    not the task's reward: what waits, holds or stays near earns nothing here.
+    """
+
+    sharing = "team"
+    alike = True
+    end_on_setback = True
+    size = 1
+    gain, success, failure, scale = 10.0, 2.0, 2.0, 0.3
+
+    def __init__(self, num_envs: int, discount: float) -> None:
+        del discount
+        self._best = np.zeros(num_envs)
+
+    def begin(self, infos: Infos, rows: Flags) -> None:
+        """See `Signal`."""
+        self._best[rows] = infos["progress"][rows]
+
+    def pay(self, rewards: Pay, infos: Infos) -> Pay:
+        """See `Signal`."""
+        gained = np.maximum(infos["progress"] - self._best, 0.0)
+        self._best = self._best + gained
+        lost = np.maximum(infos["failure"], infos["condition/setback"])
+        pay = self.gain * gained + self.success * infos["success"] - self.failure * lost
+        return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
+
+    def memory(self) -> NDArray[np.float32]:
+        """See `Signal`."""
+        return self._best.astype(np.float32)[:, None]
+
+
+SIGNALS: Mapping[str, type[Plain] | type[Shaped] | type[Ratchet]] = {
+    "team": Plain,
+    "local": Local,
+    "shaped": Shaped,
+    "ratchet": Ratchet,
+}
+"""Signals by name, made for so many environments and a discount."""

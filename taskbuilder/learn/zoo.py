@@ -1,0 +1,77 @@
+"""Policies in files: of a training run, by path, or of the zoo that comes with the package."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.store import StoreError, read_arrays, write_arrays
+
+ZOO = Path(__file__).parent / "models"
+"""A folder for each task, with a file for each policy."""
+
+POLICY_FILE = "policy.npz"
+"""The policy of a training run, in its folder."""
+
+_KIND = "policy"
+_PREFIX = "zoo:"
+
+
+def save_policy(path: Path, policy: Policy) -> None:
+    """Write a policy to a file.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    squash = all(network.squash for network in policy.networks.values())
+    write_arrays(path, policy.arrays(), {**policy.about, "kind": _KIND, "squash": squash})
+
+
+def load_policy(name: str) -> Policy:
+    """Find a policy and read it.
+
+    Args:
+        name: ``zoo:handover/scratch``, the folder of a training run, or a policy's file.
+
+    Raises:
+        UnknownNameError: The zoo has none of that name.
+        UsageError: There is no such folder or file, or no policy in it yet.
+        StoreError: The file is damaged or none of a policy.
+    """
+    path = _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
+    arrays, about = read_arrays(path, _KIND)
+    try:
+        return Policy.of(arrays, about, squash=bool(about["squash"]))
+    except (KeyError, ValueError):
+        raise StoreError(f"{display_path(path)}: lacks parts of a policy") from None
+
+
+def zoo_names() -> tuple[str, ...]:
+    """The policies that come with the package, such as ``zoo:handover/scratch``."""
+    files = sorted(ZOO.glob("*/*.npz"))
+    return tuple(f"{_PREFIX}{file.parent.name}/{file.stem}" for file in files)
+
+
+def _zoo_file(name: str) -> Path:
+    names = zoo_names()
+    if name not in names:
+        near = difflib.get_close_matches(name, names, n=1)
+        meant = f'did you mean "{near[0]}"?' if near else f"the zoo has {', '.join(names)}"
+        raise UnknownNameError(f'no policy "{name}"; {meant}')
+    return ZOO / f"{name.removeprefix(_PREFIX)}.npz"
+
+
+def _file(name: str) -> Path:
+    path = Path(name)
+    if path.is_file():
+        return path
+    if not path.is_dir():
+        raise UsageError(
+            f'no policy "{name}"; name the folder of a training run, a policy\'s file, or one of '
+            f"{', '.join(zoo_names())}"
+        )
+    if not (path / POLICY_FILE).is_file():
+        raise UsageError(f"{display_path(path)} has no {POLICY_FILE}; it comes with an evaluation")
+    return path / POLICY_FILE

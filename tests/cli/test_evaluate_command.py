@@ -1,0 +1,236 @@
+"""`taskbuilder evaluate`, and trained policies in `taskbuilder demo`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import pytest
+from made_runs import ENV, sideways, write_run, write_task
+
+from taskbuilder.cli.evaluate_command import _bar
+from taskbuilder.learn.zoo import save_policy
+
+HERE = ("--task-path", ".", "--jobs", "1")
+SMALL = ("--size", "32x24", "--renderer", "tiny")
+
+
+@pytest.fixture
+def policy(tmp_path) -> Path:
+    """The task's files, and a policy's for it, pushing.npz."""
+    write_task(tmp_path)
+    save_policy(tmp_path / "pushing.npz", sideways())
+    return tmp_path / "pushing.npz"
+
+
+def test_a_policy_is_measured_and_told_about(run, policy):
+    ran = run("evaluate", "pushing.npz", "--episodes", "8", "--seed", "0", *HERE)
+    assert (ran.status, ran.err) == (0, "")
+    saw = "what the task file lists for each robot (observe: task, frame: task)"
+    helped = "track scratch: no demonstrations, no special starts"
+    assert ran.out.splitlines() == [
+        "sideways · pushing.npz",
+        f"  saw      {saw}",
+        f"  trained  {helped} · maddpg paid ratchet · 20,000 control steps · seed 3",
+        "  command  taskbuilder train sideways.yaml --steps 20000 --seed 3",
+        "  plays    8 episodes from the task's own starts, seeds 0 to 7",
+        "",
+        "4 of 8 succeeded (50.0%), 95% interval 21.5% to 78.5% · median 1 steps",
+        "return -0.84, interquartile mean -1.26",
+        "",
+        "furthest stage  episodes",
+        "none            0",
+        "begun           3  █████████",
+        "there           5  ███████████████",
+        "",
+        "best    seed 5  success  return     2.04  7 of 12 steps",
+        "median  seed 4  success  return    -0.97  1 of 12 steps",
+        "failed  seed 1  failed   return    -2.29  got as far as begun",
+        "failed seeds: 1, 2, 6, 7",
+    ]
+    assert {file.suffix for file in Path().iterdir()} == {".npz", ".py", ".yaml"}  # as before
+
+
+def test_json_has_the_shape_that_others_rely_on(run, policy):
+    ran = run("evaluate", "pushing.npz", "--episodes", "3", "--seed", "4", *HERE, "--json")
+    assert (ran.status, ran.err) == (0, "")
+    data = ran.data
+    assert (data["task"], data["policy"], data["success_rate"]) == (
+        "sideways",
+        "pushing.npz",
+        2 / 3,
+    )
+    assert data["interval"] == pytest.approx([0.2077, 0.9385], abs=1e-4)
+    assert data["return"] == pytest.approx(sum(e["return"] for e in data["episodes"]) / 3)
+    assert data["stages"] == {"": 0, "begun": 0, "there": 3}
+    assert data["terms"]["reach/arm"] + data["terms"]["there"] == pytest.approx(data["return"])
+    assert data["seeds"] == {"best": 5, "median": 4, "failed": 6}
+    assert data["steps_to_success"] == 4.0
+    assert data["about"]["env"] == ENV
+    assert data["files"] == []
+    first = data["episodes"][0]
+    assert first.pop("return") == pytest.approx(-0.973, abs=1e-3)
+    assert first == {"seed": 4, "success": True, "steps": 1, "stage": "there"}
+    assert [episode["steps"] for episode in data["episodes"]] == [1, 7, 12]
+
+
+def test_episodes_are_others_than_those_of_training_unless_seeds_are_given(run, policy):
+    ran = run("evaluate", "pushing.npz", "--episodes", "1", *HERE, "--json")
+    assert [episode["seed"] for episode in ran.data["episodes"]] == [1_000_000]
+
+
+def test_any_number_of_processes_measures_the_same(run, policy):
+    words = ("evaluate", "pushing.npz", "--episodes", "3", "--task-path", ".")
+    assert run(*words, "--jobs", "1").out == run(*words, "--jobs", "2").out
+
+
+def test_a_result_and_films_are_written(run, policy):
+    words = ("evaluate", "pushing.npz", "--episodes", "3", "--seed", "4", *HERE, *SMALL)
+    ran = run(*words, "--out", "new/folder", "--video")
+    names = ["best.mp4", "best.gif", "median.mp4", "median.gif", "failed.mp4", "failed.gif"]
+    files = [f"new/folder/sideways-pushing{name}" for name in (".json", *(f"-{n}" for n in names))]
+    assert (ran.status, ran.err) == (0, "")
+    assert ran.out.splitlines()[-8:] == ["", *files]
+    assert sorted(str(file) for file in Path("new/folder").iterdir()) == sorted(files)
+    assert json.loads(Path(files[0]).read_text())["seeds"]["failed"] == 6
+    lengths = [_seconds(files[number]) for number in (1, 3, 5)]
+    assert lengths == pytest.approx([2.2, 2.0, 2.0], abs=0.1)  # a second beyond success or the end
+    assert len({Path(files[number]).read_bytes() for number in (2, 4, 6)}) == 3
+
+
+def _seconds(name):
+    film = cv2.VideoCapture(name)
+    return film.get(cv2.CAP_PROP_FRAME_COUNT) / film.get(cv2.CAP_PROP_FPS)
+
+
+def test_films_go_to_a_folder_of_their_own_and_each_episode_is_shown_once(run, policy):
+    words = ("evaluate", "pushing.npz", "--episodes", "1", "--seed", "5", *HERE, *SMALL)
+    ran = run(*words, "--video", "--json")
+    assert ran.data["files"] == [f"evaluations/sideways-pushing-best.{e}" for e in ("mp4", "gif")]
+
+
+def test_a_run_is_measured_by_the_policy_in_its_folder(run, policy):
+    folder = write_run(Path("runs/sideways-scratch-3"), task="sideways.yaml", steps=400, every=100)
+    policy.rename(folder / "policy.npz")
+    # The task is found where training found it, with no folder named.
+    ran = run("evaluate", "runs/sideways-scratch-3", "--episodes", "1", "--jobs", "1", "--out", "o")
+    assert (ran.status, ran.err) == (0, "")
+    assert ran.out.splitlines()[-1] == "o/sideways-scratch-3.json"
+
+
+def test_policies_of_the_whole_scene_are_called_so_and_play_in_it(run, policy):
+    scene = {"observe": "scene", "frame": "base", "rotation": "matrix", "variation": 1}
+    save_policy(policy, sideways(seen=18, env=scene, track="demos", starts=0.5, step=None))
+    ran = run("evaluate", "pushing.npz", "--episodes", "1", *HERE)
+    assert ran.status == 0, ran.err
+    _, saw, trained, *_ = ran.out.splitlines()
+    assert saw == (
+        "  saw      the whole scene, more than the task file lists for each robot "
+        "(observe: scene, frame: base)"
+    )
+    assert trained.startswith(
+        "  trained  track demos: demonstrations of the expert, episodes that may begin in its "
+        "states · maddpg paid ratchet · unknown control steps"
+    )
+
+
+def test_the_variation_is_that_of_training_unless_another_is_asked_for(run, policy):
+    save_policy(policy, sideways(env={**ENV, "variation": 4}))
+    ran = run("evaluate", "pushing.npz", *HERE)
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == (
+        "taskbuilder: sideways has no variation 4; it has 1 to 1, and 0 is the plain task\n"
+    )
+    words = ("evaluate", "pushing.npz", "--episodes", "1", *HERE)
+    assert run(*words, "--variation", "1").status == 0
+    save_policy(policy, sideways(env={**ENV, "variation": "random"}))
+    assert run(*words).status == 0
+    ran = run(*words, "--video")
+    assert ran.err == (
+        "taskbuilder: films are of one variation, and the policy's is random; name --variation\n"
+    )
+
+
+def test_a_failing_policy_is_a_result_and_no_failure_of_the_command(run, policy):
+    save_policy(policy, sideways(push=0.9, axis=2))
+    ran = run("evaluate", "pushing.npz", "--episodes", "11", "--seed", "0", *HERE)
+    assert ran.status == 0
+    lines = ran.out.splitlines()
+    assert "0 of 11 succeeded (0.0%), 95% interval 0.0% to 25.9%" in lines
+    assert lines[-1] == "failed seeds: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 and 1 more"
+    assert [line[:6] for line in lines[-3:-1]] == ["best  ", "median"]
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (
+            {"task": "side_ways"},
+            'p.npz is for a task that is not here (no task "side_ways"; did you mean "sideways"?); '
+            "name the folder of its files by --task-path",
+        ),
+        ({"seen": 12}, "p.npz: arm sees 12 numbers, in sideways as it is now 11; train it anew"),
+        ({"said": 7}, "p.npz: arm acts by 7 numbers, in sideways as it is now 5; train it anew"),
+        (
+            {"agents": ("left", "right")},
+            "p.npz plays left, right, and sideways as it is now has arm; train anew",
+        ),
+        ({"env": None}, "the policy does not say what its environment was; train it anew"),
+        ({"env": {"observe": "all"}}, 'observe "all": one of: task, scene'),
+        ({"env": {"variation": "x"}}, "variation is 'x'; sideways has 0 to 1, or \"random\""),
+    ],
+)
+def test_a_policy_that_does_not_fit_is_refused_before_anything_is_played(made, said, run, policy):
+    save_policy(Path("p.npz"), sideways(**made))
+    ran = run("evaluate", "p.npz", *HERE, "--out", "new")
+    assert (ran.status, ran.out, ran.err) == (2, "", f"taskbuilder: {said}\n")
+    assert not Path("new").exists()
+
+
+@pytest.mark.parametrize(
+    ("share", "bar"),
+    [(0.0, ""), (1e-6, "▏"), (1 / 48, "▌"), (1 / 24, "█"), (0.1, "██▍"), (1.0, "█" * 24)],
+)
+def test_bars_are_an_eighth_of_a_character_fine(share, bar):
+    assert _bar(share) == bar
+
+
+# In `taskbuilder demo`
+
+
+def test_trained_policies_play_in_demo(run, policy):
+    words = ("--policy", "pushing.npz", "--episodes", "2", "--seed", "5", "--jobs", "1")
+    ran = run("demo", "sideways.yaml", *words, *SMALL)
+    assert (ran.status, ran.err) == (1, "")
+    assert ran.out.splitlines() == [
+        "seed 5  success  return     2.04  7 of 12 steps",
+        "seed 6  failed   return    -2.17  got as far as there",
+        "1 of 2 succeeded (50%) · median 7 steps",
+        "demos/sideways-strip.png",
+        "demos/sideways-rewards.png",
+    ]
+
+
+def test_demo_plays_and_shows_a_policy_in_the_environment_that_it_was_trained_in(run, policy):
+    # Turned by half a turn, the base's y is the other way: played or shown in the task's own
+    # frames the arm would miss the goals on its way.
+    text = Path("sideways.yaml").read_text()
+    turned = text.replace(
+        "base: {position: [0, 0, 0]}", "base: {position: [0.9, 0, 0], rpy_deg: [0, 0, 180]}"
+    )
+    Path("sideways.yaml").write_text(turned)
+    pictures = []
+    for push, frame in ((0.5, "task"), (-0.5, "base")):
+        save_policy(policy, sideways(push, env={**ENV, "frame": frame}))
+        ran = run("demo", "sideways.yaml", "--policy", "pushing.npz", "--seed", "5", *SMALL)
+        assert ran.out.splitlines()[0] == "seed 5  success  return     2.04  7 of 12 steps"
+        pictures.append(Path("demos/sideways-strip.png").read_bytes())
+    assert pictures[0] == pictures[1]
+
+
+def test_demo_refuses_a_policy_of_another_task(run, policy, good):
+    ran = run("demo", "good.yaml", "--policy", "pushing.npz")
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == "taskbuilder: pushing.npz was trained on sideways, not on good\n"
+    assert not Path("demos").exists()

@@ -1,0 +1,152 @@
+"""Training signals: what learners are paid for the same steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from taskbuilder.env.vector import make_vec
+from taskbuilder.learn.signals import SIGNALS
+
+EVERYWHERE = np.ones(1, dtype=np.bool_)
+progresses = st.lists(st.floats(0.0, 10.0), min_size=2, max_size=20)
+
+
+def infos(progress, success=0.0, failure=0.0, setback=0.0):
+    numbers = {"progress": progress, "success": success, "failure": failure}
+    numbers["condition/setback"] = setback
+    return {name: np.atleast_1d(np.asarray(value, float)) for name, value in numbers.items()}
+
+
+def paid(signal, ladder, reward=0.0, **outcome):
+    """What each of two agents is paid at each step of an episode with this progress."""
+    signal.begin(infos(ladder[0]), EVERYWHERE)
+    rewards = np.full((1, 2), reward)
+    pays = [signal.pay(rewards, infos(now, **outcome)) for now in ladder[1:]]
+    assert all(pay.shape == (1, 2) for pay in pays)
+    return np.array(pays)[:, 0]
+
+
+# --- team and local
+
+
+@pytest.mark.parametrize("name", ["team", "local"])
+def test_the_environments_own_rewards_are_passed_on(name):
+    signal = SIGNALS[name](1, 0.97)
+    rewards = np.array([[1.5, -2.0]])
+    signal.begin(infos(0.0), EVERYWHERE)
+    assert signal.pay(rewards, infos(3.0)).tolist() == rewards.tolist()
+    assert signal.memory().shape == (1, signal.size) == (1, 0)
+
+
+def test_local_pay_of_an_environment_adds_up_to_the_teams_reward():
+    envs = make_vec("handover", 2, 0, reward=SIGNALS["local"].sharing)
+    try:
+        envs.reset(seed=3)
+        envs.action_space.seed(3)
+        for _ in range(4):
+            _, rewards, _, _, seen = envs.step(envs.action_space.sample())
+            own = np.stack([rewards[agent] for agent in envs.agents], 1)
+            assert own.sum(1).tolist() == seen["team_reward"].tolist()
+            assert (own[:, 0] != own[:, 1]).all()
+    finally:
+        envs.close()
+
+
+def test_only_local_pay_differs_between_agents():
+    assert {name for name, signal in SIGNALS.items() if not signal.alike} == {"local"}
+    assert {name for name, signal in SIGNALS.items() if signal.sharing != "team"} == {"local"}
+
+
+# --- shaped
+
+
+@given(progresses, st.floats(0.5, 1.0))
+def test_shaping_adds_up_to_the_discounted_gain_from_beginning_to_end(ladder, discount):
+    signal = SIGNALS["shaped"](1, discount)
+    pays = paid(signal, ladder)
+    total = (pays.T * discount ** np.arange(len(pays))).sum(1)
+    expected = 3.0 * (discount ** len(pays) * ladder[-1] - ladder[0])
+    assert total == pytest.approx([expected] * 2, abs=1e-6)
+
+
+def test_shaping_comes_upon_the_teams_reward():
+    pays = paid(SIGNALS["shaped"](1, 0.9), [1.0, 2.0, 0.5], reward=-4.0)
+    assert pays[:, 0] == pytest.approx([-4.0 + 3.0 * (1.8 - 1.0), -4.0 + 3.0 * (0.45 - 2.0)])
+
+
+# --- ratchet
+
+
+@given(progresses)
+def test_the_ratchet_pays_for_the_best_progress_and_takes_nothing_back(ladder):
+    pays = paid(SIGNALS["ratchet"](1, 0.97), ladder)
+    assert (pays >= 0.0).all()
+    gained = max(ladder) - ladder[0]
+    assert pays.sum(0) == pytest.approx([0.3 * 10.0 * gained] * 2, abs=1e-6)
+
+
+@given(progresses)
+def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder):
+    pays = paid(SIGNALS["ratchet"](1, 0.97), ladder)[:, 0]
+    beyond = [now > max(ladder[: n + 1]) for n, now in enumerate(ladder[1:])]
+    assert (pays > 0.0).tolist() == beyond
+
+
+@pytest.mark.parametrize(
+    ("outcome", "pay"),
+    [
+        ({"success": 1.0}, 0.6),
+        ({"failure": 1.0}, -0.6),
+        ({"setback": 1.0}, -0.6),
+        ({"failure": 1.0, "setback": 1.0}, -0.6),
+    ],
+)
+def test_the_ratchet_pays_for_success_at_every_step_and_takes_for_what_is_lost(outcome, pay):
+    pays = paid(SIGNALS["ratchet"](1, 0.97), [2.0, 2.0, 2.0], **outcome)
+    assert pays == pytest.approx(np.full((2, 2), pay))
+
+
+def test_the_ratchet_leaves_the_teams_reward_out():
+    ladder = [0.0, 1.0, 0.5]
+    one, other = (paid(SIGNALS["ratchet"](1, 0.97), ladder, reward=r) for r in (0.0, -50.0))
+    assert one.tolist() == other.tolist()
+
+
+def test_critics_see_the_best_progress_so_far():
+    signal = SIGNALS["ratchet"](1, 0.97)
+    signal.begin(infos(1.0), EVERYWHERE)
+    best = []
+    for now in (0.5, 2.0, 1.5):
+        signal.pay(np.zeros((1, 2)), infos(now))
+        best.append(signal.memory())
+    assert [one.tolist() for one in best] == [[[1.0]], [[2.0]], [[2.0]]]
+    assert signal.memory().dtype == np.float32
+    assert signal.size == 1
+
+
+# --- many environments
+
+
+@pytest.mark.parametrize("name", ["shaped", "ratchet"])
+def test_environments_have_nothing_to_do_with_each_other(name):
+    draws = np.random.default_rng(0)
+    ladders = draws.uniform(0.0, 5.0, (3, 6))
+    many = SIGNALS[name](3, 0.9)
+    many.begin(infos(ladders[:, 0]), np.ones(3, dtype=np.bool_))
+    together = [many.pay(np.zeros((3, 2)), infos(ladders[:, n])) for n in range(1, 6)]
+    for number, ladder in enumerate(ladders):
+        alone = paid(SIGNALS[name](1, 0.9), ladder)
+        assert np.array(together)[:, number] == pytest.approx(alone)
+
+
+@pytest.mark.parametrize("name", ["shaped", "ratchet"])
+def test_an_episode_that_begins_starts_afresh_and_leaves_the_others(name):
+    signal = SIGNALS[name](2, 1.0)
+    signal.begin(infos([0.0, 0.0]), np.array([True, True]))
+    signal.pay(np.zeros((2, 1)), infos([4.0, 4.0]))
+    signal.begin(infos([1.0, 1.0]), np.array([True, False]))
+    pay = signal.pay(np.zeros((2, 1)), infos([2.0, 5.0]))
+    assert pay[:, 0] == pytest.approx([3.0, 3.0])  # one more than 1, and one more than 4
