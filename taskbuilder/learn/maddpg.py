@@ -78,7 +78,7 @@ class MaddpgSettings:
     cloning: int = 10_000
     judging: int = 4_000
     imitation: float = 10.0
-    imitation_half_life: int = 20_000
+    imitation_half_life: int = 30_000
 
 
 class Maddpg:

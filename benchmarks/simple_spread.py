@@ -1,0 +1,226 @@
+"""Whether the learner solves what others have curves for: simple_spread, beside a published one.
+
+    pip install mpe2
+    python benchmarks/simple_spread.py
+
+trains `maddpg` on simple_spread of the particle environments (three agents, three landmarks, 25
+steps, continuous actions, half of the reward local) and writes, after each evaluation, a row to
+benchmarks/results/simple_spread.csv and, at the end, benchmarks/results/simple_spread.json.
+
+What is compared is the return of an episode: the sum of an agent's own reward over the 25 steps,
+undiscounted, mean of the three agents. Figures of the particle environments' older versions, of
+discrete actions or of rewards that are summed over the agents are other quantities.
+
+The published curve is of episodes of training, with noise that fell to 0.01. Ours is of episodes
+without noise, from seeds that training never saw; what training itself got is there too. As the
+published learner's, the agents here have an actor and critics each, two layers of 64, a step size
+of 0.001, a discount of 0.95, and values go on beyond the time limit, which they cannot see.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from machine import describe_machine
+from mpe2 import simple_spread_v3
+
+from taskbuilder.learn.maddpg import Maddpg, MaddpgSettings
+from taskbuilder.learn.replay import Replay
+from taskbuilder.learn.shapes import Shapes
+
+RESULTS = Path(__file__).parent / "results"
+OPTIONS = {"N": 3, "local_ratio": 0.5, "max_cycles": 25, "continuous_actions": True}
+SETTINGS = MaddpgSettings(hidden=(64, 64), lr=1e-3, discount=0.95, share=False, update_every=2.0)
+ENVS = 4
+HELD_OUT = 1_000_000_000
+FIELDS = ("seed", "step", "episodes", "training_return", "return", "error", "updates", "seconds")
+
+PUBLISHED = {
+    "learner": "MADDPG, two layers of 64, batch 256, an update of each agent every 15 steps",
+    "source": "github.com/legalaspro/maddpg-zoo-torch, 0c9e37a95727b1d52aff762cbcac4625da3dcd03",
+    "file": "data/simple_spread_v3/maddpg/agent_rewards.npy",
+    "environment": "simple_spread_v3 of PettingZoo, the same options",
+    "seeds": 1,
+    "measured": "episodes of training, mean of the agents and of the 1,000 episodes before a step",
+    "returns": {
+        "25000": -26.24,
+        "125000": -16.11,
+        "250000": -13.51,
+        "500000": -11.01,
+        "1000000": -10.52,
+        "1500000": -10.24,
+    },
+    "its weights in this environment": {"return": -10.40, "error": 0.17, "episodes": 400},
+}
+"""A public run of one seed, and what its final weights get in the environment used here."""
+
+Observations = dict[str, np.ndarray[Any, np.dtype[np.float32]]]
+
+
+class Spread:
+    """Several environments at once, episodes of which follow each other; all end together.
+
+    Args:
+        count: How many.
+        first_seed: Of the first episode; every further one has the next.
+    """
+
+    def __init__(self, count: int, first_seed: int) -> None:
+        self._envs = [simple_spread_v3.parallel_env(**OPTIONS) for _ in range(count)]
+        self._seed = first_seed
+        self.agents: tuple[str, ...] = tuple(self._envs[0].possible_agents)
+        self.shapes = Shapes(
+            {agent: self._envs[0].observation_space(agent).shape[0] for agent in self.agents},
+            {agent: self._envs[0].action_space(agent).shape[0] for agent in self.agents},
+            0,  # critics see what all agents see, and there is nothing else
+        )
+
+    def reset(self) -> Observations:
+        """Begin an episode everywhere."""
+        seeds = range(self._seed, self._seed + len(self._envs))
+        self._seed += len(self._envs)
+        seen = [env.reset(seed=seed)[0] for env, seed in zip(self._envs, seeds, strict=True)]
+        return self._stacked(seen)
+
+    def step(self, actions: Observations) -> tuple[Observations, Any, bool]:
+        """Act, by numbers from -1 to 1; gives rewards (count, agents) and whether that was all."""
+        seen, rewards = [], []
+        for number, env in enumerate(self._envs):
+            # The bounds of this environment's actions are 0 and 1.
+            own = {agent: (actions[agent][number] + 1.0) / 2.0 for agent in self.agents}
+            observations, paid, _, _, _ = env.step(own)
+            seen.append(observations)
+            rewards.append([paid[agent] for agent in self.agents])
+        return self._stacked(seen), np.array(rewards), not self._envs[0].agents
+
+    def _stacked(self, seen: list[dict[str, Any]]) -> Observations:
+        return {a: np.stack([one[a] for one in seen]).astype(np.float32) for a in self.agents}
+
+
+@dataclass(frozen=True)
+class Run:
+    """What to train."""
+
+    seed: int
+    steps: int
+    every: int
+    episodes: int
+
+
+def train(run: Run) -> Iterator[dict[str, Any]]:
+    """Train a seed; gives a row of the table at each evaluation."""
+    torch.set_num_threads(1)
+    spread = Spread(ENVS, first_seed=run.seed * 10_000_000)
+    shapes, rng = spread.shapes, np.random.default_rng(run.seed)
+    learner = Maddpg(shapes, SETTINGS, alike=False, seed=run.seed)
+    replay = Replay(shapes.layout.width, SETTINGS.capacity)
+    never, nothing = np.zeros(ENVS, dtype=np.bool_), np.zeros((ENVS, 0), dtype=np.float32)
+    step, updates, begun, started = 0, 0, False, time.perf_counter()
+    finished: list[float] = []
+    seen, total = spread.reset(), np.zeros(ENVS)
+    while step < run.steps:
+        actions = learner.act(seen, rng, step / run.steps)
+        later, rewards, over = spread.step(actions)
+        row = (nothing, actions, rewards, never, never, later, nothing)
+        replay.add(shapes.layout.rows(seen, *row))
+        step += ENVS
+        total += rewards.mean(1)
+        seen = later
+        if over:
+            finished += total.tolist()
+            seen, total = spread.reset(), np.zeros(ENVS)
+        if step >= SETTINGS.warm_up:
+            if not begun:
+                learner.begin(replay.since(0), rng)
+                begun = True
+            for _ in range(round(ENVS / SETTINGS.update_every)):
+                learner.update(replay, rng, step)
+                updates += 1
+        if step % run.every < ENVS or step >= run.steps:
+            last = step >= run.steps
+            returns = play(learner, 10 * run.episodes if last else run.episodes)
+            yield {
+                "seed": run.seed,
+                "step": step,
+                "episodes": len(finished),
+                "training_return": f"{np.mean(finished[-1000:]):.3f}",
+                "return": f"{returns.mean():.3f}",
+                "error": f"{returns.std(ddof=1) / np.sqrt(len(returns)):.3f}",
+                "updates": updates,
+                "seconds": f"{time.perf_counter() - started:.0f}",
+            }
+
+
+def play(learner: Maddpg | None, episodes: int) -> Any:
+    """Returns of episodes without noise, mean of the agents; by chance if there is no learner."""
+    spread, rng = Spread(ENVS, first_seed=HELD_OUT), np.random.default_rng(0)
+    policy = learner.policy({}) if learner else None
+    returns: list[float] = []
+    while len(returns) < episodes:
+        seen, total, over = spread.reset(), np.zeros(ENVS), False
+        while not over:
+            if policy:
+                actions = policy.act(seen)
+            else:
+                actions = {a: rng.uniform(-1.0, 1.0, (ENVS, 5)) for a in spread.agents}
+            seen, rewards, over = spread.step({a: x.astype(np.float32) for a, x in actions.items()})
+            total += rewards.mean(1)
+        returns += total.tolist()
+    return np.array(returns[:episodes])
+
+
+def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
+    """What came of it, beside what was published."""
+    chance = play(None, 1000)
+    finals = {row["seed"]: row for row in rows}
+    return {
+        "command": command,
+        "machine": describe_machine(),
+        "environment": {"name": "simple_spread_v3", "mpe2": version("mpe2"), **OPTIONS},
+        "torch": torch.__version__,
+        "return": "sum of an agent's reward over an episode, mean of the agents",
+        "settings": asdict(SETTINGS) | {"envs": ENVS},
+        "chance": {"return": round(float(chance.mean()), 3), "episodes": len(chance)},
+        "ours": {str(seed): row for seed, row in sorted(finals.items())},
+        "published": PUBLISHED,
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", nargs="+", type=int, default=[0])
+    parser.add_argument("--steps", type=int, default=125_000)
+    parser.add_argument("--every", type=int, default=12_500, help="steps between evaluations")
+    parser.add_argument("--episodes", type=int, default=100, help="of one; ten times at the end")
+    parser.add_argument("--out", type=Path, default=RESULTS)
+    asked = parser.parse_args()
+    numbers = [f"--{name} {getattr(asked, name)}" for name in ("steps", "every", "episodes")]
+    seeds = " ".join(map(str, asked.seeds))
+    command = f"python benchmarks/simple_spread.py --seeds {seeds} {' '.join(numbers)}"
+    rows: list[dict[str, Any]] = []
+    with (asked.out / "simple_spread.csv").open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, FIELDS, lineterminator="\n")
+        table.writeheader()
+        for seed in asked.seeds:
+            for row in train(Run(seed, asked.steps, asked.every, asked.episodes)):
+                rows.append(row)
+                table.writerow(row)
+                file.flush()
+                print(*(f"{name} {value}" for name, value in row.items()), flush=True)
+    text = json.dumps(summary(rows, command), indent=2)
+    (asked.out / "simple_spread.json").write_text(text + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
