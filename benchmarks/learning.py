@@ -30,9 +30,9 @@ TASKS = ("handover", "pick_push_place", "collaborative_lift")
 SEEDS = (1, 2, 3)
 EPISODES = 300
 
-COMMON = ("--observe", "scene", "--evaluate-episodes", "30", "--stop-at", "1")
+COMMON = ("--observe", "scene", "--evaluate-episodes", "100", "--stop-at", "1")
 TRACKS = {
-    "demos": ("--demos", "100", "--steps", "100000", "--evaluate-every", "5000"),
+    "demos": ("--demos", "200", "--steps", "100000", "--evaluate-every", "5000"),
     "scratch": ("--steps", "300000", "--evaluate-every", "10000"),
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""

@@ -22,6 +22,28 @@ from taskbuilder.world.building import build_world
 from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.world import World, WorldState
 
+LEAST_RISE = 0.05
+"""What progress must rise by, above where it last did, to count as rising."""
+
+
+@dataclass(frozen=True)
+class Idleness:
+    """How long progress has not risen.
+
+    Attributes:
+        mark: Where progress was when it last rose by `LEAST_RISE`.
+        steps: Control steps since then; none while there is success.
+    """
+
+    mark: float
+    steps: int = 0
+
+    def after(self, outcome: Outcome) -> Idleness:
+        """That of a control step later."""
+        if outcome.success or outcome.progress >= self.mark + LEAST_RISE:
+            return Idleness(max(self.mark, outcome.progress))
+        return Idleness(self.mark, self.steps + 1)
+
 
 @dataclass(frozen=True)
 class EpisodeState:
@@ -33,6 +55,7 @@ class EpisodeState:
     memory: Any
     steps: int
     outcome: Outcome
+    idleness: Idleness
     succeeded: bool
     over: bool
     previous: Mapping[str, NDArray[np.float64]]
@@ -48,6 +71,7 @@ class Episode:
         agents: The robots, in file order.
         actions: What each agent's action means.
         outcome: The referee's word on the present control step.
+        idleness: How long progress has not risen.
         steps: Control steps taken in this episode.
         succeeded: Success has held at some control step of this episode.
         exploded: The physics diverged; the episode is over and its world given up.
@@ -73,6 +97,7 @@ class Episode:
         self.actions = self._make_actions()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         self.outcome = self._referee.start(self.world)
+        self.idleness = Idleness(self.outcome.progress)
 
     # --- time
 
@@ -110,8 +135,14 @@ class Episode:
 
     @property
     def truncated(self) -> bool:
-        """Ended by its length alone."""
-        return self.steps >= self.horizon and not self.terminated
+        """Ended by its length alone, or with the option `patience` because nothing went on."""
+        return (self.steps >= self.horizon or self._idle) and not self.terminated
+
+    @property
+    def _idle(self) -> bool:
+        patience = self.options.patience
+        hz = self._file.spec.timing.control_hz
+        return patience is not None and self.idleness.steps >= patience * hz
 
     def reset(self, seed: int) -> None:
         """Begin an episode; the seed decides all that chance decides in it.
@@ -139,6 +170,7 @@ class Episode:
             self._give_up()
             raise
         self.outcome = self._referee.start(self.world)
+        self.idleness = Idleness(self.outcome.progress)
         self.over, self._begun = False, True
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
@@ -164,6 +196,7 @@ class Episode:
             self._give_up()
             return
         self.outcome = self._referee.judge(self.world)
+        self.idleness = self.idleness.after(self.outcome)
         self.succeeded = self.succeeded or self.outcome.success
         self.over = self.terminated or self.truncated
 
@@ -239,6 +272,7 @@ class Episode:
             self._referee.memory,
             self.steps,
             self.outcome,
+            self.idleness,
             self.succeeded,
             self.over,
             dict(self._previous),
@@ -262,7 +296,7 @@ class Episode:
         self.seed = state.seed
         world.restore(state.world)
         self._referee.memory = state.memory
-        self.steps, self.outcome = state.steps, state.outcome
+        self.steps, self.outcome, self.idleness = state.steps, state.outcome, state.idleness
         self.succeeded, self.over, self.exploded = state.succeeded, state.over, False
         self._begun = True
         self._previous = dict(state.previous)

@@ -59,6 +59,8 @@ class Options:
         rotation: Orientations as ``quaternion`` (x, y, z, w), or as ``matrix``: the first two
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
         end_on_setback: Also end episodes on the description's ``setback``, for training.
+        patience: Also end episodes, as at the end of their time, when progress has not risen for so
+            many seconds, for training; see `Idleness`.
         openings: Recorded beginnings. An episode that takes one begins at a step of it that is
             drawn, with the time that is then left.
         opening_share: Which share of the episodes do, from 0 to 1.
@@ -79,6 +81,7 @@ class Options:
     frame: Frame = "task"
     rotation: Rotation = "quaternion"
     end_on_setback: bool = False
+    patience: float | None = None
     openings: tuple[Opening, ...] = ()
     opening_share: float = 0.0
     cameras: tuple[str, ...] = ()
@@ -120,6 +123,8 @@ class Options:
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
         _choice("renderer", self.renderer, ("auto", "tiny", "egl"))
+        if self.patience is not None and not self.patience > 0.0:
+            raise UsageError(f"patience is {self.patience}; seconds, more than 0")
         if not 0.0 <= self.opening_share <= 1.0:
             raise UsageError(f"opening_share is {self.opening_share}; 0 to 1")
         if self.openings and self.variation == "random":

@@ -98,7 +98,10 @@ def transitions(
         steps = min(len(told) for told in episode.actions.values())
         for step in range(steps):
             told = {agent: values[step : step + 1] for agent, values in episode.actions.items()}
-            parts.append(collector.step(told)[0])
+            rows, finished = collector.step(told)
+            parts.append(rows)
+            if finished:  # what the expert did afterwards would be of another episode
+                break
     rows = np.concatenate(parts)
     rows[:, shapes.layout.demonstrated] = 1.0
     return rows

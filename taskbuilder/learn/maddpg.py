@@ -65,7 +65,7 @@ class MaddpgSettings:
     lr_half_life: int = 0
     discount: float = 0.97
     tau: float = 0.005
-    batch: int = 256
+    batch: int = 128
     capacity: int = 1_000_000
     warm_up: int = 2_000
     update_every: float = 1.0

@@ -21,8 +21,9 @@ class Signal(Protocol):
     """Pays learners.
 
     Its class says: ``sharing``, the option `reward` of the environments that it builds upon;
-    ``alike``, whether all agents of an environment are always paid the same; ``end_on_setback``,
-    the option of that name; and ``size``, the numbers of its memory that critics see.
+    ``alike``, whether all agents of an environment are always paid the same; ``end_on_setback`` and
+    ``patience``, the options of those names; and ``size``, the numbers of its memory that critics
+    see.
     """
 
     def begin(self, infos: Infos, rows: Flags) -> None:
@@ -44,6 +45,7 @@ class Plain:
     sharing = "team"
     alike = True
     end_on_setback = False
+    patience: float | None = None
     size = 0
 
     def __init__(self, num_envs: int, discount: float) -> None:
@@ -80,6 +82,7 @@ class Shaped:
     sharing = "team"
     alike = True
     end_on_setback = False
+    patience: float | None = None
     size = 0
     weight = 3.0
 
@@ -110,34 +113,40 @@ class Ratchet:
 
     10 max(0, Φ - best Φ so far) + 2 while there is success - 2 for failure or a setback, which ends
     the episode, times 0.3. The best so far is shown to the critics; policies do not see it. It is
-    not the task's reward: what waits, holds or stays near earns nothing here.
+    not the task's reward: what waits, holds or stays near earns nothing here. So a learner that has
+    gone astray has no reason to come back, and an episode ends when progress has not risen for a
+    while; how long it has not is shown to the critics too.
     """
 
     sharing = "team"
     alike = True
     end_on_setback = True
-    size = 1
+    patience: float | None = 1.5
+    size = 2
     gain, success, failure, scale = 10.0, 2.0, 2.0, 0.3
 
     def __init__(self, num_envs: int, discount: float) -> None:
         del discount
         self._best = np.zeros(num_envs)
+        self._idle = np.zeros(num_envs)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
         """See `Signal`."""
         self._best[rows] = infos["progress"][rows]
+        self._idle[rows] = infos["idle"][rows]
 
     def pay(self, rewards: Pay, infos: Infos) -> Pay:
         """See `Signal`."""
         gained = np.maximum(infos["progress"] - self._best, 0.0)
         self._best = self._best + gained
+        self._idle = infos["idle"].copy()
         lost = np.maximum(infos["failure"], infos["condition/setback"])
         pay = self.gain * gained + self.success * infos["success"] - self.failure * lost
         return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
 
     def memory(self) -> NDArray[np.float32]:
         """See `Signal`."""
-        return self._best.astype(np.float32)[:, None]
+        return np.stack([self._best, self._idle], 1).astype(np.float32)
 
 
 SIGNALS: Mapping[str, type[Plain] | type[Shaped] | type[Ratchet]] = {

@@ -157,6 +157,7 @@ class Run:
             **plan.env,
             "reward": pays.sharing,
             "end_on_setback": pays.end_on_setback,
+            "patience": pays.patience,
         }
         openings = tuple(episode.opening for episode in episodes) if plan.starts else ()
         envs = stack.enter_context(

@@ -1,4 +1,4 @@
-"""Episodes that begin where recorded ones went, and those that end on a setback: for training."""
+"""Episodes that begin where recorded ones went, and those that end early: for training."""
 
 from __future__ import annotations
 
@@ -98,11 +98,12 @@ def test_a_recording_that_is_over_too_soon_is_left_out(make, opening):
     ("options", "message"),
     [
         ({"opening_share": 1.5}, "opening_share is 1.5; 0 to 1"),
+        ({"patience": 0.0}, "patience is 0.0; seconds, more than 0"),
         ({"opening_share": -0.1}, "opening_share is -0.1"),
         ({"variation": "random"}, "openings belong to one variation"),
     ],
 )
-def test_a_share_or_a_variation_that_does_not_fit_is_refused(make, opening, options, message):
+def test_a_number_or_a_variation_that_does_not_fit_is_refused(make, opening, options, message):
     with pytest.raises(UsageError, match=message):
         make(TEXT, openings=(opening,), **options)
 
@@ -121,3 +122,58 @@ def test_a_setback_is_told_and_ends_an_episode_where_that_is_asked_for(make, ask
     assert set(terminations.values()) == {asked}
     assert set(truncations.values()) == {False}
     assert env.agents == ([] if asked else ["left", "right"])
+
+
+RISING = TWO.replace("import ", "import Height, ") + "    progress = 10.0 * Height('block')\n"
+
+
+def raise_block(env, by):
+    body = env.episode.world.objects["block"].body
+    body.place(body.pose().moved((0.0, 0.0, by)))
+
+
+def idle_steps(env, rises):
+    """Steps after reset until the end, the block raised by so much before each."""
+    _, infos = env.reset(seed=0)
+    idle = [infos["left"]["idle"]]
+    for rise in rises:
+        raise_block(env, rise)
+        _, _, terminations, truncations, infos = env.step(still(env))
+        idle.append(infos["left"]["idle"])
+        if not env.agents:
+            assert set(terminations.values()) == {False}
+            assert set(truncations.values()) == {True}
+            break
+    return idle
+
+
+def test_an_episode_ends_when_progress_has_not_risen_for_as_long_as_patience_lasts(make):
+    env = make(facing(), RISING, patience=0.3)
+    assert idle_steps(env, [0.0] * 9) == [0, 1, 2, 3]
+    assert env.episode.steps == 3
+
+
+def test_a_rise_makes_patience_begin_again_and_a_small_one_does_not(make):
+    env = make(facing(), RISING, patience=0.3)
+    assert idle_steps(env, [0.0, 0.2, 0.0, 0.001, 0.0, 0.0])[:6] == [0, 1, 0, 1, 2, 3]
+
+
+def test_without_patience_idleness_is_only_told(make):
+    env = make(facing(), RISING)
+    assert idle_steps(env, [0.0] * 12) == list(range(13))
+
+
+def test_idleness_goes_back_with_a_saved_state(make):
+    env = make(facing(), RISING, patience=0.5)
+    env.reset(seed=0)
+    env.step(still(env))
+    state = env.save_state()
+    seen = []
+    for _ in range(2):
+        count = 0
+        while env.agents:
+            env.step(still(env))
+            count += 1
+        seen.append(count)
+        env.load_state(state)
+    assert seen == [4, 4]

@@ -14,8 +14,9 @@ EVERYWHERE = np.ones(1, dtype=np.bool_)
 progresses = st.lists(st.floats(0.0, 10.0), min_size=2, max_size=20)
 
 
-def infos(progress, success=0.0, failure=0.0, setback=0.0):
-    numbers = {"progress": progress, "success": success, "failure": failure}
+def infos(progress, success=0.0, failure=0.0, setback=0.0, idle=0.0):
+    many = np.zeros_like(np.asarray(progress, float))
+    numbers = {"progress": progress, "success": success, "failure": failure, "idle": many + idle}
     numbers["condition/setback"] = setback
     return {name: np.atleast_1d(np.asarray(value, float)) for name, value in numbers.items()}
 
@@ -115,16 +116,16 @@ def test_the_ratchet_leaves_the_teams_reward_out():
     assert one.tolist() == other.tolist()
 
 
-def test_critics_see_the_best_progress_so_far():
+def test_critics_see_the_best_progress_so_far_and_how_long_it_has_not_risen():
     signal = SIGNALS["ratchet"](1, 0.97)
     signal.begin(infos(1.0), EVERYWHERE)
     best = []
-    for now in (0.5, 2.0, 1.5):
-        signal.pay(np.zeros((1, 2)), infos(now))
+    for now, idle in ((0.5, 1.0), (2.0, 0.0), (1.5, 1.0)):
+        signal.pay(np.zeros((1, 2)), infos(now, idle=idle))
         best.append(signal.memory())
-    assert [one.tolist() for one in best] == [[[1.0]], [[2.0]], [[2.0]]]
+    assert [one.tolist() for one in best] == [[[1.0, 1.0]], [[2.0, 0.0]], [[2.0, 1.0]]]
     assert signal.memory().dtype == np.float32
-    assert signal.size == 1
+    assert signal.size == 2
 
 
 # --- many environments
