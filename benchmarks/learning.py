@@ -5,8 +5,10 @@
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
 that neither training nor the choice of a policy has seen, and writes
 
-- benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run, and
-- benchmarks/results/learning.json: what came of each, with the command that makes it again.
+- benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run,
+- benchmarks/results/learning.json: what came of each, with the command that makes it again, and
+- taskbuilder/learn/models/TASK/TRACK.npz: of the seeds' policies the one that did best in the
+  evaluations of its training, with its plan and its curve beside it, if it can do the task.
 
 A run is an hour or less on one core. Nothing is left out: a run that failed is there as it is.
 """
@@ -14,6 +16,7 @@ A run is an hour or less on one core. Nothing is left out: a run that failed is 
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import shutil
 import subprocess
@@ -26,6 +29,7 @@ from typing import Any
 from machine import describe_machine
 
 RESULTS = Path(__file__).parent / "results"
+ZOO = Path(__file__).parents[1] / "taskbuilder" / "learn" / "models"
 TASKS = ("handover", "pick_push_place", "collaborative_lift")
 SEEDS = (1, 2, 3)
 EPISODES = 300
@@ -43,6 +47,9 @@ OWN: dict[str, tuple[str, ...]] = {
 }
 """The same for one task's track alone, by TASK/TRACK."""
 
+WORTH_KEEPING = 0.9
+"""Success in an evaluation during training from which on a policy is one for the zoo."""
+
 KEPT = ("run.json", "episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
 
 
@@ -59,6 +66,8 @@ def main() -> int:
     with ThreadPoolExecutor(arguments.jobs) as pool:
         for line in pool.map(partial(run, folder=arguments.folder), wanted):
             print(line, flush=True)
+    for name in asked:
+        publish(name, arguments.folder)
     write_summary()
     return 0
 
@@ -96,6 +105,29 @@ def keep(out: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name in KEPT:
         shutil.copyfile(out / name, folder / name)
+
+
+def publish(name: str, folder: Path) -> None:
+    """Put the best of the seeds' policies into the zoo, by what training knew of them."""
+    runs = [Path(command(name, seed, folder)[-1]) for seed in SEEDS]
+    done = [run for run in runs if (run / "evaluation.json").exists()]
+    best = max(done, key=known_success, default=None)
+    if best is None or known_success(best) < WORTH_KEEPING:
+        return
+    kept = ZOO / name
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    for file, ending in (
+        ("policy.npz", ".npz"),
+        ("run.json", ".json"),
+        ("evaluations.csv", ".csv"),
+    ):
+        shutil.copyfile(best / file, kept.with_suffix(ending))
+
+
+def known_success(run: Path) -> float:
+    """The best success rate that evaluations during training found."""
+    with (run / "evaluations.csv").open(newline="") as lines:
+        return max(float(row["success_rate"]) for row in csv.DictReader(lines))
 
 
 def write_summary() -> None:

@@ -1,8 +1,9 @@
 """Make the pictures of the documentation: `python docs/make_images.py`.
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
-strip and the chart of its reward; a picture of each robot; and tasks.png, the three tasks of the
-README side by side.
+strip and the chart of its reward; the film and the strip of each policy of the zoo; the curves of
+each task's training; a picture of each robot; and tasks.png, the three tasks of the README side by
+side.
 """
 
 from __future__ import annotations
@@ -17,10 +18,12 @@ import cv2
 import numpy as np
 
 from taskbuilder.cli import main as taskbuilder
+from taskbuilder.learn.zoo import zoo_names
 from taskbuilder.render import Pixels, save_image
 from taskbuilder.spec.catalogue import Catalogue
 
 IMAGES = Path(__file__).parent / "images"
+RUNS = Path(__file__).parents[1] / "benchmarks" / "results" / "learning"
 SHOWN = {
     "pick_push_place": "Pick-Push-Place",
     "collaborative_lift": "Collaborative Lift",
@@ -42,9 +45,20 @@ def make_all() -> None:
             if entry.module:
                 _call("render", name, "--camera", "front", "--out", folder, *_options())
                 _keep(Path(folder, f"{name}-front.png"), f"{name}.png")
-                _call("demo", name, "--video", "--camera", "front", "--out", folder, *_drawn())
+                _call("demo", name, "--video", "--out", folder, *_filmed())
                 for ending in (".gif", "-strip.png", "-rewards.png"):
                     _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
+        for policy in zoo_names():
+            task, track = policy.removeprefix("zoo:").split("/")
+            _call("demo", task, "--policy", policy, "--video", "--out", folder, *_filmed())
+            for ending in (".gif", "-strip.png"):
+                _keep(Path(folder, f"{task}{ending}"), f"{task}-{track}{ending}")
+        for task in SHOWN:
+            for track in ("demos", "scratch"):
+                runs = sorted(RUNS.glob(f"{task}-{track}-*"))
+                if runs:
+                    curves = IMAGES / f"{task}-{track}-curves.png"
+                    _call("plot", *map(str, runs), "--out", str(curves))
         for name, entry in catalogue.robots.items():
             if entry.module:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
@@ -54,6 +68,10 @@ def make_all() -> None:
 
 def _options() -> tuple[str, ...]:
     return (*_drawn(), "--size", f"{SIZE[0]}x{SIZE[1]}")
+
+
+def _filmed() -> tuple[str, ...]:
+    return ("--camera", "front", *_drawn())
 
 
 def _drawn() -> tuple[str, ...]:

@@ -37,18 +37,20 @@ class Handover(Description):
 
     lift = Share(Height("stick", "table.top"), of=0.1)
     progress = Ladder(
-        0.5 * Closeness("left.tcp", "stick.left_end") + 0.15 * Closeness("right.tcp", "meeting"),
+        0.5 * Closeness("left.tcp", "stick.left_end") + 0.15 * Closeness("right.tcp", "goal"),
         (
             taken,
             1.5
             + 0.25 * lift
-            + 0.5 * Closeness("stick", "meeting")
-            + 0.25 * lift * Closeness("right.tcp", "stick.right_end"),
+            + 0.75 * Closeness("stick", "meeting", scale=0.3)
+            + 0.75 * lift * Closeness("right.tcp", "stick.right_end", scale=0.3),
         ),
         (shared, 4.0),
         (
             handed_over,
-            5.15 - 0.15 * Closeness("left.tcp", "stick.left_end") + Closeness("stick", "goal"),
+            5.15
+            - 0.15 * Closeness("left.tcp", "stick.left_end")
+            + Closeness("stick", "goal", scale=0.3),
         ),
         (success, 7.0),
     )

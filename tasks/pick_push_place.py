@@ -50,8 +50,8 @@ class PickPushPlace(Description):
             cube_held & tray_held,
             2.5
             + 0.5 * lift
-            + Closeness("tray", "middle")
-            + Closeness("cube", "above_tray")
+            + Closeness("tray", "middle", scale=0.3)
+            + Closeness("cube", "above_tray", scale=0.3)
             + lift * Closeness("cube", "above_tray", scale=0.08),
         ),
         (in_tray, 7.0),

@@ -48,7 +48,8 @@ class MaddpgSettings:
         warm_up: Control steps of random actions before learning begins.
         update_every: Control steps between updates.
         noise: Standard deviation of exploration's Gaussian noise, at the start of training.
-        final_noise: The same at the end, reached linearly.
+        final_noise: The same later, reached linearly.
+        noise_until: Share of the training after which it is reached.
         smoothing: Standard deviation of the noise on target actions, clipped at twice that.
         actor_every: Updates of the critics between those of the actors.
         regulariser: Weight of the mean square of what goes into the actors' tanh, which keeps them
@@ -71,6 +72,7 @@ class MaddpgSettings:
     update_every: float = 1.0
     noise: float = 0.25
     final_noise: float = 0.1
+    noise_until: float = 1.0
     smoothing: float = 0.1
     actor_every: int = 2
     regulariser: float = 5e-3
@@ -122,8 +124,9 @@ class Maddpg:
 
     def noise(self, done: float) -> float:
         """Standard deviation of exploration's noise after a share of the training, 0 to 1."""
-        first, last = self.settings.noise, self.settings.final_noise
-        return first + (last - first) * done
+        settings = self.settings
+        fallen = min(done / max(settings.noise_until, 1e-9), 1.0)
+        return settings.noise + (settings.final_noise - settings.noise) * fallen
 
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, done: float

@@ -326,6 +326,13 @@ def test_before_learning_actions_are_drawn_evenly():
         assert numbers.std() == pytest.approx(1.0 / np.sqrt(3.0), rel=0.05)
 
 
+def test_noise_has_fallen_after_its_share_of_the_training():
+    made = learner(TWO, replace(FIXED, noise_until=0.4))
+    assert [made.noise(done) for done in (0.0, 0.2, 0.4, 1.0)] == pytest.approx(
+        [0.25, 0.175, 0.1, 0.1]
+    )
+
+
 @pytest.mark.parametrize(("done", "noise"), [(0.0, 0.25), (0.5, 0.175), (1.0, 0.1)])
 def test_exploration_adds_noise_that_falls_over_the_training(done, noise):
     made = learner(TWO)

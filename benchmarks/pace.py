@@ -1,0 +1,89 @@
+"""How fast training goes, beside collecting alone: are learning and collection balanced?
+
+    python benchmarks/pace.py [--steps 4000] [--repeats 3]
+
+trains the handover with two worker processes, once as it is (an update of actors and critics a
+control step, in one thread beside the workers) and once with updates so rare that none is made,
+which is collecting alone: the policy acts, environments step, rows are kept. Both by turns, so that
+what else the machine does meets both alike. Writes benchmarks/results/pace.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import median
+
+from machine import describe_machine
+
+from taskbuilder.learn.judging import Evaluation
+from taskbuilder.learn.plan import Plan
+from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.training import Moment, train
+from taskbuilder.task import load_task
+
+RESULTS = Path(__file__).parent / "results" / "pace.json"
+WARM_UP = 500
+UPDATES = {"learning": 1.0, "collecting alone": 1e9}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--steps", type=int, default=4_000)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--workers", type=int, default=2)
+    arguments = parser.parse_args()
+    paces: dict[str, list[float]] = {name: [] for name in UPDATES}
+    for _ in range(arguments.repeats):
+        for name, every in UPDATES.items():
+            paces[name].append(pace(arguments.steps, arguments.workers, every))
+            print(f"{name}: {paces[name][-1]:.0f} control steps a second", flush=True)
+    middle = {name: median(values) for name, values in paces.items()}
+    data = {
+        "command": f"python benchmarks/pace.py --workers {arguments.workers}",
+        "machine": describe_machine(),
+        "control_steps_per_second": {name: round(value, 1) for name, value in middle.items()},
+        "repeats": {name: [round(value, 1) for value in values] for name, values in paces.items()},
+        "share": round(middle["learning"] / middle["collecting alone"], 3),
+    }
+    RESULTS.write_text(json.dumps(data, indent=2) + "\n")
+    print(f"learning goes at {data['share']:.0%} of the pace of collecting alone")
+    return 0
+
+
+def pace(steps: int, workers: int, update_every: float) -> float:
+    """Control steps a second after warming up."""
+    plan = Plan(
+        "handover",
+        steps=WARM_UP + steps,
+        envs=4,
+        workers=workers,
+        observe="scene",
+        evaluate_every=10**9,
+        checkpoint_every=10**9,
+        settings={"warm_up": WARM_UP, "update_every": update_every},
+    )
+    at: dict[int, float] = {}
+
+    def watch(moment: Moment) -> None:
+        at.setdefault(moment.step, time.perf_counter())
+
+    with tempfile.TemporaryDirectory() as folder:
+        train(plan, load_task("handover"), Path(folder), _nothing, {}, watch)
+    # The first update follows the preparations, which are not of the pace.
+    first, last = WARM_UP + 2 * plan.envs, WARM_UP + steps
+    return (last - first) / (at[last] - at[first])
+
+
+def _nothing(policy: Policy) -> Evaluation:
+    """No evaluation."""
+    del policy
+    return Evaluation(0.0, {})
+
+
+if __name__ == "__main__":
+    sys.exit(main())
