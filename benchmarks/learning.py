@@ -42,8 +42,11 @@ TRACKS = {
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 
 OWN: dict[str, tuple[str, ...]] = {
+    # Late in an episode, without them, none of an actor's ReLUs may be left that is not zero.
+    "handover/demos": ("--set", "actor_norms=true"),
     # What two arms hold between them slips from them if they move much apart by chance.
     "collaborative_lift/demos": ("--set", "noise=0.05", "final_noise=0.02"),
+    "collaborative_lift/scratch": ("--set", "noise=0.25", "final_noise=0.05", "noise_until=0.3"),
 }
 """The same for one task's track alone, by TASK/TRACK."""
 

@@ -50,7 +50,7 @@ class Handover(Description):
             handed_over,
             5.15
             - 0.15 * Closeness("left.tcp", "stick.left_end")
-            + Closeness("stick", "goal", scale=0.3),
+            + 1.5 * Closeness("stick", "goal", scale=0.5),
         ),
         (success, 7.0),
     )

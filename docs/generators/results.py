@@ -77,14 +77,21 @@ def _stages(stages: dict[str, int]) -> str:
 def zoo(_: str) -> str:
     """The policies that come with the package."""
     rows = []
+    runs = {run["run"]: run for run in _read("learning.json")["runs"]}
     for name in zoo_names():
         about = load_policy(name).about
+        run = runs[f"{about['task']}-{about['track']}-{about['seed']}"]
         helped = {"scratch": "nothing", "demos": "demonstrations", "resets": "starts of the expert"}
         saw = {"scene": "the whole scene", "task": "as the task says"}[about["env"]["observe"]]
-        rows.append([f"`{name}`", helped[about["track"]], saw, f"{about['step']:,}"])
+        success = f"{100.0 * run['success_rate']:.1f} %"
+        steps = f"{about['step']:,}"
+        rows.append(
+            [f"`{name}`", helped[about["track"]], saw, steps, success, f"`{run['command']}`"]
+        )
     if not rows:
         return "None yet."
-    return table(["policy", "helped by", "sees", "control steps"], rows)
+    head = ["policy", "helped by", "sees", "control steps", "success, 300 episodes", "made by"]
+    return table(head, rows)
 
 
 def _read(name: str) -> Any:

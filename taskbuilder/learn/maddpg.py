@@ -52,8 +52,10 @@ class MaddpgSettings:
         noise_until: Share of the training after which it is reached.
         smoothing: Standard deviation of the noise on target actions, clipped at twice that.
         actor_every: Updates of the critics between those of the actors.
-        regulariser: Weight of the mean square of what goes into the actors' tanh, which keeps them
-            off its ends, where nothing is learned any more.
+        regulariser: Weight of the mean square of what goes into the actors' tanh. It keeps them off
+            its ends, where nothing is learned any more, and still where motion pays nothing.
+        actor_norms: Whether the actors' hidden layers are normalised, as the critics' are: where
+            what is seen has moved on, none of their ReLUs may be left that answers to it.
         share: Whether agents with spaces of equal sizes share one actor, told apart by a one-hot.
         cloning: Updates of behaviour cloning before learning, where there are demonstrations.
         judging: Updates of the critics alone that follow, so that actors are not led astray.
@@ -75,7 +77,8 @@ class MaddpgSettings:
     noise_until: float = 1.0
     smoothing: float = 0.1
     actor_every: int = 2
-    regulariser: float = 5e-3
+    regulariser: float = 0.03
+    actor_norms: bool = False
     share: bool = True
     cloning: int = 10_000
     judging: int = 4_000
@@ -102,7 +105,8 @@ class Maddpg:
         critic = (shapes.overview + shapes.joint_action, *settings.hidden, 1)
         self._critics = Networks(2 * self._pays, critic, generator, norms=True)
         self._actors = torch.nn.ModuleList(
-            Networks(1, self._actor_sizes(group), generator, last=0.1) for group in groups
+            Networks(1, self._actor_sizes(group), generator, norms=settings.actor_norms, last=0.1)
+            for group in groups
         )
         self._target_critics = copy.deepcopy(self._critics)
         self._target_actors = copy.deepcopy(self._actors)
@@ -305,7 +309,8 @@ class Maddpg:
                 role = np.eye(len(group), dtype=np.float32)[number] if len(group) > 1 else _NONE
                 part = self.shapes.layout.observations[agent]
                 mean, scale = self._mean[part].numpy(), self._scale[part].numpy()
-                networks[agent] = Network(folded(layers, mean, scale, role), squash=True)
+                own = folded(layers, mean, scale, role)
+                networks[agent] = Network(own, squash=True, norms=self.settings.actor_norms)
         return Policy({agent: networks[agent] for agent in self.shapes.agents}, about)
 
     def arrays(self) -> dict[str, Array]:

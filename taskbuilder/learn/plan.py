@@ -19,9 +19,9 @@ FORMAT = 1
 RUN_FILE = "run.json"
 
 ALGORITHMS = ("maddpg", "maddpg_openai")
-WITH_DEMOS = {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000}
+WITH_DEMOS = {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regulariser": 0.005}
 """What learning with demonstrations changes of maddpg's settings: it begins with a policy that is
-almost right, which much noise would hide."""
+almost right, which much noise would hide, and that moves as fast as experts do."""
 
 REWARDS = ("team", "local", "shaped", "ratchet")
 

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
 
+TINY = 1e-5
+"""Added to variances, as torch does."""
+
 
 @dataclass(frozen=True)
 class Network:
@@ -19,10 +22,13 @@ class Network:
     Attributes:
         layers: Weight (ins, outs) and bias (outs,) of each.
         squash: Whether a tanh ends it; what goes beyond -1 to 1 is clipped where not.
+        norms: Whether hidden layers are normalised before the ReLU (Ba et al. 2016), without gain
+            and bias.
     """
 
     layers: tuple[tuple[Array, Array], ...]
     squash: bool
+    norms: bool = False
 
     def __call__(self, inputs: NDArray[np.floating]) -> Array:
         """Evaluate it: (..., ins) to (..., outs), from -1 to 1."""
@@ -30,8 +36,14 @@ class Network:
         for number, (weight, bias) in enumerate(self.layers):
             hidden = hidden @ weight + bias
             if number < len(self.layers) - 1:
-                hidden = np.maximum(hidden, 0.0)
+                hidden = np.maximum(_normalized(hidden) if self.norms else hidden, 0.0)
         return np.tanh(hidden) if self.squash else np.clip(hidden, -1.0, 1.0)
+
+
+def _normalized(hidden: Array) -> Array:
+    apart: Array = hidden - hidden.mean(-1, keepdims=True)
+    scale: Array = np.sqrt(np.square(apart).mean(-1, keepdims=True) + np.float32(TINY))
+    return apart / scale
 
 
 @dataclass(frozen=True)
@@ -60,7 +72,9 @@ class Policy:
         }
 
     @classmethod
-    def of(cls, arrays: Mapping[str, Array], about: Mapping[str, Any], squash: bool) -> Policy:
+    def of(
+        cls, arrays: Mapping[str, Array], about: Mapping[str, Any], *, squash: bool, norms: bool
+    ) -> Policy:
         """Put the numbers of a file together again.
 
         Raises:
@@ -71,7 +85,8 @@ class Policy:
             agent, number, _ = name.rsplit("/", 2)
             agents.setdefault(agent, set()).add(int(number))
         return cls(
-            {a: Network(_layers(arrays, a, len(n)), squash) for a, n in agents.items()}, about
+            {a: Network(_layers(arrays, a, len(n)), squash, norms) for a, n in agents.items()},
+            about,
         )
 
 

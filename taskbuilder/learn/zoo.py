@@ -25,8 +25,9 @@ def save_policy(path: Path, policy: Policy) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    squash = all(network.squash for network in policy.networks.values())
-    write_arrays(path, policy.arrays(), {**policy.about, "kind": _KIND, "squash": squash})
+    networks = policy.networks.values()
+    kind = {name: all(getattr(net, name) for net in networks) for name in ("squash", "norms")}
+    write_arrays(path, policy.arrays(), {**policy.about, "kind": _KIND, **kind})
 
 
 def load_policy(name: str) -> Policy:
@@ -43,7 +44,8 @@ def load_policy(name: str) -> Policy:
     path = _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
     arrays, about = read_arrays(path, _KIND)
     try:
-        return Policy.of(arrays, about, squash=bool(about["squash"]))
+        norms = bool(about.get("norms", False))  # files from before there were any do not say
+        return Policy.of(arrays, about, squash=bool(about["squash"]), norms=norms)
     except (KeyError, ValueError):
         raise StoreError(f"{display_path(path)}: lacks parts of a policy") from None
 

@@ -402,9 +402,10 @@ def test_critics_see_what_every_agent_sees_now_and_next():
     assert loss == pytest.approx(2 * (1.0 + 2.0 - 0.97 * (3.0 + 4.0)) ** 2, rel=1e-5)
 
 
+@pytest.mark.parametrize("norms", [False, True])
 @pytest.mark.parametrize("shapes", [ONE, TWO, UNLIKE])
-def test_the_exported_policy_does_what_the_learner_would_without_noise(shapes):
-    settings = MaddpgSettings(hidden=(32, 32), noise=0.0, final_noise=0.0)
+def test_the_exported_policy_does_what_the_learner_would_without_noise(shapes, norms):
+    settings = MaddpgSettings(hidden=(32, 32), noise=0.0, final_noise=0.0, actor_norms=norms)
     made, rng = learner(shapes, settings), np.random.default_rng(0)
     rows = random_rows(shapes, 64)
     rows[:, : shapes.layout.actions.start] = rows[:, : shapes.layout.actions.start] * 0.3 + 2.0

@@ -24,18 +24,19 @@ ABOUT = {"kind": "test", "words": "ä"}
 ARRAYS = {"left/0": np.arange(3, dtype=np.float32), "count": np.array([7], dtype=np.int64)}
 
 
-def network(ins=2, outs=1, *, squash=True, seed=0):
+def network(ins=2, outs=1, *, squash=True, norms=False, seed=0):
     draws, sizes = np.random.default_rng(seed), (ins, 4, outs)
     layers = tuple(
         (draws.standard_normal((a, b), dtype=np.float32), draws.random(b, dtype=np.float32))
         for a, b in ((sizes[0], sizes[1]), (sizes[1], sizes[2]))
     )
-    return Network(layers, squash)
+    return Network(layers, squash, norms)
 
 
-def policy(*, squash=True):
+def policy(*, squash=True, norms=False):
+    kind = {"squash": squash, "norms": norms}
     return Policy(
-        {"left": network(2, 1, squash=squash), "right": network(3, 2, squash=squash, seed=1)},
+        {"left": network(2, 1, **kind), "right": network(3, 2, **kind, seed=1)},
         {"task": "handover", "step": 12},
     )
 
@@ -97,9 +98,10 @@ def test_policies_need_no_torch():
 # --- policies in files
 
 
+@pytest.mark.parametrize("norms", [True, False])
 @pytest.mark.parametrize("squash", [True, False])
-def test_a_policy_read_again_is_the_same(tmp_path, squash):
-    made = policy(squash=squash)
+def test_a_policy_read_again_is_the_same(tmp_path, squash, norms):
+    made = policy(squash=squash, norms=norms)
     save_policy(tmp_path / "made.npz", made)
     again = load_policy(str(tmp_path / "made.npz"))
     assert list(again.networks) == ["left", "right"]

@@ -1,0 +1,49 @@
+"""The policies that come with the package: each does its task, and says how it was made."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import pytest
+
+from taskbuilder.env.parallel import parallel_env
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.learn.evaluation import options_of, play
+from taskbuilder.learn.zoo import ZOO, load_policy, zoo_names
+
+NAMES = zoo_names()
+
+
+def beside(name, ending):
+    return (ZOO / name.removeprefix("zoo:")).with_suffix(ending)
+
+
+def test_the_handover_is_there():
+    assert "zoo:handover/demos" in NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_policy_does_its_task(name):
+    policy = load_policy(name)
+    env = parallel_env(policy.about["task"], **options_of(policy))
+    done = sum(play(env, policy.act, seed).success for seed in range(900_000, 900_012))
+    env.close()
+    assert done >= 10
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_policy_is_small_and_has_its_plan_and_its_curve_beside_it(name):
+    about = load_policy(name).about
+    assert beside(name, ".npz").stat().st_size < 400_000
+    plan = json.loads(beside(name, ".json").read_text(encoding="utf-8"))
+    assert plan["command"].startswith(f"taskbuilder train {about['task']} ")
+    assert (plan["task"], plan["track"]) == tuple(name.removeprefix("zoo:").split("/"))
+    with beside(name, ".csv").open(newline="", encoding="utf-8") as lines:
+        rows = {int(row["step"]): float(row["success_rate"]) for row in csv.DictReader(lines)}
+    assert rows[about["step"]] == max(rows.values())
+
+
+def test_a_name_that_is_almost_one_is_corrected():
+    with pytest.raises(UnknownNameError, match='did you mean "zoo:handover/demos"'):
+        load_policy("zoo:handover/demo")
