@@ -86,7 +86,7 @@ def add_evaluate(adder: Adder) -> None:
     """`taskbuilder evaluate`."""
     parser = adder.command(
         "measure what a trained policy achieves in episodes that it has never seen",
-        "zoo:handover/scratch --episodes 300 --video",
+        "zoo:handover/demos --episodes 300 --video",
     )
     parser.add_argument(
         "policy", metavar="RUN", help="zoo:TASK/TRACK, the folder of a run, or a policy's file"

@@ -49,4 +49,5 @@ def test_what_a_page_says_of_a_task_is_what_its_description_is(task):
     declared = load_task(task).description
     for node in (declared.success, declared.failure, declared.progress, *declared.stages.values()):
         if node is not None:
+            # what the page says in our own words must make the same node again
             assert eval(expression(node), dict(NAMES)) == node

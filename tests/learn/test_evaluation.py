@@ -89,7 +89,7 @@ def test_a_policy_is_asked_at_every_step_about_what_is_seen_then(env):
 
 def test_episodes_come_in_order_and_are_the_same_wherever_they_are_played(env, file):
     def elsewhere(function, seeds):
-        function = pickle.loads(pickle.dumps(function))
+        function = pickle.loads(pickle.dumps(function))  # as on its way to another process
         return map(function, seeds)
 
     expected = [play(env, sideways().act, seed) for seed in (4, 1, 5)]
