@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.kinds import size, whole
+from taskbuilder.cli.kinds import whole
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
+from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
 
 _COMMANDS = (
     "list",
@@ -139,7 +140,7 @@ class Adder:
 
 def _add_list(adder: Adder) -> None:
     parser = adder.command("list the tasks of the catalogue", "--json")
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    add_json(parser)
 
 
 def _add_show(adder: Adder) -> None:
@@ -173,12 +174,7 @@ def _add_validate(adder: Adder) -> None:
     seeds.add_argument(
         "--seeds", type=whole(1, 100_000), metavar="N", help="episodes to sample (default 40)"
     )
-    parser.add_argument(
-        "--jobs",
-        type=whole(1, 1024),
-        metavar="N",
-        help="processes to spread episodes over (default: one for each core)",
-    )
+    add_jobs(parser)
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
@@ -211,10 +207,7 @@ def _add_render(adder: Adder) -> None:
         metavar="DIR",
         help="folder to write to (default renders)",
     )
-    parser.add_argument(
-        "--camera", nargs="+", metavar="C", help="cameras of the scene (default all)"
-    )
-    parser.add_argument("--size", type=size, metavar="WxH", help="pixels, such as 640x480")
+    add_picture(parser, cameras="all", of="a picture")
     parser.add_argument(
         "--modality",
         nargs="+",
@@ -223,7 +216,7 @@ def _add_render(adder: Adder) -> None:
         help="what to take (default rgb)",
     )
     _add_episode(parser, "episode (default 0)")
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    add_json(parser)
 
 
 def _add_demo(adder: Adder) -> None:
@@ -242,12 +235,7 @@ def _add_demo(adder: Adder) -> None:
         help="who plays: expert, random, nothing, or a trained policy: zoo:TASK/TRACK, a run's "
         "folder, a file (default expert)",
     )
-    parser.add_argument(
-        "--jobs",
-        type=whole(1, 1024),
-        metavar="N",
-        help="processes to spread episodes over (default: one for each core)",
-    )
+    add_jobs(parser)
     parser.add_argument(
         "--out",
         type=Path,
@@ -258,14 +246,9 @@ def _add_demo(adder: Adder) -> None:
     parser.add_argument(
         "--video", action="store_true", help="also film the first episode, as MP4 and GIF"
     )
-    parser.add_argument(
-        "--camera", nargs="+", metavar="C", help="cameras of the scene (default its first)"
-    )
-    parser.add_argument(
-        "--size", type=size, metavar="WxH", help="pixels of a picture, such as 640x480"
-    )
+    add_picture(parser, cameras="its first", of="a picture")
     _add_episode(parser, "first episode (default 0); others follow")
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    add_json(parser)
 
 
 def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
@@ -278,12 +261,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="which variation; 0 is the plain task",
     )
-    parser.add_argument(
-        "--renderer",
-        choices=("auto", "tiny", "egl"),
-        default="auto",
-        help="tiny: on the CPU; egl: through OpenGL (default auto)",
-    )
+    add_renderer(parser)
 
 
 def _add_robots(adder: Adder) -> None:
@@ -298,7 +276,7 @@ def _add_robots(adder: Adder) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="picture (default renders/ROBOT.png)"
     )
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    add_json(parser)
 
 
 def _add_bench(adder: Adder) -> None:
@@ -316,7 +294,7 @@ def _add_bench(adder: Adder) -> None:
         metavar="N",
         help="measure scaling up to so many processes (default 2)",
     )
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    add_json(parser)
 
 
 def _add_schema(adder: Adder) -> None:

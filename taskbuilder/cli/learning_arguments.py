@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.kinds import share, size, whole
+from taskbuilder.cli.kinds import share, whole
+from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
 
 
 class Adder(Protocol):
@@ -107,12 +108,7 @@ def add_evaluate(adder: Adder) -> None:
         metavar="K",
         help="which variation (default that of training)",
     )
-    parser.add_argument(
-        "--jobs",
-        type=whole(1, 1024),
-        metavar="N",
-        help="processes to spread episodes over (default: one for each core)",
-    )
+    add_jobs(parser)
     parser.add_argument(
         "--out",
         type=Path,
@@ -124,19 +120,9 @@ def add_evaluate(adder: Adder) -> None:
         action="store_true",
         help="film a best, a median and a failed episode, as MP4 and GIF",
     )
-    parser.add_argument(
-        "--camera", nargs="+", metavar="C", help="cameras of the scene (default its first)"
-    )
-    parser.add_argument(
-        "--size", type=size, metavar="WxH", help="pixels of a film, such as 640x480"
-    )
-    parser.add_argument(
-        "--renderer",
-        choices=("auto", "tiny", "egl"),
-        default="auto",
-        help="tiny: on the CPU; egl: through OpenGL (default auto)",
-    )
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    add_picture(parser, cameras="its first", of="a film")
+    add_renderer(parser)
+    add_json(parser)
 
 
 def add_plot(adder: Adder) -> None:
