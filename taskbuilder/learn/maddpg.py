@@ -26,8 +26,11 @@ from taskbuilder.learn.shapes import Rows, Shapes
 
 Actions = dict[str, NDArray[np.float32]]
 
-LEAST_SCALE = 0.1
+LEAST_SCALE = 0.3
 """What hardly moves while it is measured is not blown up by standardising."""
+
+MEASURED = 20_000
+"""Transitions by which what is seen is standardised when networks begin anew."""
 
 LEAST_IMITATION = 1e-3
 """Below this weight, the imitation term is left out."""
@@ -56,6 +59,9 @@ class MaddpgSettings:
             its ends, where nothing is learned any more, and still where motion pays nothing.
         actor_norms: Whether the actors' hidden layers are normalised, as the critics' are: where
             what is seen has moved on, none of their ReLUs may be left that answers to it.
+        renew: Control steps after which networks begin anew, and again each time these have
+            doubled; 0 for never. Those that began with the little that there was at first have set
+            in it, and learn ever more slowly (the primacy bias, Nikishin et al. 2022).
         share: Whether agents with spaces of equal sizes share one actor, told apart by a one-hot.
         cloning: Updates of behaviour cloning before learning, where there are demonstrations.
         judging: Updates of the critics alone that follow, so that actors are not led astray.
@@ -79,6 +85,7 @@ class MaddpgSettings:
     actor_every: int = 2
     regulariser: float = 0.03
     actor_norms: bool = False
+    renew: int = 0
     share: bool = True
     cloning: int = 10_000
     judging: int = 4_000
@@ -97,16 +104,28 @@ class Maddpg:
     """
 
     def __init__(self, shapes: Shapes, settings: MaddpgSettings, *, alike: bool, seed: int) -> None:
-        generator = torch.Generator().manual_seed(seed)
         self.shapes, self.settings = shapes, settings
         groups = shapes.alike() if settings.share else tuple((a,) for a in shapes.agents)
         self._groups = groups
+        # Those who share an actor are told apart by a one-hot: (group, 1, group).
+        self._roles = {group: torch.eye(len(group))[:, None] for group in groups}
         self._pays = 1 if alike else len(shapes.agents)
+        # What is seen is standardised: rows of the replay memory less one, over the other.
+        self._mean, self._scale = torch.zeros(shapes.layout.width), torch.ones(shapes.layout.width)
+        self._updates = 0
+        self._renewals = 0
+        self._begun = False
+        self._build(seed)
+
+    def _build(self, seed: int) -> None:
+        """Make networks that have learned nothing, and their targets and optimisers."""
+        generator = torch.Generator().manual_seed(seed)
+        shapes, settings = self.shapes, self.settings
         critic = (shapes.overview + shapes.joint_action, *settings.hidden, 1)
         self._critics = Networks(2 * self._pays, critic, generator, norms=True)
         self._actors = torch.nn.ModuleList(
             Networks(1, self._actor_sizes(group), generator, norms=settings.actor_norms, last=0.1)
-            for group in groups
+            for group in self._groups
         )
         self._target_critics = copy.deepcopy(self._critics)
         self._target_actors = copy.deepcopy(self._actors)
@@ -114,10 +133,6 @@ class Maddpg:
             target.requires_grad_(False)
         self._critic_adam = Adam([self._critics], settings.lr)
         self._actor_adam = Adam([self._actors], settings.lr)
-        # What is seen is standardised: rows of the replay memory less one, over the other.
-        self._mean, self._scale = torch.zeros(shapes.layout.width), torch.ones(shapes.layout.width)
-        self._updates = 0
-        self._begun = False
 
     def _actor_sizes(self, group: tuple[str, ...]) -> tuple[int, ...]:
         role = len(group) if len(group) > 1 else 0
@@ -152,26 +167,26 @@ class Maddpg:
                 / self._scale[part]
                 for agent, part in parts.items()
             }
-            plain = self._act(self._actors, seen)
+            plain = self._raw(self._actors, seen).tanh_().numpy()
         noise = self.noise(done)
-        return {
-            agent: np.clip(
-                action.numpy() + noise * rng.standard_normal(action.shape, dtype=np.float32), -1, 1
-            )
-            for agent, action in plain.items()
-        }
+        first, actions = self.shapes.layout.actions.start, {}
+        for agent, part in self.shapes.layout.action.items():
+            own = plain[:, part.start - first : part.stop - first]
+            own = own + noise * rng.standard_normal(own.shape, dtype=np.float32)
+            actions[agent] = np.clip(own, -1, 1)
+        return actions
 
-    def _act(self, actors: Any, seen: Mapping[str, Tensor]) -> dict[str, Tensor]:
-        """Actions by agent, in the order of the agents, for standardised observations."""
-        return {agent: raw.tanh() for agent, raw in self._raw(actors, seen).items()}
-
-    def _raw(self, actors: Any, seen: Mapping[str, Tensor]) -> dict[str, Tensor]:
-        """Actions before they are squashed."""
-        actions: dict[str, Tensor] = {}
+    def _raw(self, actors: Any, seen: Mapping[str, Tensor]) -> Tensor:
+        """All agents' actions before they are squashed, in their order: (n, joint action)."""
+        parts: dict[str, Tensor] = {}
         for group, actor in zip(self._groups, actors, strict=True):
-            inputs = torch.cat([_with_role(seen[agent], agent, group) for agent in group])
-            actions |= dict(zip(group, actor(inputs)[0].chunk(len(group)), strict=True))
-        return {agent: actions[agent] for agent in self.shapes.agents}
+            inputs = torch.stack([seen[agent] for agent in group])
+            if len(group) > 1:
+                roles = self._roles[group].expand(-1, inputs.shape[1], -1)
+                inputs = torch.cat([inputs, roles], 2)
+            raw = actor(inputs.flatten(0, 1))[0]
+            parts |= dict(zip(group, raw.chunk(len(group)), strict=True))
+        return torch.cat([parts[agent] for agent in self.shapes.agents], 1)
 
     # --- learning
 
@@ -179,7 +194,7 @@ class Maddpg:
         """Prepare for learning: standardise what is seen, and clone demonstrations.
 
         Args:
-            rows: All transitions so far.
+            rows: Transitions so far.
             rng: Draws batches.
         """
         self._begun = True
@@ -191,7 +206,7 @@ class Maddpg:
         known.add(shown)
         for _ in range(self.settings.cloning):
             batch = self._drawn(known, rng)
-            actions = self._act(self._actors, self._parts(batch))
+            actions = self._raw(self._actors, self._parts(batch)).tanh()
             self._actor_adam.minimize(self._imitation(batch, actions))
         follow(self._target_actors, self._actors, 1.0)
         for _ in range(self.settings.judging):
@@ -227,6 +242,10 @@ class Maddpg:
         if settings.lr_half_life:
             for adam in (self._critic_adam, self._actor_adam):
                 adam.lr = settings.lr * 0.5 ** (step / settings.lr_half_life)
+        if settings.renew and step >= settings.renew * 2**self._renewals:
+            self._renewals += 1
+            self._build(int(rng.integers(2**63)))
+            self.begin(memory.sample(MEASURED, rng), rng)
         batch = self._drawn(memory, rng)
         critic_loss = self._judge(batch, rng)
         self._updates += 1
@@ -242,7 +261,7 @@ class Maddpg:
     def _judge(self, batch: Tensor, rng: np.random.Generator) -> float:
         """Update the critics; gives their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
-        values = self._critics(torch.cat([batch[:, layout.overview], batch[:, layout.actions]], 1))
+        values = self._critics(batch[:, : layout.actions.stop])  # what is seen, and what was done
         loss = (values.view(2, self._pays, -1) - target).square().mean(2).sum()
         self._critic_adam.minimize(loss)
         return float(loss.detach())
@@ -252,7 +271,7 @@ class Maddpg:
         layout, settings = self.shapes.layout, self.settings
         with torch.no_grad():
             later = {agent: batch[:, part] for agent, part in layout.next_observations.items()}
-            plain = torch.cat(list(self._act(self._target_actors, later).values()), 1)
+            plain = self._raw(self._target_actors, later).tanh_()
             noise = rng.standard_normal(plain.shape, dtype=np.float32) * settings.smoothing
             limit = 2.0 * settings.smoothing
             actions = (plain + torch.from_numpy(noise).clamp_(-limit, limit)).clamp_(-1.0, 1.0)
@@ -271,8 +290,8 @@ class Maddpg:
     def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
         """What the critics think of the present policies, over its size; and imitation."""
         raw = self._raw(self._actors, self._parts(batch))
-        actions = {agent: value.tanh() for agent, value in raw.items()}
-        loss = self.settings.regulariser * torch.cat(list(raw.values()), 1).square().mean()
+        actions = raw.tanh()
+        loss = self.settings.regulariser * raw.square().mean()
         paid = self.shapes.agents[: self._pays]
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
         values: Tensor = self._critics(joint, first=self._pays).flatten(1)
@@ -283,19 +302,21 @@ class Maddpg:
             loss = loss + weight * self._imitation(batch, actions)
         return loss
 
-    def _joint(self, batch: Tensor, actions: Mapping[str, Tensor], agent: str) -> Tensor:
+    def _joint(self, batch: Tensor, actions: Tensor, agent: str) -> Tensor:
         """What the critic of an agent's pay sees; by it, no other agent's action is moved."""
-        moved = [
-            action if self._pays == 1 or name == agent else action.detach()
-            for name, action in actions.items()
-        ]
-        return torch.cat([batch[:, self.shapes.layout.overview], *moved], 1)
+        layout = self.shapes.layout
+        if self._pays > 1:
+            moved, part = actions, layout.action[agent]
+            first, last = (end - layout.actions.start for end in (part.start, part.stop))
+            actions = moved.detach().clone()
+            actions[:, first:last] = moved[:, first:last]
+        return torch.cat([batch[:, layout.overview], actions], 1)
 
-    def _imitation(self, batch: Tensor, actions: Mapping[str, Tensor]) -> Tensor:
+    def _imitation(self, batch: Tensor, actions: Tensor) -> Tensor:
         """Mean square of the difference from what experts did, over their transitions."""
         layout = self.shapes.layout
         shown = batch[:, layout.demonstrated]
-        apart = torch.cat(list(actions.values()), 1) - batch[:, layout.actions]
+        apart = actions - batch[:, layout.actions]
         return (shown * apart.square()).sum() / (shown.sum() * apart.shape[1]).clamp(min=1.0)
 
     # --- what is kept
@@ -316,6 +337,7 @@ class Maddpg:
     def arrays(self) -> dict[str, Array]:
         """All that it has learned, by name: networks, targets, optimisers, statistics."""
         arrays = {"updates": np.array([self._updates]), "begun": np.array([self._begun])}
+        arrays["renewals"] = np.array([self._renewals])
         for part, module in self._modules().items():
             for name, value in module.state_dict().items():
                 arrays[f"{part}/{name}"] = value.numpy().copy()
@@ -331,6 +353,7 @@ class Maddpg:
             RuntimeError: Something has another shape.
         """
         self._updates, self._begun = int(arrays["updates"][0]), bool(arrays["begun"][0])
+        self._renewals = int(arrays["renewals"][0])
         for part, module in self._modules().items():
             state = {
                 name: torch.from_numpy(arrays[f"{part}/{name}"]) for name in module.state_dict()
@@ -354,14 +377,6 @@ class Maddpg:
 
     def _adams(self) -> dict[str, Adam]:
         return {"critic_adam": self._critic_adam, "actor_adam": self._actor_adam}
-
-
-def _with_role(seen: Tensor, agent: str, group: tuple[str, ...]) -> Tensor:
-    """What an agent sees, and a one-hot of its role where others share its actor."""
-    if len(group) == 1:
-        return seen
-    role = torch.eye(len(group))[group.index(agent)].expand(len(seen), -1)
-    return torch.cat([seen, role], 1)
 
 
 _NONE = np.zeros(0, dtype=np.float32)

@@ -27,7 +27,10 @@ class Linears(nn.Module):
 
     def forward(self, inputs: Tensor) -> Tensor:
         """Apply the layers, the first so many, each to its own part of the inputs."""
-        weight, bias = self.weight[: len(inputs)], self.bias[: len(inputs)]
+        weight: Tensor = self.weight
+        bias: Tensor = self.bias
+        if len(inputs) < len(weight):
+            weight, bias = weight[: len(inputs)], bias[: len(inputs)]
         outs = weight.shape[2]
         if outs == 1:  # then a sum takes less time than any product
             return (inputs * weight.mT).sum(2, keepdim=True).add_(bias)

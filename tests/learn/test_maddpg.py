@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hand_made import Constant, Given, row, same, set_to
 
 from taskbuilder.learn.maddpg import Maddpg, MaddpgSettings
+from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Shapes
 
 LINEAR = MaddpgSettings(
@@ -375,7 +377,7 @@ def test_what_is_seen_is_standardised_by_the_warm_up_and_small_spreads_are_not_b
     made.load(arrays)
     seen = {"left": np.array([[7.0, 4.01]], dtype=np.float32)}
     actions = made.act(seen, np.random.default_rng(0), 0.0)["left"][0]
-    assert actions == pytest.approx(np.tanh([0.5 * (7.0 - 3.0) / 2.0, 0.5 * 0.01 / 0.1]), rel=1e-4)
+    assert actions == pytest.approx(np.tanh([0.5 * (7.0 - 3.0) / 2.0, 0.5 * 0.01 / 0.3]), rel=1e-4)
 
 
 def test_critics_see_the_state_standardised_now_and_next_and_pay_as_it_is():
@@ -418,6 +420,56 @@ def test_the_exported_policy_does_what_the_learner_would_without_noise(shapes, n
     for agent in shapes.agents:
         assert played[agent] == pytest.approx(acted[agent], abs=1e-6)
         assert np.ptp(played[agent]) > 0.05  # it depends on what is seen
+
+
+# --- beginning anew
+
+
+def test_networks_begin_anew_after_so_many_steps_and_when_they_have_doubled():
+    made, memory, rng = *renewed_after(100), np.random.default_rng(0)
+    made.begin(random_rows(TWO, 64), rng)
+    weights = [made.arrays()[f"{CRITICS}.weight"]]
+    for step in (99, 100, 104, 199, 203, 204, 300, 399, 400):
+        made.update(memory, rng, step)
+        weights.append(made.arrays()[f"{CRITICS}.weight"])
+    moved = [np.abs(b - a).max() > 0.1 for a, b in itertools.pairwise(weights)]
+    assert moved == [False, True, False, False, True, False, False, False, True]
+
+
+def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_that_was_met():
+    made, memory, rng = *renewed_after(100), np.random.default_rng(0)
+    made.begin(random_rows(TWO, 64), rng)
+    for step in range(90, 101):
+        made.update(memory, rng, step)
+    arrays = made.arrays()
+    assert arrays["critic_adam/0/step"] == 1.0
+    assert arrays["mean"][TWO.layout.state] == pytest.approx([5.0], abs=0.05)
+    assert arrays["scale"][TWO.layout.state] == pytest.approx([2.0], abs=0.05)
+    assert np.abs(arrays[f"{ACTOR}.weight"]).max() < 0.1  # the last layer begins small
+    assert arrays["begun"]
+
+
+def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
+    made, memory, rng = *renewed_after(100), np.random.default_rng(0)
+    made.begin(random_rows(TWO, 64), rng)
+    made.update(memory, rng, 100)
+    other = renewed_after(100)[0]
+    other.load(made.arrays())
+    draws = np.random.default_rng(1), np.random.default_rng(1)
+    for step in (104, 200):
+        for one, generator in zip((made, other), draws, strict=True):
+            one.update(memory, generator, step)
+        assert same(made.arrays(), other.arrays())
+
+
+def renewed_after(steps):
+    """A learner that begins anew, and what it has met: a state of 5 ± 2 among other numbers."""
+    made = learner(TWO, replace(LINEAR, renew=steps, lr=1e-4, batch=16))
+    rows = random_rows(TWO, 4096)
+    rows[:, TWO.layout.state] = rows[:, TWO.layout.state] * 2.0 + 5.0
+    memory = Replay(TWO.layout.width, len(rows))
+    memory.add(rows)
+    return made, memory
 
 
 # --- what is kept
