@@ -9,6 +9,7 @@ from taskbuilder.description.logic import AtLeast, Never, Once, Sustained, Then
 from taskbuilder.description.measures import (
     Closeness,
     Gap,
+    GripperOpening,
     Height,
     Ladder,
     Least,
@@ -58,6 +59,7 @@ __all__ = [
     "EmptyHanded",
     "FrameName",
     "Gap",
+    "GripperOpening",
     "Height",
     "Held",
     "Inside",

@@ -18,6 +18,7 @@ from taskbuilder.description.node import (
     Memory,
     Node,
     Parts,
+    RobotName,
     Step,
 )
 from taskbuilder.description.view import WorldView
@@ -137,6 +138,16 @@ class Height(Measure):
     def value(self, world: WorldView) -> float:
         base = world.position(self.reference)[2] if self.reference else 0.0
         return world.position(self.frame)[2] - base
+
+
+@dataclass(frozen=True)
+class GripperOpening(Measure):
+    """How far a robot's gripper is open: 0 where it is closed, 1 where it is wide open."""
+
+    robot: RobotName
+
+    def value(self, world: WorldView) -> float:
+        return world.opening(self.robot)
 
 
 @dataclass(frozen=True)

@@ -54,5 +54,8 @@ class WorldView(Protocol):
     def fingers_touch(self, body: str, robot: str) -> bool:
         """Whether any finger of a robot touches an object or part."""
 
+    def opening(self, robot: str) -> float:
+        """How far a robot's gripper is open, from 0 (closed) to 1."""
+
     def joint(self, name: str) -> float:
         """Position of an articulated object's joint, in rad or m."""

@@ -271,6 +271,10 @@ class World:
         """Bounding box of an object, a part or a site's marker, in its own frame."""
         return self._frames.box(body)
 
+    def opening(self, robot: str) -> float:
+        """How far a robot's gripper is open, from 0 (closed) to 1."""
+        return self.robots[robot].opening()
+
     def joint(self, name: str) -> float:
         """Position of an articulated object's joint, in rad or m."""
         return self._frames.joint(name)

@@ -34,6 +34,7 @@ class FakeWorld:
     finger_touches: set[tuple[str, str]] = field(default_factory=set)
     supports: dict[tuple[str, str], float] = field(default_factory=dict)
     joints: dict[str, float] = field(default_factory=dict)
+    openings: dict[str, float] = field(default_factory=dict)
     facts: set[str] = field(default_factory=set)
     numbers: dict[str, float] = field(default_factory=dict)
     asked: Counter[str] = field(default_factory=Counter)
@@ -67,6 +68,9 @@ class FakeWorld:
 
     def fingers_touch(self, body: str, robot: str) -> bool:
         return (body, robot) in self.finger_touches
+
+    def opening(self, robot: str) -> float:
+        return self.openings[robot]
 
     def joint(self, name: str) -> float:
         return self.joints[name]

@@ -9,7 +9,15 @@ from fake_world import A, B, FakeWorld, Number, describe
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskbuilder.description import Closeness, Gap, Height, Ladder, Least, Share
+from taskbuilder.description import (
+    Closeness,
+    Gap,
+    GripperOpening,
+    Height,
+    Ladder,
+    Least,
+    Share,
+)
 from taskbuilder.description.description import Referee
 from taskbuilder.description.measures import Constant
 
@@ -55,6 +63,12 @@ def test_closeness_is_one_at_the_place_and_falls_off_with_distance(world, now):
     assert now(Closeness("cube", "goal", scale=0.4)) == pytest.approx(1 - math.tanh(0.5))
     world.put("cube", 90.0, 0.0, 0.0)
     assert now(Closeness("cube", "goal")) == pytest.approx(0.0)
+
+
+def test_an_opening_is_that_of_the_robots_gripper(world, now):
+    world.openings = {"left": 0.25, "right": 1.0}
+    assert now(GripperOpening("left")) == 0.25
+    assert now(GripperOpening("right")) == 1.0
 
 
 @pytest.mark.parametrize(("facts", "value"), [("", 0.25), ("a", 1.5), ("ab", 3.0), ("b", 3.0)])
