@@ -34,21 +34,20 @@ TASKS = ("handover", "pick_push_place", "collaborative_lift")
 SEEDS = (1, 2, 3)
 EPISODES = 300
 
-COMMON = ("--observe", "scene", "--evaluate-episodes", "100", "--stop-at", "1")
+COMMON = ("--observe", "scene", "--evaluate-episodes", "100", "--stop-at", "0.99")
 TRACKS = {
     "demos": ("--demos", "200", "--steps", "100000", "--evaluate-every", "5000"),
     "scratch": ("--steps", "300000", "--evaluate-every", "10000"),
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 
-OWN: dict[str, tuple[str, ...]] = {
-    # Late in an episode, without them, none of an actor's ReLUs may be left that is not zero.
-    "handover/demos": ("--set", "actor_norms=true"),
+SETTINGS: dict[str, tuple[str, ...]] = {
+    "scratch": ("discount=0.95", "actor_norms=true", "renew=50000"),
     # What two arms hold between them slips from them if they move much apart by chance.
-    "collaborative_lift/demos": ("--set", "noise=0.05", "final_noise=0.02"),
-    "collaborative_lift/scratch": ("--set", "noise=0.25", "final_noise=0.05", "noise_until=0.3"),
+    "collaborative_lift/demos": ("noise=0.05", "final_noise=0.02"),
+    "collaborative_lift/scratch": ("noise=0.25", "final_noise=0.05", "noise_until=0.3"),
 }
-"""The same for one task's track alone, by TASK/TRACK."""
+"""What is chosen of the learner's own, by track and by TASK/TRACK."""
 
 WORTH_KEEPING = 0.9
 """Success in an evaluation during training from which on a policy is one for the zoo."""
@@ -79,7 +78,8 @@ def command(name: str, seed: int, folder: Path) -> list[str]:
     """What trains a run from the beginning."""
     task, track = name.split("/")
     out = folder / f"{task}-{track}-{seed}"
-    options = (*TRACKS[track], *COMMON, *OWN.get(name, ()))
+    settings = (*SETTINGS.get(track, ()), *SETTINGS.get(name, ()))
+    options = [*TRACKS[track], *COMMON, *(("--set", *settings) if settings else ())]
     return ["train", task, "--seed", str(seed), *options, "--out", str(out)]
 
 

@@ -6,6 +6,7 @@ from taskbuilder.description import (
     Closeness,
     Description,
     Distance,
+    GripperOpening,
     Height,
     Held,
     Ladder,
@@ -40,19 +41,21 @@ class Handover(Description):
         0.5 * Closeness("left.tcp", "stick.left_end") + 0.15 * Closeness("right.tcp", "goal"),
         (
             taken,
-            1.5
+            1.25
             + 0.25 * lift
             + 0.75 * Closeness("stick", "meeting", scale=0.3)
-            + 0.75 * lift * Closeness("right.tcp", "stick.right_end", scale=0.3),
+            + 0.75 * lift * Closeness("right.tcp", "stick.right_end", scale=0.6)
+            + 0.25 * lift * Closeness("right.tcp", "stick.right_end", scale=0.1)
+            + 0.5 * lift * GripperOpening("right"),
         ),
-        (shared, 4.0),
+        (shared, 4.25),
         (
             handed_over,
             5.15
             - 0.15 * Closeness("left.tcp", "stick.left_end")
-            + 1.5 * Closeness("stick", "goal", scale=0.5),
+            + 3.0 * Closeness("stick", "goal", scale=0.5),
         ),
-        (success, 7.0),
+        (success, 9.0),
     )
 
     held = taken | Held("stick", by="right")

@@ -240,7 +240,7 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
     """The whole scene as one agent may see it: itself first, then the others in file order.
 
     It names itself "self", as task files do, so that what they say of a channel holds here too.
-    Where something can be grasped is told in the frame of the agent's tool besides.
+    Where something can be grasped, and sites, are told in the frame of the agent's tool besides.
     """
     robots = ("self", *(name for name in world.robots if name != agent))
     moving = {name: thing for name, thing in world.objects.items() if not thing.spec.fixed}
@@ -248,7 +248,7 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
     return (
         *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
         *(f"{name}.pose" for name in moving),
-        *(f"{grasp}.position in self.tcp" for grasp in grasps),
+        *(f"{place}.position in self.tcp" for place in (*grasps, *world.sites)),
         *_moving_joints(world),
         *(f"{site}.position" for site in world.sites),
         "time_left",

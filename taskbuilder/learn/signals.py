@@ -145,8 +145,8 @@ class Ratchet:
         return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
 
     def memory(self) -> NDArray[np.float32]:
-        """See `Signal`."""
-        return np.stack([self._best, self._idle], 1).astype(np.float32)
+        """See `Signal`; progress in tens, as large as other things that critics see."""
+        return np.stack([self._best / 10.0, self._idle], 1).astype(np.float32)
 
 
 SIGNALS: Mapping[str, type[Plain] | type[Shaped] | type[Ratchet]] = {

@@ -15,7 +15,7 @@ from taskbuilder.spec.channels import CAMERA_QUANTITIES, OBJECT_QUANTITIES, ROBO
 from taskbuilder.spec.scene import ActionSpec
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "environments.md").read_text("utf-8")
-BLOCKS = re.findall(r"^## (.+?)$(?:(?!^## ).)*?^```python\n(.*?)^```$", PAGE, re.M | re.S)
+BLOCKS = re.findall(r"^## ([^\n]+)$(?:(?!^## ).)*?^```python\n(.*?)^```$", PAGE, re.M | re.S)
 
 
 @pytest.mark.parametrize(("heading", "block"), BLOCKS, ids=[heading for heading, _ in BLOCKS])
