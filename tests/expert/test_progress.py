@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from library_experts import SCENES, SEEDS, TASKS, played
 
-from taskbuilder.description import Closeness, Ladder, Share
+from taskbuilder.description import Closeness, GripperOpening, Ladder, Share
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import parallel_env
@@ -46,7 +46,7 @@ def span(measure: Measure) -> tuple[float, float]:
     match measure:
         case Constant():
             return measure.number, measure.number
-        case Closeness() | Share():
+        case Closeness() | GripperOpening() | Share():
             return 0.0, 1.0
         case Sum():
             lows, highs = zip(*map(span, measure.of), strict=True)
