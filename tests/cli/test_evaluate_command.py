@@ -121,7 +121,7 @@ def test_a_run_is_measured_by_the_policy_in_its_folder(run, policy):
 
 def test_policies_of_the_whole_scene_are_called_so_and_play_in_it(run, policy):
     scene = {"observe": "scene", "frame": "base", "rotation": "matrix", "variation": 1}
-    save_policy(policy, sideways(seen=18, env=scene, track="demos", starts=0.5, step=None))
+    save_policy(policy, sideways(seen=24, env=scene, track="demos", starts=0.5, step=None))
     ran = run("evaluate", "pushing.npz", "--episodes", "1", *HERE)
     assert ran.status == 0, ran.err
     _, saw, trained, *_ = ran.out.splitlines()
