@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from pathlib import Path
 
 import pytest
@@ -88,3 +89,46 @@ def test_a_folder_is_not_replaced_by_a_file(tmp_path):
 def test_a_file_in_no_folder_is_refused(tmp_path):
     with pytest.raises(FileNotFoundError):
         write_whole(tmp_path / "nowhere" / "notes.txt", b"one")
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # a file that nobody has got yet
+@pytest.mark.parametrize("there", [False, True])
+def test_an_interrupt_at_any_moment_leaves_a_whole_file_and_nothing_else(tmp_path, there):
+    """Before every single instruction of Python code that writing takes."""
+    path = tmp_path / "some.txt"
+    moment, interrupted = 0, True
+    while interrupted:
+        path.unlink(missing_ok=True)
+        if there:
+            path.write_bytes(b"before")
+        moment += 1
+        interrupted = interrupted_at(moment, lambda: write_whole(path, b"after", sync=True))
+        left = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+        assert left in ({"some.txt": b"after"}, {"some.txt": b"before"} if there else {}), moment
+    assert left == {"some.txt": b"after"}
+    assert moment > 100
+
+
+def interrupted_at(moment, call):
+    """Call something; whether it was interrupted, which happens at an instruction by number."""
+    passed = 0
+
+    def trace(frame, event, _):
+        nonlocal passed
+        frame.f_trace_opcodes = True
+        if event == "opcode":
+            passed += 1
+            if passed == moment:
+                sys.settrace(None)
+                raise KeyboardInterrupt
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        call()
+    except KeyboardInterrupt:
+        return True
+    finally:
+        sys.settrace(before)
+    return False

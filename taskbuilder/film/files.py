@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import io
-import os
-import tempfile
+import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
@@ -44,11 +43,10 @@ def mp4(path: Path, *, fps: int) -> Iterator[Callable[[Pixels], None]]:
         OSError: It cannot be written, or no codec is there.
         ValueError: There was no frame, or one of another size.
     """
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=".mp4", dir=path.parent)
-    os.close(handle)
-    aside = Path(name)
+    aside = path.with_name(f".{path.stem}.{secrets.token_hex(4)}.mp4")
     reel = _Reel(aside, fps)
     try:
+        aside.touch(exist_ok=False)  # where nothing can be written, that is said at once
         yield reel.add
         reel.finish()
         aside.chmod(0o644)
