@@ -41,13 +41,12 @@ TRACKS = {
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 
-SETTINGS: dict[str, tuple[str, ...]] = {
-    "scratch": ("discount=0.95", "actor_norms=true", "renew=50000"),
+SETTINGS = {
     # What two arms hold between them slips from them if they move much apart by chance.
     "collaborative_lift/demos": ("noise=0.05", "final_noise=0.02"),
     "collaborative_lift/scratch": ("noise=0.25", "final_noise=0.05", "noise_until=0.3"),
 }
-"""What is chosen of the learner's own, by track and by TASK/TRACK."""
+"""What is chosen of the learner's own."""
 
 WORTH_KEEPING = 0.9
 """Success in an evaluation during training from which on a policy is one for the zoo."""
@@ -78,7 +77,7 @@ def command(name: str, seed: int, folder: Path) -> list[str]:
     """What trains a run from the beginning."""
     task, track = name.split("/")
     out = folder / f"{task}-{track}-{seed}"
-    settings = (*SETTINGS.get(track, ()), *SETTINGS.get(name, ()))
+    settings = SETTINGS.get(name, ())
     options = [*TRACKS[track], *COMMON, *(("--set", *settings) if settings else ())]
     return ["train", task, "--seed", str(seed), *options, "--out", str(out)]
 

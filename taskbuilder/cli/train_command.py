@@ -28,7 +28,6 @@ from taskbuilder.learn.expertise import EXPERT_FILE, SEEDS_FROM, Recorded, save_
 from taskbuilder.learn.judging import Judge
 from taskbuilder.learn.plan import (
     RUN_FILE,
-    WITH_DEMOS,
     Plan,
     digest,
     load_plan,
@@ -86,7 +85,7 @@ def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan,
     plan = Plan(**{name: value for name, value in given.items() if value is not None})
     plan.check()
     chosen = read_settings(settings_of(plan.algorithm), arguments.set or ())
-    plan = replace(plan, settings={**(WITH_DEMOS if plan.demos else {}), **chosen})
+    plan = replace(plan, settings={**plan.preset, **chosen})
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
     if plan.reward in ("shaped", "ratchet") and task.description.progress is None:

@@ -23,6 +23,9 @@ WITH_DEMOS = {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regula
 """What learning with demonstrations changes of maddpg's settings: it begins with a policy that is
 almost right, which much noise would hide, and that moves as fast as experts do."""
 
+FROM_NOTHING = {"discount": 0.95, "actor_norms": True, "renew": 50_000}
+"""What learning without demonstrations changes: what is met early is unlike what is met late."""
+
 REWARDS = ("team", "local", "shaped", "ratchet")
 
 
@@ -72,6 +75,13 @@ class Plan:
         """The options of the environments that a policy of this plan needs."""
         names = ("observe", "frame", "rotation", "variation")
         return {name: getattr(self, name) for name in names}
+
+    @property
+    def preset(self) -> Mapping[str, Any]:
+        """What this kind of learning changes of the algorithm's settings."""
+        if self.algorithm == "maddpg":
+            return WITH_DEMOS if self.demos else FROM_NOTHING
+        return {}
 
     @property
     def track(self) -> str:
