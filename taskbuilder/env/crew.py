@@ -56,14 +56,17 @@ class Crew(Protocol):
         """The processes of the workers, if there are any."""
 
     def settle(self) -> None:
-        """Wait until nobody works on the board any more, after an interrupted `advance`.
+        """Wait until nobody works on the board any more, whatever was begun or interrupted.
 
         Raises:
             WorkerError: A worker is lost again and again.
         """
 
-    def advance(self, *, begin_anew: bool) -> list[range]:
-        """Let every environment do what the board says.
+    def go(self) -> None:
+        """Let every environment do what the board says, without waiting for it."""
+
+    def wait(self, *, begin_anew: bool) -> list[range]:
+        """Wait until all have done it.
 
         Args:
             begin_anew: Let the environments of a worker that was lost begin episodes at once.
@@ -97,8 +100,11 @@ class Alone:
     def settle(self) -> None:
         """See `Crew.settle`."""
 
-    def advance(self, *, begin_anew: bool) -> list[range]:  # noqa: ARG002  # none is ever lost
-        """See `Crew.advance`."""
+    def go(self) -> None:
+        """See `Crew.go`; there is nobody else to do it meanwhile."""
+
+    def wait(self, *, begin_anew: bool) -> list[range]:  # noqa: ARG002  # none is ever lost
+        """See `Crew.wait`."""
         self._shard.advance()
         return []
 
@@ -154,10 +160,13 @@ class Workers:
                 worker.wait(self._timeout_s)
         self._start([worker for worker in self._workers if worker.pid < 0])
 
-    def advance(self, *, begin_anew: bool) -> list[range]:
-        """See `Crew.advance`."""
+    def go(self) -> None:
+        """See `Crew.go`."""
         for worker in self._workers:
             worker.go()
+
+    def wait(self, *, begin_anew: bool) -> list[range]:
+        """See `Crew.wait`."""
         faults = [(worker, worker.wait(self._timeout_s)) for worker in self._workers]
         lost = []
         for worker, fault in faults:

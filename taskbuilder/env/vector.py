@@ -68,7 +68,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         self._board = crew.board
         # What was returned last. Workers may die while they write to the board, but not to this.
         self._seen = Moment(form, num_envs, Arena())
-        self._running = False
+        self._running = self._under_way = False
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self._draw_seeds(np.ones(num_envs, dtype=np.bool_))
         self._make_spaces()
@@ -118,14 +118,15 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         if "reset_mask" in (options or {}):
             raise UsageError("reset_mask is not supported; episodes follow each other as they end")
         seeds = read_seeds(seed, self.num_envs)
-        self._running = False
+        self._running = self._under_way = False
         self._crew.settle()
         for row, number in enumerate(seeds):
             if number is not None:
                 self._generators[row] = np.random.default_rng(number)
                 self._board.seeds[row] = number
         self._board.begin[:] = True
-        self._crew.advance(begin_anew=True)
+        self._crew.go()
+        self._crew.wait(begin_anew=True)
         self._draw_seeds(self._board.begin)
         self._board.begin[:] = False
         self._seen.copy(self._board.now)
@@ -150,14 +151,44 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
             UsageError: The environment is closed.
             WorkerError: A worker is lost again and again.
         """
+        self.step_async(actions)
+        return self.step_wait()
+
+    def step_async(self, actions: Arrays) -> None:
+        """Begin what `step` does, and let workers do it while the caller does something else.
+
+        Args:
+            actions: As of `step`.
+
+        Raises:
+            ActionError: Actions are not finite, or of another shape or kind.
+            AgentError: An agent's actions are missing, or there is no such agent.
+            EpisodeOverError: There was no reset, not since a step that was interrupted, or the
+                last step was not waited for.
+            UsageError: The environment is closed.
+        """
         self._check_open()
-        if not self._running:
-            raise EpisodeOverError("no episodes are running; call reset")
-        board = self._board
+        self._check_running()
         for agent, values in read_actions(actions, self._form, self.num_envs).items():
-            board.actions[agent][:] = values
+            self._board.actions[agent][:] = values
         self._running = False  # until all is well again: an interrupt may come at any moment
-        lost = self._write_off(self._crew.advance(begin_anew=self._same_step))
+        self._crew.go()
+        self._under_way = True
+
+    def step_wait(self) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
+        """Wait for the end of what `step_async` began; returns what `step` does.
+
+        Raises:
+            EpisodeOverError: No step is under way.
+            UsageError: The environment is closed.
+            WorkerError: A worker is lost again and again.
+        """
+        self._check_open()
+        if not self._under_way:
+            raise EpisodeOverError("no step is under way; call step_async")
+        self._under_way = False
+        board = self._board
+        lost = self._write_off(self._crew.wait(begin_anew=self._same_step))
         ended = board.terminated | board.truncated
         self._draw_seeds(ended if self._same_step else board.begin & ~lost)
         board.begin[:] = ended & (not self._same_step)
@@ -179,21 +210,27 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         """What a centralised critic sees: (num_envs, state_dim), of the last reset or step.
 
         Raises:
-            EpisodeOverError: There was no reset, or not since a step that was interrupted.
+            EpisodeOverError: There was no reset, not since a step that was interrupted, or a step
+                is under way.
         """
-        if not self._running:
-            raise EpisodeOverError("no episodes are running; call reset")
+        self._check_running()
         return self._seen.state.copy()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Free the environments and end the workers; called by `close`, which can be repeated."""
         del kwargs
-        self._running = False
+        self._running = self._under_way = False
         self._finalizer()
 
     def _check_open(self) -> None:
         if self.closed:
             raise UsageError("the environment is closed")
+
+    def _check_running(self) -> None:
+        if self._under_way:
+            raise EpisodeOverError("a step is under way; call step_wait")
+        if not self._running:
+            raise EpisodeOverError("no episodes are running; call reset")
 
     def _draw_seeds(self, rows: Flags) -> None:
         """Draw the seeds of the episodes after those that have begun."""

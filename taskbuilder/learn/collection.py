@@ -93,6 +93,7 @@ class Collector:
         self.observations: dict[str, NDArray[np.float32]] = {}
         self._state: NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
         self._tally = Tally(envs.num_envs)
+        self._actions: Arrays = {}
 
     def begin(self, seed: int) -> None:
         """Begin an episode everywhere, whatever ran before."""
@@ -105,14 +106,19 @@ class Collector:
     def _seen(self) -> NDArray[np.float32]:
         return np.concatenate([self._envs.state(), self._signal.memory()], 1)
 
-    def step(self, actions: Arrays) -> tuple[Rows, Sequence[Finished]]:
-        """Let all act.
+    def step_async(self, actions: Arrays) -> None:
+        """Let all act; where workers run the environments, without waiting for them."""
+        self._actions = actions
+        self._envs.step_async(dict(actions))
+
+    def step_wait(self) -> tuple[Rows, Sequence[Finished]]:
+        """Wait until all have acted.
 
         Returns:
             A row for each transition, and the episodes that ended. Where a worker was lost there
             is no row: what happened there nobody saw.
         """
-        later, rewards, terminated, truncated, infos = self._envs.step(dict(actions))
+        later, rewards, terminated, truncated, infos = self._envs.step_wait()
         ended = terminated | truncated
         final, next_observations, next_envs = infos, later, self._envs.state()
         if ended.any():
@@ -127,7 +133,7 @@ class Collector:
         rows = self._layout.rows(
             self.observations,
             self._state,
-            actions,
+            self._actions,
             paid,
             ended,
             terminated,

@@ -98,7 +98,8 @@ def transitions(
         steps = min(len(told) for told in episode.actions.values())
         for step in range(steps):
             told = {agent: values[step : step + 1] for agent, values in episode.actions.items()}
-            rows, finished = collector.step(told)
+            collector.step_async(told)
+            rows, finished = collector.step_wait()
             parts.append(rows)
             if finished:  # what the expert did afterwards would be of another episode
                 break

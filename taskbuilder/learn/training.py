@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -139,7 +138,6 @@ class Run:
         self.journal = Journal(folder, lengths, self._counters.step)
         self._losses: dict[str, float] = {}
         self._since = (time.perf_counter(), self._counters.step)
-        self._aside = ThreadPoolExecutor(1) if plan.workers else None
 
     @classmethod
     def prepare(cls, plan: Plan, task: Task, folder: Path, stack: ExitStack) -> Run:
@@ -233,13 +231,9 @@ class Run:
         self._begin_learning_in_time()
         done = min(counters.step / plan.steps, 1.0)
         actions = self._learner.act(self._collector.observations, self._rng, done)
-        if self._aside is None:
-            self._learn()
-            rows, finished = self._collector.step(actions)
-        else:
-            stepped = self._aside.submit(self._collector.step, actions)
-            self._learn()
-            rows, finished = stepped.result()
+        self._collector.step_async(actions)
+        self._learn()
+        rows, finished = self._collector.step_wait()
         self._memory.experience.add(rows)
         counters.step += plan.envs
         self._log(finished)
@@ -305,9 +299,7 @@ class Run:
         self._checkpoints.save(checkpoint, self._memory.parts)
 
     def close(self) -> None:
-        """End what runs aside, and finish the logs."""
-        if self._aside is not None:
-            self._aside.shutdown()
+        """Finish the logs."""
         self.journal.close()
 
 

@@ -57,6 +57,9 @@ def trouble(world: WorldView) -> bool:
         return False
     while taken.read_text() == "hang":
         time.sleep(0.01)
+    if taken.read_text() == "slow":
+        time.sleep(0.5)
+        return False
     raise RuntimeError("told to")
 
 
@@ -71,7 +74,7 @@ class Made(Description):
 
 
 def write_task(folder: Path, name: str = "made") -> Path:
-    """Write the task; a file beside it, with `.order` for suffix, makes it "hang" or "raise"."""
+    """Write the task; a file beside it, ending in `.order`, makes it "hang", "slow" or "raise"."""
     (folder / f"{name}.py").write_text(DESCRIPTION)
     file = folder / f"{name}.yaml"
     file.write_text(TASK.format(name=name))
