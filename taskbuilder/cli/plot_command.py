@@ -73,6 +73,8 @@ def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[Run]) -> lis
     how = [f"training episodes averaged over {WINDOW * _longest(runs):,.0f} steps"]
     if len(runs) > len(names):
         how.append("every run faint, in bold their interquartile mean with its 95% band")
+    if len({run.evaluations["step"][-1] for run in runs}) > 1:
+        how.append("stages of the runs that came so far")
     return [" · ".join(what), " · ".join(how)]
 
 

@@ -70,17 +70,21 @@ class Alike:
         return [line for line in lines if len(line[0])]
 
     def stages(self) -> Line:
-        """Mean share of an evaluation's episodes by furthest stage: (n,) and (stages + 1, n)."""
+        """Mean share of an evaluation's episodes by furthest stage: (n,) and (stages + 1, n).
+
+        Of the runs that came so far: they stop at different steps, once they succeed.
+        """
         count = max(_stage_count(run.evaluations) for run in self.runs)
-        steps = _common_steps(self.success())
+        steps = _known_steps(self.success())
         shares = []
         for run in self.runs:
             table = run.evaluations
             nobody = np.zeros(len(table["step"]))
             counts = [table.get(f"stage/{stage}", nobody) for stage in range(count)]
             total = np.maximum(table["episodes"], 1.0)
-            shares.append([np.interp(steps, table["step"], n / total) for n in counts])
-        return steps, np.mean(shares, axis=0)
+            known = table["step"]
+            shares.append([np.interp(steps, known, n / total, right=np.nan) for n in counts])
+        return steps, np.nanmean(shares, axis=0)
 
 
 def group(runs: Sequence[Run]) -> list[Alike]:
@@ -163,11 +167,16 @@ def middle(lines: Sequence[Line], rng: np.random.Generator) -> Middle | None:
 
 def _common_steps(lines: Sequence[Line]) -> Numbers:
     """Every step at which one of the lines has a point, as far as all of them reach."""
-    first = max(steps[0] for steps, _ in lines)
-    last = min(steps[-1] for steps, _ in lines)
-    known = np.unique(np.concatenate([steps for steps, _ in lines]))
-    common: Numbers = known[(known >= first) & (known <= last)]
+    known = _known_steps(lines)
+    common: Numbers = known[known <= min(steps[-1] for steps, _ in lines)]
     return common
+
+
+def _known_steps(lines: Sequence[Line]) -> Numbers:
+    """Every step at which one of the lines has a point, from where all of them have begun."""
+    known = np.unique(np.concatenate([steps for steps, _ in lines]))
+    begun: Numbers = known[known >= max(steps[0] for steps, _ in lines)]
+    return begun
 
 
 def smooth(steps: Numbers, values: Numbers, longest: float) -> Line:

@@ -134,14 +134,15 @@ def test_smoothed_lines_are_of_the_runs_that_have_the_column(make):
     assert labels_of(alike.runs) == ["reach/arm", "there"]
 
 
-def test_shares_of_stages_are_the_mean_of_the_runs(make):
+def test_shares_of_stages_are_the_mean_of_the_runs_that_came_so_far(make):
     (alike,) = group([make("a", seed=0), make("b", seed=1, steps=600)])
     steps, shares = alike.stages()
-    assert steps.tolist() == [100, 200, 300, 400]
-    assert shares.shape == (3, 4)
+    assert steps.tolist() == [100, 200, 300, 400, 500, 600]
+    assert shares.shape == (3, 6)
     assert shares.sum(0) == pytest.approx(1.0)
-    first, second = (run.evaluations["stage/2"][:4] / 20 for run in alike.runs)
-    assert shares[2] == pytest.approx((first + second) / 2)
+    first, second = (run.evaluations["stage/2"] / 20 for run in alike.runs)
+    assert shares[2][:4] == pytest.approx((first + second[:4]) / 2)
+    assert shares[2][4:] == pytest.approx(second[4:])
     assert 0.0 <= shares[2][0] < shares[2][3]
 
 
