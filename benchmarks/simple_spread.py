@@ -182,7 +182,7 @@ def play(learner: Maddpg | None, episodes: int) -> Any:
 def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
     """What came of it, beside what was published."""
     chance = play(None, 1000)
-    finals = {row["seed"]: row for row in rows}
+    finals = {row["seed"]: {name: float(value) for name, value in row.items()} for row in rows}
     return {
         "command": command,
         "machine": describe_machine(),
@@ -199,8 +199,8 @@ def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", nargs="+", type=int, default=[0])
-    parser.add_argument("--steps", type=int, default=125_000)
-    parser.add_argument("--every", type=int, default=12_500, help="steps between evaluations")
+    parser.add_argument("--steps", type=int, default=250_000)
+    parser.add_argument("--every", type=int, default=25_000, help="steps between evaluations")
     parser.add_argument("--episodes", type=int, default=100, help="of one; ten times at the end")
     parser.add_argument("--out", type=Path, default=RESULTS)
     asked = parser.parse_args()
