@@ -75,8 +75,8 @@ def _stages(stages: dict[str, int]) -> str:
 
 
 def zoo(_: str) -> str:
-    """The policies that come with the package."""
-    rows = []
+    """The policies that come with the package, and the commands that made them."""
+    rows, commands = [], []
     runs = {run["run"]: run for run in _read("learning.json")["runs"]}
     for name in zoo_names():
         about = load_policy(name).about
@@ -85,13 +85,13 @@ def zoo(_: str) -> str:
         saw = {"scene": "the whole scene", "task": "as the task says"}[about["env"]["observe"]]
         success = f"{100.0 * run['success_rate']:.1f} %"
         steps = f"{about['step']:,}"
-        rows.append(
-            [f"`{name}`", helped[about["track"]], saw, steps, success, f"`{run['command']}`"]
-        )
+        rows.append([f"`{name}`", helped[about["track"]], saw, steps, success])
+        commands.append(run["command"])
     if not rows:
         return "None yet."
-    head = ["policy", "helped by", "sees", "control steps", "success, 300 episodes", "made by"]
-    return table(head, rows)
+    head = ["policy", "helped by", "sees", "control steps", "success, 300 episodes"]
+    made = "\n".join(["Made by", "", "```text", *commands, "```"])
+    return f"{table(head, rows)}\n\n{made}"
 
 
 def _read(name: str) -> Any:
