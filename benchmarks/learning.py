@@ -46,7 +46,7 @@ SETTINGS = {
     "collaborative_lift/demos": ("noise=0.05", "final_noise=0.02"),
     "collaborative_lift/scratch": ("noise=0.25", "final_noise=0.05", "noise_until=0.3"),
 }
-"""What is chosen of the learner's own."""
+"""What is chosen of the learner's own settings, by TASK/TRACK."""
 
 WORTH_KEEPING = 0.9
 """Success in an evaluation during training from which on a policy is one for the zoo."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import sys
 import tempfile
 import time
@@ -45,25 +46,28 @@ def main() -> int:
         for name, workers in ways:
             steps_per_second = pace(arguments.steps, workers, UPDATES[name])
             paces[name, workers].append(round(steps_per_second, 1))
-            print(f"{name}, {workers} workers: {steps_per_second:.0f} steps/s", flush=True)
+            print(f"{label(name, workers)}: {steps_per_second:.0f} steps/s", flush=True)
     best = {
         name: max((median(paces[way]), way[1]) for way in ways if way[0] == name)
         for name in UPDATES
     }
     share = best["learning"][0] / best["collecting alone"][0]
     data = {
-        "command": "python benchmarks/pace.py",
+        "command": shlex.join(["python", "benchmarks/pace.py", *sys.argv[1:]]),
         "machine": describe_machine(),
         "control_steps_per_second": {name: value for name, (value, _) in best.items()},
         "workers": {name: workers for name, (_, workers) in best.items()},
-        "repeats": {
-            f"{name}, {workers} workers": values for (name, workers), values in paces.items()
-        },
+        "repeats": {label(*way): values for way, values in paces.items()},
         "share": round(share, 3),
     }
     RESULTS.write_text(json.dumps(data, indent=2) + "\n")
     print(f"learning goes at {data['share']:.0%} of the pace of collecting alone")
     return 0
+
+
+def label(name: str, workers: int) -> str:
+    """A way to go, in words."""
+    return f"{name}, {workers} worker{'s' * (workers > 1)}"
 
 
 def pace(steps: int, workers: int, update_every: float) -> float:

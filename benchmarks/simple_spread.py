@@ -153,11 +153,11 @@ def train(run: Run) -> Iterator[dict[str, Any]]:
                 "seed": run.seed,
                 "step": step,
                 "episodes": len(finished),
-                "training_return": f"{np.mean(finished[-1000:]):.3f}",
-                "return": f"{returns.mean():.3f}",
-                "error": f"{returns.std(ddof=1) / np.sqrt(len(returns)):.3f}",
+                "training_return": round(float(np.mean(finished[-1000:])), 3),
+                "return": round(float(returns.mean()), 3),
+                "error": round(float(returns.std(ddof=1) / np.sqrt(len(returns))), 3),
                 "updates": updates,
-                "seconds": f"{time.perf_counter() - started:.0f}",
+                "seconds": round(time.perf_counter() - started),
             }
 
 
@@ -182,7 +182,7 @@ def play(learner: Maddpg | None, episodes: int) -> Any:
 def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
     """What came of it, beside what was published."""
     chance = play(None, 1000)
-    finals = {row["seed"]: {name: float(value) for name, value in row.items()} for row in rows}
+    finals = {row["seed"]: row for row in rows}
     return {
         "command": command,
         "machine": describe_machine(),

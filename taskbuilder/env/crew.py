@@ -103,8 +103,9 @@ class Alone:
     def go(self) -> None:
         """See `Crew.go`; there is nobody else to do it meanwhile."""
 
-    def wait(self, *, begin_anew: bool) -> list[range]:  # noqa: ARG002  # none is ever lost
-        """See `Crew.wait`."""
+    def wait(self, *, begin_anew: bool) -> list[range]:
+        """See `Crew.wait`; no environment is ever lost here."""
+        del begin_anew
         self._shard.advance()
         return []
 
