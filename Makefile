@@ -15,7 +15,7 @@ types:
 	mypy
 
 tests:
-	pytest -n 2
+	pytest -n 2 --dist worksteal
 
 docs:
 	sphinx-build -q -W -b html docs docs/_build/html
