@@ -11,6 +11,7 @@ import contextlib
 import io
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -33,7 +34,7 @@ from taskbuilder.validate.places import arose_in_description, finding_in_file
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.report import Check, FamilyResult, Result
 from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import SMALL, Start
+from taskbuilder.validate.studio import SMALL, Start, Studio, at_work
 from taskbuilder.validate.traces import actions_of
 
 EPISODES = 2
@@ -52,7 +53,7 @@ def contract_family(run: Run) -> FamilyResult:
         check_own(run.task, views),
     ]
     if all(check.ok for check, _ in results):
-        results += [check_suite(run.task, code) for code in SUITES]
+        results += run.spread(partial(at_work, _check_suite, run.source), SUITES)
     wrong = [check.name for check, _ in results if not check.ok]
     summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} suites"
     findings = tuple(finding for _, found in results for finding in found)
@@ -67,6 +68,10 @@ def _actions(run: Run, env: TaskEnv) -> list[Actions]:
     (played,) = run.demonstrate([Start(0, 0)], "contract")
     done = played.trouble.step if played.trouble else max(played.stage_ends, default=0)
     return actions_of(played)[:done] + by_chance[done:]
+
+
+def _check_suite(studio: Studio, code: str) -> Result:
+    return check_suite(studio.task, code)
 
 
 def check_suite(task: Task, code: str) -> Result:

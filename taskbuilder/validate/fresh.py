@@ -16,32 +16,42 @@ from typing import IO, Any
 
 from taskbuilder.validate.studio import DescriptionError, Source, Studio, at_work
 
+Give = Callable[[Callable[[Studio, Any], Any], Source, Any], Callable[[], list[Any]]]
+"""Gives fresh processes their work; what it returns waits for the results."""
+
 
 @contextmanager
-def fresh_processes(
-    function: Callable[[Studio, Any], Any], source: Source, item: Any, count: int
-) -> Iterator[Callable[[], list[Any]]]:
+def fresh_processes(count: int) -> Iterator[Give]:
     """Have the same work done in several fresh processes, while other things are done here.
 
+    They begin to load what they need at once, before there is any work for them.
+
     Args:
-        function: Of a module, to be called with the process's studio and the item.
-        source: Where the task is found.
-        item: What the work is about; picklable.
         count: How many processes.
 
     Yields:
-        Waits for the results. It raises DescriptionError if the description raised an error, and
-        RuntimeError if a process was lost.
+        Gives each of them the same work, once: a function of a module, which is called with the
+        process's studio and an item; where the task is found; and the item, which is picklable.
+        What this returns waits for the results. It raises DescriptionError if the description
+        raised an error, and RuntimeError if a process was lost.
     """
-    work = pickle.dumps((function, source, item))
     with ExitStack() as stack:
         said = [stack.enter_context(TemporaryFile()) for _ in range(count)]
         begun = [_begin(number, file) for number, file in enumerate(said, start=1)]
         children = [stack.enter_context(child) for child in begun]
-        try:
+
+        def give(
+            function: Callable[[Studio, Any], Any], source: Source, item: Any
+        ) -> Callable[[], list[Any]]:
+            work = pickle.dumps((function, source, item))
             for child in children:
                 _give(child, work)
-            yield lambda: [_result(child, file) for child, file in zip(children, said, strict=True)]
+            return lambda: [
+                _result(child, file) for child, file in zip(children, said, strict=True)
+            ]
+
+        try:
+            yield give
         finally:
             for child in children:
                 child.kill()

@@ -49,11 +49,12 @@ class Script(NamedTuple):
 
 def repeat_family(run: Run) -> FamilyResult:
     """Play the same episodes in several ways, and compare them to the bit."""
-    scripts = _scripts(run, run.some_starts(EPISODES))
-    untouched = _check_untouched(run, scripts[0])
-    if not untouched[0].ok:
-        return _result([untouched], "the description changes the world")
-    with fresh_processes(play_scripts, run.source, scripts, 2) as fresh:
+    with fresh_processes(2) as give:
+        scripts = _scripts(run, run.some_starts(EPISODES))
+        untouched = _check_untouched(run, scripts[0])
+        if not untouched[0].ok:
+            return _result([untouched], "the description changes the world")
+        fresh = give(play_scripts, run.source, scripts)
         played = [
             _with_restores(run.studio.env(start.variation), start.seed, actions)
             for start, actions in scripts
@@ -183,8 +184,8 @@ def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
 
 def _again(run: Run, scripts: Sequence[Script]) -> list[Difference | None]:
     """Where each episode differs when it is played twice over in one process."""
-    with fresh_processes(play_scripts, run.source, [s for s in scripts for _ in "12"], 1) as fresh:
-        (traces,) = fresh()
+    with fresh_processes(1) as give:
+        (traces,) = give(play_scripts, run.source, [s for s in scripts for _ in "12"])()
     return [difference(*pair) for pair in zip(traces[::2], traces[1::2], strict=True)]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from difflib import ndiff
 from functools import partial
 from pathlib import Path
@@ -21,6 +21,7 @@ from taskbuilder.codes import CODES
 from taskbuilder.description.load import try_import
 from taskbuilder.errors import Finding
 from taskbuilder.task import load_task
+from taskbuilder.validate.fresh import Give
 from taskbuilder.validate.report import TaskReport
 from taskbuilder.validate.run import validate_task
 from taskbuilder.validate.static import GROUPS
@@ -70,15 +71,14 @@ ASKED_FOR = {
 
 
 @contextmanager
-def in_this_process(
-    function: Callable[[Studio, Any], Any], source: Source, item: Any, count: int
-) -> Iterator[Callable[[], list[Any]]]:
-    """Stands for `fresh_processes`: the work is done at once, by a studio of its own."""
-    studio = Studio(load_task(source.reference, catalogue=source.catalogue))
-    try:
-        yield lambda: [function(studio, item)] * count
-    finally:
-        studio.close()
+def in_this_process(count: int) -> Iterator[Give]:
+    """Stands for `fresh_processes`: the work is done here, when its results are waited for."""
+
+    def work(function: Callable[[Studio, Any], Any], source: Source, item: Any) -> Any:
+        with closing(Studio(load_task(source.reference, catalogue=source.catalogue))) as studio:
+            return function(studio, item)
+
+    yield lambda *what: lambda: [work(*what)] * count
 
 
 def validated(file: Path, code: str | None) -> TaskReport:
