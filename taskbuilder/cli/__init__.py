@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Sequence
 
 from taskbuilder.cli.arguments import parse
+from taskbuilder.cli.interrupts import forget_interrupt, interrupts_heeded
 from taskbuilder.errors import (
     FileError,
     PlacementError,
@@ -34,7 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        status = _run(words)
+        with interrupts_heeded():
+            status = _run(words)
         sys.stdout.flush()
     except BrokenPipeError:
         # Whoever read the output has seen enough; what is left must not fail at exit.
@@ -42,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return OK
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        _forget_interrupt()
+        forget_interrupt()
         return INTERRUPTED
     except Exception as error:
         if "--debug" in words:
@@ -58,16 +60,6 @@ def _run(words: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else USAGE
     status: int = arguments.run(arguments)
     return status
-
-
-def _forget_interrupt() -> None:
-    """Let the process end with our status and not by a signal.
-
-    CPython marks the process as interrupted whenever Ctrl-C strikes within `exec` or `eval` of a
-    string, as dataclasses and namedtuples do while modules are imported, and forgets it only when
-    the next string is executed; a handled interrupt would still kill the process as it exits.
-    """
-    exec("")  # noqa: S102
 
 
 def _fail(error: Exception) -> int:

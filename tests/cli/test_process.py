@@ -109,6 +109,31 @@ def test_ctrl_c_while_python_executes_a_string_ends_with_130_too(tmp_path):
     assert (done.returncode, done.stderr) == (130, "interrupted\n")
 
 
+_INTERRUPTED_IN_A_FINALIZER = """\
+import signal, sys, time
+from taskbuilder import cli
+
+class Closing:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+def work(words):
+    Closing()
+    time.sleep(30)
+
+cli.parse = work
+sys.exit(cli.main([]))
+"""
+
+
+def test_ctrl_c_while_python_frees_something_ends_with_130_too(tmp_path):
+    """Python drops what is raised there, and so would never end."""
+    (tmp_path / "interrupted.py").write_text(_INTERRUPTED_IN_A_FINALIZER)
+    command = [sys.executable, "-m", "interrupted"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=20)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
 @pytest.mark.parametrize("words", [("--help",), ("list",), ("schema", "task")])
 def test_a_reader_that_has_seen_enough_is_no_error(words, tmp_path):
     end, start = os.pipe()
