@@ -1,5 +1,8 @@
 """The learning runs: three tasks, with demonstrations and from nothing, three seeds each.
 
+And, where not every seed learns from nothing, the same with half of the training episodes begun in
+states of the expert.
+
     python benchmarks/learning.py [--only handover/demos] [--seeds 1 2 3] [--jobs 2] [--folder runs]
 
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
@@ -8,7 +11,8 @@ that neither training nor the choice of a policy has seen, and writes
 - benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run,
 - benchmarks/results/learning.json: what came of each, with the command that makes it again, and
 - taskbuilder/learn/models/TASK/TRACK.npz: of the seeds' policies the one that did best in the
-  evaluations of its training, with its plan and its curve beside it, if it can do the task.
+  evaluations of its training, with its plan and its curve beside it, if it can do the task. The
+  zoo has what learned from demonstrations and from nothing.
 
 A run is an hour or less on one core. Nothing is left out: a run that failed is there as it is.
 """
@@ -35,11 +39,17 @@ SEEDS = (1, 2, 3)
 EPISODES = 300
 
 COMMON = ("--observe", "scene", "--evaluate-episodes", "100", "--stop-at", "0.99")
+LONG = ("--steps", "300000", "--evaluate-every", "10000")
 TRACKS = {
     "demos": ("--demos", "200", "--steps", "100000", "--evaluate-every", "5000"),
-    "scratch": ("--steps", "300000", "--evaluate-every", "10000"),
+    "scratch": LONG,
+    "resets": ("--starts", "0.5", *LONG),
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
+
+IN_ZOO = tuple(f"{task}/{track}" for track in ("demos", "scratch") for task in TASKS)
+RUNS = (*IN_ZOO, "handover/resets", "pick_push_place/resets")
+"""By TASK/TRACK."""
 
 SETTINGS = {
     # What two arms hold between them slips from them if they move much apart by chance.
@@ -61,13 +71,13 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="runs at once, a core each")
     parser.add_argument("--folder", type=Path, default=Path("runs"), help="of the runs themselves")
     arguments = parser.parse_args()
-    asked = arguments.only or [f"{task}/{track}" for track in TRACKS for task in TASKS]
+    asked = arguments.only or RUNS
     wanted = [(name, seed) for seed in arguments.seeds for name in asked]
     arguments.folder.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(arguments.jobs) as pool:
         for line in pool.map(partial(run, folder=arguments.folder), wanted):
             print(line, flush=True)
-    for name in asked:
+    for name in sorted({*asked} & {*IN_ZOO}):
         publish(name, arguments.folder)
     write_summary()
     return 0

@@ -54,7 +54,7 @@ def make_all() -> None:
             for ending in (".gif", "-strip.png"):
                 _keep(Path(folder, f"{task}{ending}"), f"{task}-{track}{ending}")
         for task in SHOWN:
-            for track in ("demos", "scratch"):
+            for track in ("demos", "scratch", "resets"):
                 runs = sorted(RUNS.glob(f"{task}-{track}-*"))
                 if runs:
                     curves = IMAGES / f"{task}-{track}-curves.png"
