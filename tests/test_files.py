@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import stat
 import sys
@@ -124,6 +125,7 @@ def interrupted_at(moment, call):
         return trace
 
     before = sys.gettrace()
+    gc.disable()  # what is told of collections would be traced too, and can raise nothing
     sys.settrace(trace)
     try:
         call()
@@ -131,4 +133,5 @@ def interrupted_at(moment, call):
         return True
     finally:
         sys.settrace(before)
+        gc.enable()
     return False
