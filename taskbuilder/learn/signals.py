@@ -138,7 +138,7 @@ class Ratchet:
     def pay(self, rewards: Pay, infos: Infos) -> Pay:
         """See `Signal`."""
         gained = np.maximum(infos["progress"] - self._best, 0.0)
-        self._best = self._best + gained
+        self._best = np.maximum(self._best, infos["progress"])
         self._idle = infos["idle"].copy()
         lost = np.maximum(infos["failure"], infos["condition/setback"])
         pay = self.gain * gained + self.success * infos["success"] - self.failure * lost

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from taskbuilder.env.vector import make_vec
@@ -90,6 +90,7 @@ def test_the_ratchet_pays_for_the_best_progress_and_takes_nothing_back(ladder):
 
 
 @given(progresses)
+@example([1.300777743834516, 3.5916106811385444, 3.5916106811385444])  # a + (b - a) is not b
 def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder):
     pays = paid(SIGNALS["ratchet"](1, 0.97), ladder)[:, 0]
     beyond = [now > max(ladder[: n + 1]) for n, now in enumerate(ladder[1:])]
