@@ -14,7 +14,8 @@ that neither training nor the choice of a policy has seen, and writes
   evaluations of its training, with its plan and its curve beside it, if it can do the task. The
   zoo has what learned from demonstrations and from nothing.
 
-A run is an hour or less on one core. Nothing is left out: a run that failed is there as it is.
+A run is minutes to an hour and a half on one core. Nothing is left out: a
+run that failed is there as it is.
 """
 
 from __future__ import annotations

@@ -44,4 +44,4 @@ def forget_interrupt() -> None:
     string, as dataclasses and namedtuples do while modules are imported, and forgets it only when
     the next string is executed; a handled interrupt would still kill the process as it exits.
     """
-    exec("")  # noqa: S102
+    exec("")  # noqa: S102  # our own string, and empty: only that one is executed matters

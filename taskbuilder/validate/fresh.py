@@ -43,8 +43,8 @@ def fresh_processes(count: int) -> Iterator[Give]:
         def give(
             function: Callable[[Studio, Any], Any], source: Source, item: Any
         ) -> Callable[[], list[Any]]:
-            # To our own child over a pipe, never to a file; JSON has no functions and no arrays.
-            work = pickle.dumps((function, source, item))
+            # JSON has no functions and no arrays.
+            work = pickle.dumps((function, source, item))  # for our own child, over a pipe
             for child in children:
                 _give(child, work)
             return lambda: [
