@@ -117,6 +117,11 @@ class Episode:
         return self._worlds[self._variation]
 
     @property
+    def variation(self) -> int:
+        """Which scene of the task this episode is played in."""
+        return self._variation
+
+    @property
     def horizon(self) -> int:
         """Control steps of a whole episode."""
         return self._file.spec.timing.episode_steps

@@ -5,9 +5,9 @@ from __future__ import annotations
 import difflib
 from pathlib import Path
 
+from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.learn.policy import Policy
-from taskbuilder.learn.store import StoreError, read_arrays, write_arrays
 
 ZOO = Path(__file__).parent / "models"
 """A folder for each task, with a file for each policy."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 from pydantic import TypeAdapter
 
-from taskbuilder.expert.demonstration import CAUSES
+from taskbuilder.rollout.record import CAUSES
 from taskbuilder.spec.expert import VERBS, ExpertStage
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "experts.md").read_text("utf-8")
