@@ -114,9 +114,11 @@ class Episode:
         if self._closed:
             raise UsageError("this environment is closed; make another")
         if self._variation not in self._worlds:
-            self._worlds[self._variation] = build_world(
+            world = build_world(
                 self._file, variation=self._variation, renderer=self.options.renderer
             )
+            world.watch_forces(self._referee.force_pairs)
+            self._worlds[self._variation] = world
         return self._worlds[self._variation]
 
     @property
