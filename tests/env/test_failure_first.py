@@ -7,11 +7,8 @@ import pytest
 from env_tasks import PLAIN, arm, towards
 
 from taskbuilder.env.infos import make_info
-from taskbuilder.expert.recording import Recording
-from taskbuilder.film.chronicle import chronicle
 from taskbuilder.learn.collection import Tally
-from taskbuilder.learn.evaluation import play
-from taskbuilder.validate.playing import Account
+from taskbuilder.rollout import play, replay
 
 SPOT, HIGH = (0.45, 0.1, 0.4), (0.45, 0.1, 0.5)
 STEPS = 10
@@ -93,20 +90,18 @@ def test_a_saved_state_knows_of_failure(make):
 )
 def test_everything_that_tells_of_an_episode_says_the_same(make, goals, first):
     env = make(arm(steps=STEPS), TOO_HIGH)
-    recording = Recording(env, 0)
     tally = Tally(1)
     tally.begin(np.array([True]))
-    for action in way(env, goals):
-        recording.step(action)
-        infos = make_info(env.episode)
-        tally.add({key: np.array([value]) for key, value in infos.items()}, np.zeros((1, 1)))
-    told = recording.demonstration()
+
+    def note(env):
+        if env.episode.steps:
+            infos = make_info(env.episode)
+            tally.add({key: np.array([value]) for key, value in infos.items()}, np.zeros((1, 1)))
+
+    actions = way(env, goals)
+    told = play(env, lambda _: next(actions, None), 0, watch=note)
     assert told.success is (first is not None)
+    assert told.success is env.episode.succeeded
     (finished,) = tally.finished(np.array([True]))
     assert finished.success is told.success
-    assert Account(env).closed().success is told.success
-    story = chronicle(env, told)
-    assert story.first_success == told.first_success
-    actions = iter(told.actions["arm"])
-    played = play(env, lambda _: {"arm": next(actions)}, 0)
-    assert (played.success, played.first_success) == (told.success, told.first_success)
+    assert replay(env, told).first_success == told.first_success
