@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 from taskbuilder.geometry import Vec3
 from taskbuilder.sim.body import Body
@@ -52,38 +52,34 @@ def contacts(
         link_a: Only contacts of this link of ``body_a``.
         link_b: Only contacts with this link of ``body_b``.
     """
+    found = client.bullet.getContactPoints(**_filter(body_a, body_b, link_a, link_b))
     return tuple(
         Contact(a, link_of_a, b, link_of_b, position, normal, force, distance)
-        for _, a, b, link_of_a, link_of_b, _, position, normal, distance, force, *_ in _points(
-            client, body_a, body_b, link_a, link_b
-        )
+        for _, a, b, link_of_a, link_of_b, _, position, normal, distance, force, *_ in found
     )
 
 
-def normal_force(
-    client: Client,
-    body_a: Body,
-    body_b: Body,
-    *,
-    link_a: int | None = None,
-    link_b: int | None = None,
-) -> float:
-    """Sum of the normal forces between two bodies, or links of them, in the last physics step (N).
+def normal_force_reader(
+    body_a: Body, body_b: Body, *, link_a: int | None = None, link_b: int | None = None
+) -> Callable[[], float]:
+    """Reads the sum of the normal forces (N) between two bodies, or links, in the last step.
 
     Cheap enough for every physics step: nothing is made of the contacts. The sum does not depend on
     the order in which Bullet lists them.
     """
-    return math.fsum(point[9] for point in _points(client, body_a, body_b, link_a, link_b))
+    bullet, wanted = body_a.client.bullet, _filter(body_a, body_b, link_a, link_b)
+
+    def read() -> float:
+        points = bullet.getContactPoints(**wanted)
+        return math.fsum([point[9] for point in points]) if points else 0.0
+
+    return read
 
 
-def _points(
-    client: Client,
-    body_a: Body | None,
-    body_b: Body | None,
-    link_a: int | None,
-    link_b: int | None,
-) -> Sequence[tuple[Any, ...]]:
-    """Bullet's contact points of what is given."""
+def _filter(
+    body_a: Body | None, body_b: Body | None, link_a: int | None, link_b: int | None
+) -> dict[str, int]:
+    """What Bullet is told for contacts of these only."""
     wanted = {}
     if body_a is not None:
         wanted["bodyA"] = body_a.id
@@ -93,8 +89,7 @@ def _points(
         wanted["linkIndexA"] = link_a
     if link_b is not None:
         wanted["linkIndexB"] = link_b
-    points: Sequence[tuple[Any, ...]] = client.bullet.getContactPoints(**wanted)
-    return points
+    return wanted
 
 
 def closest_distance(body_a: Body, body_b: Body, within: float) -> float | None:

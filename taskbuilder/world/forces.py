@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from taskbuilder.errors import UsageError
-from taskbuilder.sim.body import Body
-from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import normal_force
+from taskbuilder.sim.contacts import normal_force_reader
 from taskbuilder.world.touch import Touch
 
 WINDOW_HZ = 60
@@ -31,14 +29,31 @@ class Reading:
     peak: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class _Watched:
-    """Two bodies, and the link of each where only that is meant."""
+class _Gauge:
+    """Follows the force between two bodies."""
 
-    one: Body
-    other: Body
-    one_link: int | None
-    other_link: int | None
+    def __init__(self, read: Callable[[], float], steps: int) -> None:
+        self._read = read
+        self._nothing = Reading((0.0,) * steps)
+        self.known = self._nothing
+
+    def begin(self) -> None:
+        """A control step begins."""
+        if self.known is not self._nothing:
+            window = self.known.window
+            self.known = Reading(window) if any(window) else self._nothing
+
+    def read(self) -> None:
+        """A physics step has passed."""
+        force = self._read()
+        if not force and self.known is self._nothing:
+            return  # as nearly always
+        window = (*self.known.window[1:], force)
+        self.known = Reading(window, max(self.known.peak, sum(window) / len(window)))
+
+    def restore(self, known: Reading | None) -> None:
+        """Go on from a reading, or from nothing."""
+        self.known = known or self._nothing
 
 
 class ForceMeter:
@@ -48,7 +63,7 @@ class ForceMeter:
     runs on from one control step into the next. Of each control step the peak is kept.
 
     Args:
-        client: The physics.
+        physics_hz: Physics steps a second.
         touch: Finds bodies by name.
         pairs: Names of the bodies to watch, in either order.
 
@@ -56,19 +71,22 @@ class ForceMeter:
         UnknownNameError: There is no such object, part or robot.
     """
 
-    def __init__(self, client: Client, touch: Touch, pairs: Iterable[Pair] = ()) -> None:
-        self._client = client
-        self._watched: dict[Pair, _Watched] = {}
+    def __init__(self, physics_hz: int, touch: Touch, pairs: Iterable[Pair] = ()) -> None:
+        steps = max(1, physics_hz // WINDOW_HZ)
+        self._gauges: dict[Pair, _Gauge] = {}
         for first, second in map(_ordered, pairs):
             (one, one_link), (other, other_link) = touch.body(first), touch.body(second)
-            self._watched[first, second] = _Watched(one, other, one_link, other_link)
-        self._steps = max(1, client.physics_hz // WINDOW_HZ)
-        self.readings: Mapping[Pair, Reading] = {}
-        self.clear()
+            reader = normal_force_reader(one, other, link_a=one_link, link_b=other_link)
+            self._gauges[first, second] = _Gauge(reader, steps)
 
     def __bool__(self) -> bool:
         """Whether anything is watched."""
-        return bool(self._watched)
+        return bool(self._gauges)
+
+    @property
+    def readings(self) -> Mapping[Pair, Reading]:
+        """What is known now, to `restore` later."""
+        return {pair: gauge.known for pair, gauge in self._gauges.items()}
 
     def clear(self) -> None:
         """Forget all forces, as at the beginning of an episode."""
@@ -76,28 +94,18 @@ class ForceMeter:
 
     def restore(self, readings: Mapping[Pair, Reading]) -> None:
         """Go on from what was known at another moment; pairs watched since begin at zero."""
-        nothing = Reading((0.0,) * self._steps)
-        self.readings = {pair: readings.get(pair, nothing) for pair in self._watched}
+        for pair, gauge in self._gauges.items():
+            gauge.restore(readings.get(pair))
 
     def begin(self) -> None:
         """A control step begins."""
-        self.readings = {pair: Reading(known.window) for pair, known in self.readings.items()}
+        for gauge in self._gauges.values():
+            gauge.begin()
 
     def read(self) -> None:
         """A physics step has passed."""
-        readings = {}
-        for pair, watched in self._watched.items():
-            known = self.readings[pair]
-            force = normal_force(
-                self._client,
-                watched.one,
-                watched.other,
-                link_a=watched.one_link,
-                link_b=watched.other_link,
-            )
-            window = (*known.window[1:], force)
-            readings[pair] = Reading(window, max(known.peak, sum(window) / self._steps))
-        self.readings = readings
+        for gauge in self._gauges.values():
+            gauge.read()
 
     def force(self, first: str, second: str) -> float:
         """Peak force between two bodies in the last control step, in newtons.
@@ -105,14 +113,14 @@ class ForceMeter:
         Raises:
             UsageError: The pair is not watched.
         """
-        found = self.readings.get(_ordered((first, second)))
-        if found is None:
+        gauge = self._gauges.get(_ordered((first, second)))
+        if gauge is None:
             raise UsageError(
                 f'the force between "{first}" and "{second}" is not watched; ask for it by '
                 f'ContactForce("{first}", "{second}"), or name the pair in force_pairs of a '
                 "condition or measure of your own"
             )
-        return found.peak
+        return gauge.known.peak
 
 
 def _ordered(pair: Pair) -> Pair:

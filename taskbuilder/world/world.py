@@ -98,7 +98,7 @@ class World:
         self.onlooker: Iterator[None] | None = None
         self._frames = Frames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
-        self._forces = ForceMeter(client, self._touch)
+        self._forces = ForceMeter(client.physics_hz, self._touch)
         self._built: WorldState | None = None
 
     # Time
@@ -316,7 +316,7 @@ class World:
         Raises:
             UnknownNameError: There is no such object, part or robot.
         """
-        self._forces = ForceMeter(self.client, self._touch, pairs)
+        self._forces = ForceMeter(self.client.physics_hz, self._touch, pairs)
 
     def contact_force(self, first: str, second: str) -> float:
         """Force with which two things press on each other: see `ForceMeter`; 0 after reset.

@@ -78,9 +78,12 @@ def test_a_force_that_nothing_names_says_how_it_can_be_asked_for(make):
 
 @pytest.mark.parametrize("asking", [True, False])
 def test_only_what_a_description_asks_for_is_read(make, monkeypatch, asking):
+    read = []
+    monkeypatch.setattr(
+        forces, "normal_force_reader", lambda *_, **__: lambda: read.append(0) or 0.0
+    )
     env = make(facing(), ASKING if asking else TWO)
     env.reset(seed=0)
-    read = []
-    monkeypatch.setattr(forces, "normal_force", lambda *_, **__: read.append(0) or 0.0)
+    read.clear()
     env.step({agent: np.zeros(5) for agent in env.possible_agents})
     assert len(read) == (12 if asking else 0)

@@ -13,9 +13,9 @@ from taskbuilder.world import forces
 
 
 def scripted(monkeypatch, values) -> None:
-    """The physics says these forces, one a physics step."""
+    """The physics says these forces, one a physics step, of the pairs watched from now on."""
     said: Iterator[float] = iter(values)
-    monkeypatch.setattr(forces, "normal_force", lambda *_, **__: next(said))
+    monkeypatch.setattr(forces, "normal_force_reader", lambda *_, **__: said.__next__)
 
 
 @pytest.mark.parametrize(
@@ -53,19 +53,19 @@ def test_the_mean_runs_over_the_physics_steps_that_fit_in_a_sixtieth_of_a_second
 ):
     text = bench().replace("physics_hz: 120", f"physics_hz: {hz}")
     world = build(text)
-    world.watch_forces([("block", "post")])
     steps = hz // 10
     blow = [0.0] * steps
     blow[steps // 2 - 1] = 12.0
     scripted(monkeypatch, blow)
+    world.watch_forces([("block", "post")])
     world.step()
     assert world.contact_force("block", "post") == pytest.approx(12.0 / window)
 
 
 def test_the_mean_runs_on_from_one_control_step_into_the_next(build, monkeypatch):
     world = build(bench())
-    world.watch_forces([("block", "post")])
     scripted(monkeypatch, [0.0] * 11 + [8.0] + [4.0] + [0.0] * 11 + [0.0] * 12)
+    world.watch_forces([("block", "post")])
     told = []
     for _ in range(3):
         world.step()
@@ -124,7 +124,7 @@ def test_a_moment_of_two_arms_that_press_on_each_other_is_gone_back_to(build):
 
 
 def test_a_world_that_is_not_asked_to_meter_forces_reads_none(build, monkeypatch):
+    monkeypatch.setattr(forces.ForceMeter, "read", lambda _: pytest.fail("was read"))
     world = build(bench())
-    monkeypatch.setattr(forces, "normal_force", lambda *_, **__: pytest.fail("was read"))
     world.reset(0)
     world.step()
