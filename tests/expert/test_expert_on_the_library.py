@@ -11,7 +11,7 @@ from taskbuilder.env.parallel import parallel_env
 from taskbuilder.expert.player import Expert
 from taskbuilder.rollout import replay
 
-MARGIN_STEPS = 2
+MARGIN_STEPS = 1
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -24,9 +24,9 @@ def test_the_handover_is_there():
     assert {"zoo:handover/demos", "zoo:handover/scratch"} <= set(NAMES)
 
 
-# All of these were trained while success was a moment. Each still gets to where it was trained to get
-# to, the stage of that name, and keeps it for a second in so few or many of twelve episodes: measured,
-# and one fewer allowed for other processors.
+# All of these were trained while success was a moment. Each still gets to where it was trained to
+# get to, the stage of that name, and keeps it for a second in so few or many of twelve episodes:
+# measured, and one fewer allowed for other processors.
 TRAINED_FOR = {"handover": "at goal", "pick_push_place": "in tray", "collaborative_lift": "at goal"}
 LASTING = {
     "zoo:collaborative_lift/demos": 11,
