@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry")
+FOUNDATION = ("errors", "geometry", "intervals")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -50,6 +50,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "spec": ("assets", *FOUNDATION),
     "assets": FOUNDATION,
     "geometry": (),
+    "intervals": (),
     "errors": (),
     "_version": (),
 }

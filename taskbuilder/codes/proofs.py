@@ -170,6 +170,18 @@ ENTRIES = {
         "The scene of a variation is that of the plain task, or of another variation.",
         Example("task", "variations: [{cube.color: gray}]", "variations: [{cube.color: blue}]"),
     ),
+    "TB535": Code(
+        "Success passes",
+        "What the expert reaches no longer holds when everybody then holds still for two seconds: "
+        "success is a moment, such as a load that flies through its goal. What learns from it "
+        "learns to pass through, too. Ask for a state that is kept, and let the expert come to "
+        "rest in it.",
+        Example(
+            "description",
+            'success = Near("cube", "goal", within=0.05) & ~Stationary("cube", speed=0.02)',
+            'success = Sustained(Near("cube", "goal", within=0.05), seconds=1.0)',
+        ),
+    ),
     "TB541": Code(
         "A robot is not needed",
         "With one robot staying home, its part of every stage left out, the others succeed. Where "
@@ -238,8 +250,10 @@ ENTRIES = {
     ),
     "TB552": Code(
         "Stalling pays better than going on",
-        "Holding still for ever after one of its stages earns more than the expert does: a "
-        "learner would stop there. Pay more for what comes later, or less for what comes before.",
+        "Holding still for ever after one of the expert's stages earns as much as the expert does, "
+        "or the episodes that were played do not show otherwise: the interval of the difference, "
+        "pair by pair on the same seeds, includes zero. A learner would stop there. Pay more for "
+        "what comes later, or less for what comes before.",
         Example(
             "description",
             'reward = (Bonus("hold", Held("cube") & ~success, 1.0), Bonus("done", success, 0.1))',
@@ -248,7 +262,8 @@ ENTRIES = {
     ),
     "TB553": Code(
         "Doing nothing or anything pays as well",
-        "Holding still from the start, or random play, earns as much as the expert does.",
+        "Holding still from the start, or random play, earns as much as the expert does, or the "
+        "episodes that were played do not show otherwise.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", -1.0), Bonus("done", success, 0.1))',

@@ -18,8 +18,9 @@ import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
+from taskbuilder.intervals import wilson
 from taskbuilder.learn.policy import Network, Policy
-from taskbuilder.learn.statistics import iqm, wilson
+from taskbuilder.learn.statistics import iqm
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
 

@@ -1,4 +1,4 @@
-"""Statistics of what was measured: how sure a success rate is, and what several runs say together.
+"""Statistics of what was measured: what several episodes or runs say together.
 
 Learning curves follow Agarwal et al. 2021 ("Deep reinforcement learning at the edge of the
 statistical precipice"): the interquartile mean over runs, with a stratified bootstrap band.
@@ -7,43 +7,16 @@ statistical precipice"): the interquartile mean over runs, with a stratified boo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Numbers = NDArray[np.float64]
+from taskbuilder.intervals import LEVEL
 
-LEVEL = 0.95
-"""How sure intervals and bands are to hold the true value."""
+Numbers = NDArray[np.float64]
 
 RESAMPLES = 2000
 """Of a bootstrap."""
-
-
-def wilson(successes: int, trials: int, level: float = LEVEL) -> tuple[float, float]:
-    """The score interval of a share (Wilson 1927): low and high, from 0 to 1.
-
-    Unlike the usual ± it is right for few trials, and for none or all of them successful.
-
-    Args:
-        successes: How many succeeded.
-        trials: Of how many.
-        level: How sure it is to hold the true share.
-
-    Raises:
-        ValueError: There were no trials, or more successes than trials.
-    """
-    if trials < 1 or not 0 <= successes <= trials:
-        raise ValueError(f"{successes} successes in {trials} trials")
-    z = NormalDist().inv_cdf(0.5 + level / 2.0)
-    share, weight = successes / trials, z * z / trials
-    middle = (share + weight / 2.0) / (1.0 + weight)
-    half = z * (share * (1.0 - share) / trials + weight / (4.0 * trials)) ** 0.5 / (1.0 + weight)
-    # None or all: the ends are 0 and 1 exactly, which rounding may miss.
-    low = 0.0 if successes == 0 else middle - half
-    high = 1.0 if successes == trials else middle + half
-    return low, high
 
 
 def iqm(scores: ArrayLike, axis: int = 0) -> Numbers:

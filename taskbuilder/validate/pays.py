@@ -3,11 +3,14 @@
 Every seed from which the expert succeeds is played again up to the end of each of its stages; from
 there on all hold still, or fail on purpose: from half of the seeds they drop what they hold, from
 the others they throw it away, because playing both from all would take half as long again. What
-random play, waiting, and the expert without a robot earn is known from the needs family. Compared
-are means over the same episodes, undiscounted and at a discount of 0.95.
+random play, waiting, and the expert without a robot earn is known from the needs family.
+
+Compared are returns from the same seeds, pair by pair, undiscounted and at a discount of 0.95. The
+expert must earn more beyond doubt: the interval of the mean difference, at 95 %, lies above zero.
+Episodes that succeed are no rivals to success, whoever plays them; how many do is shown.
 
 Ways are judged in a fixed order, up to the first sort that pays as well as success; the finding
-names the best of that sort, and how many others pay as well: they tend to have one reason.
+names the closest of that sort, and how many others pay as well: they tend to have one reason.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from typing import NamedTuple
 
 from taskbuilder.env.parallel import EnvState, TaskEnv
 from taskbuilder.errors import Finding
+from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.play import Policy, replay, resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
@@ -29,6 +33,9 @@ from taskbuilder.validate.running import Run
 from taskbuilder.validate.studio import Start, Studio
 
 EXPERT = "expert"
+
+LEAST_PAIRS = 3
+"""Episodes that did not succeed, for a way that mostly succeeds to be held against the expert."""
 
 Plays = Mapping[str, Mapping[Start, Rollout]]
 """What was played, by way of playing, and by how the episode began."""
@@ -43,7 +50,7 @@ class Replayed(NamedTuple):
 
 @dataclass(frozen=True)
 class _Sort:
-    """A sort of playing that must not pay as well as success.
+    """A sort of playing that must not earn as much as success.
 
     Attributes:
         code: Of the check.
@@ -60,7 +67,7 @@ _SORTS = (
     _Sort("TB553", "success pays more than nothing and random play", (NOTHING, RANDOM)),
     _Sort("TB552", "success pays more than stalling", ("stall ",)),
     _Sort("TB554", "success pays more than leaving out a robot", ("without ",)),
-    _Sort("TB555", "success pays more than failing on purpose", ("drop ", "throw ")),
+    _Sort("TB555", "success pays more than failing on purpose", ("fail ",)),
 )
 
 
@@ -81,7 +88,12 @@ def pays_family(run: Run) -> FamilyResult:
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     probes = tuple(_probe(way, found) for way, found in plays.items() if found)
-    summary = _summary(probes) if bounded[0].ok else "reward terms are not finite or huge"
+    if not bounded[0].ok:
+        summary = "reward terms are not finite or huge"
+    elif plays.get(EXPERT):
+        summary = _summary(plays)
+    else:
+        summary = ", ".join(f"{probe.name} {_mean(probe.returns):.1f}" for probe in probes)
     return FamilyResult("pays for success", checks, findings, summary, probes=probes)
 
 
@@ -105,15 +117,21 @@ def _probe(way: str, found: Mapping[Start, Rollout]) -> Probe:
     )
 
 
-def _summary(probes: Sequence[Probe]) -> str:
-    means = {probe.name: _mean(probe.returns) for probe in probes if probe.returns}
-    if EXPERT not in means:
-        return ", ".join(f"{name} {mean:.1f}" for name, mean in means.items())
-    order = sorted(means, key=lambda name: (-means[name], name != EXPERT))
-    shown = order[:2] if EXPERT in order[:2] else [order[0], EXPERT]
-    text = " > ".join(f"{name} {means[name]:.1f}" for name in shown)
-    last = order[-1]
-    return text if last in shown else f"{text} > … > {last} {means[last]:.1f}"
+def _summary(plays: Plays) -> str:
+    """The closest rival of all, and by how much the expert leads it."""
+    rivals = [
+        rival
+        for sort in _SORTS
+        for way, found in plays.items()
+        if way.startswith(sort.signs)
+        for rival in _rivals(way, plays[EXPERT], found)
+    ]
+    if not rivals:
+        return "every way of playing succeeds"
+    closest = min(rivals, key=_closeness)
+    lead = [f"by {closest.lead}" + (f" at {DISCOUNT:g}" if closest.discount < 1.0 else "")]
+    means = f"{closest.expert:.1f} to {closest.earned:.1f}"
+    return f"expert leads {closest.way} {lead[0]} ({means}, {_pairs(closest)})"
 
 
 def _mean(values: Iterable[float]) -> float:
@@ -140,9 +158,8 @@ def leave_stages(studio: Studio, job: Replayed) -> dict[str, Rollout]:
     plays: dict[str, Rollout] = {}
     lost = False
     for number, step, state in saved:
-        ways: dict[str, Policy] = {}
         odd = job.start.seed // len(studio.task.file.scenes) % 2
-        ways |= {"throw": ThrowAll()} if odd else {"drop": DropAll()}
+        ways: dict[str, Policy] = {"fail": ThrowAll() if odd else DropAll()}
         if number < last:  # after the last one the expert itself holds still
             ways["stall"] = HoldStill()
         begun = whole.until(step)
@@ -193,12 +210,10 @@ def _compared(run: Run, plays: Plays) -> Iterator[Result]:
         ]
         if not rivals:
             continue
-        closest = min(rivals, key=lambda rival: (rival.discount == DISCOUNT, rival.margin))
-        if closest.margin > 0.0:  # at a discount it may be otherwise
-            closest = min(rivals, key=lambda rival: rival.margin)
-        better = {rival.way for rival in rivals if rival.margin <= 0.0}
+        closest = min(rivals, key=_closeness)
+        better = {rival.way for rival in rivals if not rival.lead.low > 0.0}
         findings = [_finding(run, sort, closest, len(better))] if better else []
-        margin = closest.margin
+        margin = closest.lead.low / closest.steps
         yield Check(sort.code, sort.name, not findings, margin, 0.0, "a step"), findings
         if findings:
             return
@@ -206,26 +221,32 @@ def _compared(run: Run, plays: Plays) -> Iterator[Result]:
 
 @dataclass(frozen=True)
 class _Rival:
-    """What a way of playing earns beside the expert, in the mean over the same episodes.
+    """What a way of playing earns beside the expert, from the same seeds.
 
     Attributes:
         way: The way.
         discount: Of both returns.
-        expert: What the expert earns.
-        earned: What this way earns.
-        steps: Control steps of the episode, each weighed by the discount to its power.
+        expert: What the expert earns, in the mean.
+        earned: What this way earns, in the mean.
+        lead: The expert's return minus this way's, pair by pair.
+        steps: Control steps of the episode, each weighted by the discount to its power.
     """
 
     way: str
     discount: float
     expert: float
     earned: float
+    lead: PairedDifference
     steps: float
 
-    @property
-    def margin(self) -> float:
-        """By how much the expert earns more, in the mean over control steps."""
-        return (self.expert - self.earned) / self.steps
+
+def _pairs(rival: _Rival) -> str:
+    return f"{rival.lead.pairs} pair{'s' * (rival.lead.pairs > 1)}"
+
+
+def _closeness(rival: _Rival) -> tuple[bool, float]:
+    """How close a rival comes, least first; undiscounted returns come first if they are equal."""
+    return rival.lead.low > 0.0, rival.lead.low / rival.steps
 
 
 def _rivals(
@@ -233,26 +254,27 @@ def _rivals(
 ) -> Iterator[_Rival]:
     """A way of playing beside the expert, undiscounted and discounted.
 
-    Episodes that succeed are left out: that they do is found elsewhere.
+    Episodes that succeed are left out: they are what is paid for. So is a way of which fewer than
+    `LEAST_PAIRS` episodes are left while others succeed.
     """
     common = [start for start, play in found.items() if start in expert and not play.success]
-    if not common:
+    if len(common) < (LEAST_PAIRS if len(common) < len(found) else 1):
         return
     steps = max(expert[start].steps for start in common)
-    ours, theirs = (_mean(plays[s].team_return for s in common) for plays in (expert, found))
-    yield _Rival(way, 1.0, ours, theirs, steps)
-    ours, theirs = (
-        _mean(plays[s].discounted(DISCOUNT) for s in common) for plays in (expert, found)
-    )
-    yield _Rival(way, DISCOUNT, ours, theirs, (1.0 - DISCOUNT**steps) / (1.0 - DISCOUNT))
+    for discount in (1.0, DISCOUNT):
+        ours, theirs = (
+            [plays[start].discounted(discount) for start in common] for plays in (expert, found)
+        )
+        weighted = steps if discount == 1.0 else (1.0 - discount**steps) / (1.0 - discount)
+        lead = PairedDifference.of(ours, theirs)
+        yield _Rival(way, discount, _mean(ours), _mean(theirs), lead, weighted)
 
 
 _WORDS = {
     NOTHING: "doing nothing",
     RANDOM: "random play",
     "stall": "stalling",
-    "drop": "dropping everything",
-    "throw": "throwing everything away",
+    "fail": "dropping everything, or throwing it away,",
     "without": "playing without",
 }
 
@@ -264,7 +286,8 @@ def _finding(run: Run, sort: _Sort, rival: _Rival, better: int) -> Finding:
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
     message = (
         f"{_WORDS[first]} {rest}".rstrip() + f"{_stage_of(run, rival.way)} earns "
-        f"{rival.earned:.1f} in the mean, the expert {rival.expert:.1f}{at}; pay more for "
+        f"{rival.earned:.1f} in the mean, the expert {rival.expert:.1f}{at}: its lead is "
+        f"{rival.lead} over {_pairs(rival)}, which is not surely more than 0; pay more for "
         f"success, or less for this{others}"
     )
     term = run.task.description.reward[0] if run.task.description.reward else None

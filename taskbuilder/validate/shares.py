@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-Z = 1.959963984540054
-"""Standard normal quantile of a two-sided interval of 95 %."""
+from taskbuilder.intervals import wilson
 
 
 @dataclass(frozen=True)
@@ -28,17 +26,8 @@ class Share:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Wilson's score interval at 95 %: unlike the usual one, it is right at 0 and at 1.
-
-        Wilson, "Probable inference, the law of succession, and statistical inference", Journal of
-        the American Statistical Association 22, 1927.
-        """
-        n, p = self.of, self.value
-        spread = Z * math.sqrt(p * (1.0 - p) / n + Z * Z / (4.0 * n * n))
-        low, high = (
-            (p + Z * Z / (2.0 * n) + sign * spread) / (1.0 + Z * Z / n) for sign in (-1.0, 1.0)
-        )
-        return max(0.0, low), min(1.0, high)
+        """Wilson's interval at 95 %."""
+        return wilson(self.count, self.of)
 
     def __str__(self) -> str:
         low, high = (round(100.0 * bound) for bound in self.interval)

@@ -1,14 +1,19 @@
-"""The solvable family: the task's own expert succeeds, from nearly every seed, in time."""
+"""The solvable family: the task's own expert succeeds, from nearly every seed, in time, to last."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
+from typing import NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.validate.places import finding_in_file, in_variation
+from taskbuilder.validate.places import (
+    finding_in_description,
+    finding_in_file,
+    in_variation,
+)
 from taskbuilder.validate.report import Check, FamilyResult
 from taskbuilder.validate.running import Run
 from taskbuilder.validate.shares import Share
@@ -23,6 +28,12 @@ steps long it is at least."""
 
 MOST_LONGER = 6
 """How many such episodes are played."""
+
+LASTS_S = 2.0
+"""How long after the end of an episode success must still hold, everybody holding still."""
+
+LASTING_SHARE = 10
+"""One seed in so many is played on in each variation, at least one."""
 
 MOST_FAILED = 3
 """How many failed episodes the report keeps."""
@@ -46,6 +57,8 @@ def solvable_family(run: Run) -> FamilyResult:
     for variation, (demos, share) in enumerate(zip(by_variation, shares, strict=True)):
         if share.value < LEAST:
             findings += in_variation(variation, [_failing(run, demos, share)], findings)
+    passing = [] if findings else _passing(run)
+    findings += passing
     late = any(finding.code == "TB532" for finding in findings)
     lost = any(finding.code == "TB531" for finding in findings)
     horizon = run.task.file.spec.timing.episode_steps
@@ -53,6 +66,9 @@ def solvable_family(run: Run) -> FamilyResult:
     checks = [Check("TB532", "the episode is long enough", not late, needed, horizon, "steps")]
     if lost or not late:
         checks.append(Check("TB531", "the expert succeeds", not lost, worst.value, LEAST, "share"))
+    if not late and not lost:
+        lasts = Check("TB535", "success lasts", not passing, LASTS_S, None, "s beyond the end")
+        checks.insert(0, lasts)
     return FamilyResult(
         "solvable",
         tuple(reversed(checks)),
@@ -88,6 +104,48 @@ def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
     good = next((demo for demo in listed if demo.success), None)
     bad = islice((demo for demo in listed if not demo.success), MOST_FAILED)
     return (*([good] if good else []), *bad)
+
+
+# --- whether success lasts
+
+
+class PlayedOn(NamedTuple):
+    """What became of an episode after its end.
+
+    Attributes:
+        reached: The control step with which success was reached, or None.
+        held_s: Seconds, from then on, in which success held.
+        lasts: Success holds after the last control step.
+    """
+
+    reached: int | None
+    held_s: float
+    lasts: bool
+
+
+def _passing(run: Run) -> list[Finding]:
+    """Whether what the expert reaches still holds when it then holds still."""
+    seeds = range(max(1, run.seeds // LASTING_SHARE))
+    starts = [Start(variation, seed) for variation in range(run.variations) for seed in seeds]
+    for start, played in zip(starts, run.ask(play_on, starts, "success lasts"), strict=True):
+        if played.reached is not None and not played.lasts:
+            message = (
+                f"success passes: {start}, the expert reaches it at control step {played.reached}, "
+                f"it holds for {played.held_s:.1f} s, and holds no longer {LASTS_S:g} s after the "
+                "end although everybody holds still; ask for a state that lasts, as "
+                "Sustained(…, seconds=1.0) does, and let the expert come to rest in it"
+            )
+            success = run.task.description.success
+            return [finding_in_description(run.task, "TB535", message, "success", success)]
+    return []
+
+
+def play_on(studio: Studio, start: Start) -> PlayedOn:
+    """Let the expert play an episode that goes on after its end, in which it holds still."""
+    timing = studio.task.file.spec.timing
+    horizon = timing.episode_steps + round(LASTS_S * timing.control_hz)
+    played = studio.expert(start.variation, horizon, endless=True).play(start.seed)
+    return PlayedOn(played.first_success, played.success_held_s, played.success_at_end)
 
 
 # --- what keeps it from succeeding

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
@@ -52,8 +52,8 @@ class Studio:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        self._envs: dict[tuple[int, int | None], TaskEnv] = {}
-        self._experts: dict[tuple[int, int | None], Expert] = {}
+        self._envs: dict[tuple[int, int | None, bool], TaskEnv] = {}
+        self._experts: dict[tuple[int, int | None, bool], Expert] = {}
 
     @property
     def has_expert(self) -> bool:
@@ -62,20 +62,29 @@ class Studio:
         modes = {robot.action.arm for robot in spec.scene.robots.values()}
         return bool(spec.expert) and "joint_torque" not in modes
 
-    def env(self, variation: int, horizon: int | None = None) -> TaskEnv:
-        """The environment of a variation, between episodes or in one that nobody needs any more."""
-        key = (variation, horizon)
+    def env(self, variation: int, horizon: int | None = None, *, endless: bool = False) -> TaskEnv:
+        """The environment of a variation, between episodes or in one that nobody needs any more.
+
+        Args:
+            variation: Which.
+            horizon: Control steps of an episode; by default the task's.
+            endless: Episodes end by their length alone, whatever the task's ``ends_on`` says.
+        """
+        key = (variation, horizon, endless)
         if key not in self._envs:
+            task = _endless(self.task) if endless else self.task
             self._envs[key] = parallel_env(
-                self.task, variation=variation, horizon=horizon, camera_size=SMALL
+                task, variation=variation, horizon=horizon, camera_size=SMALL
             )
         return self._envs[key]
 
-    def expert(self, variation: int, horizon: int | None = None) -> Expert:
+    def expert(
+        self, variation: int, horizon: int | None = None, *, endless: bool = False
+    ) -> Expert:
         """The expert that plays in that environment."""
-        key = (variation, horizon)
+        key = (variation, horizon, endless)
         if key not in self._experts:
-            self._experts[key] = Expert(self.env(variation, horizon))
+            self._experts[key] = Expert(self.env(variation, horizon, endless=endless))
         return self._experts[key]
 
     def close(self) -> None:
@@ -86,6 +95,13 @@ class Studio:
             env.close()
         self._experts.clear()
         self._envs.clear()
+
+
+def _endless(task: Task) -> Task:
+    """The task with episodes that neither success nor failure ends."""
+    spec = task.file.spec
+    timing = spec.timing.model_copy(update={"ends_on": ()})
+    return replace(task, file=replace(task.file, spec=spec.model_copy(update={"timing": timing})))
 
 
 _STUDIOS: dict[Source, Studio] = {}

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from taskbuilder.learn.statistics import bootstrap_band, iqm, normalised, wilson
+from taskbuilder.intervals import wilson
+from taskbuilder.learn.statistics import bootstrap_band, iqm, normalised
 
 unhurried = settings(deadline=None)
 scores = arrays(

@@ -90,8 +90,8 @@ def test_what_every_way_of_playing_earns_is_told_the_expert_first(report):
 
 
 def test_one_episode_is_kept_to_be_shown(report):
-    demonstrations = [d for family in report.families for d in family.demonstrations]
-    assert [(d.seed, d.variation, d.success) for d in demonstrations] == [(0, 0, True)]
+    rollouts = [rollout for family in report.families for rollout in family.rollouts]
+    assert [(r.seed, r.variation, r.success) for r in rollouts] == [(0, 0, True)]
 
 
 def test_figures_are_measured_without_a_verdict(report):
@@ -122,7 +122,7 @@ def test_two_processes_find_the_same_as_one(file, report):
         one = before[two.name]
         assert (one.checks, one.findings, one.probes) == (two.checks, two.findings, two.probes)
         assert one.summary == two.summary
-        for mine, theirs in zip(one.demonstrations, two.demonstrations, strict=True):
+        for mine, theirs in zip(one.rollouts, two.rollouts, strict=True):
             assert mine.rewards.tobytes() == theirs.rewards.tobytes()
 
 

@@ -1,0 +1,81 @@
+"""Intervals: how sure a share of episodes, or a difference between paired episodes, is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist, fmean, stdev
+
+LEVEL = 0.95
+"""How sure intervals are to hold the true value."""
+
+_STUDENT = (
+    *(12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228),
+    *(2.201, 2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086),
+    *(2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042),
+)
+"""Quantiles of Student's t of a two-sided interval of 95 %, from 1 degree of freedom on."""
+
+
+def wilson(successes: int, trials: int, level: float = LEVEL) -> tuple[float, float]:
+    """The score interval of a share (Wilson 1927): low and high, from 0 to 1.
+
+    Unlike the usual ± it is right for few trials, and for none or all of them successful.
+
+    Args:
+        successes: How many succeeded.
+        trials: Of how many.
+        level: How sure it is to hold the true share.
+
+    Raises:
+        ValueError: There were no trials, or more successes than trials.
+    """
+    if trials < 1 or not 0 <= successes <= trials:
+        raise ValueError(f"{successes} successes in {trials} trials")
+    z = NormalDist().inv_cdf(0.5 + level / 2.0)
+    share, weight = successes / trials, z * z / trials
+    middle = (share + weight / 2.0) / (1.0 + weight)
+    half = z * (share * (1.0 - share) / trials + weight / (4.0 * trials)) ** 0.5 / (1.0 + weight)
+    # None or all: the ends are 0 and 1 exactly, which rounding may miss.
+    low = 0.0 if successes == 0 else middle - half
+    high = 1.0 if successes == trials else middle + half
+    return low, high
+
+
+@dataclass(frozen=True)
+class PairedDifference:
+    """The mean difference between two returns from the same seeds, and its interval at 95 %.
+
+    Attributes:
+        mean: Of the differences.
+        half_width: Of the interval, by Student's t; infinite for a single pair.
+        pairs: How many there are.
+    """
+
+    mean: float
+    half_width: float
+    pairs: int
+
+    @classmethod
+    def of(cls, ours: Sequence[float], theirs: Sequence[float]) -> PairedDifference:
+        """The difference of pairs: ours minus theirs.
+
+        Raises:
+            ValueError: There are no pairs, or one sequence is longer.
+        """
+        differences = [one - other for one, other in zip(ours, theirs, strict=True)]
+        if not differences:
+            raise ValueError("the difference of no pairs")
+        count = len(differences)
+        if count == 1:
+            return cls(differences[0], float("inf"), 1)
+        quantile = _STUDENT[min(count - 1, len(_STUDENT)) - 1]
+        return cls(fmean(differences), quantile * stdev(differences) / count**0.5, count)
+
+    @property
+    def low(self) -> float:
+        """The lower end of the interval; of a single pair, which has none, the difference."""
+        return self.mean - (self.half_width if self.pairs > 1 else 0.0)
+
+    def __str__(self) -> str:
+        return f"{self.mean:.2f}" + (f" ± {self.half_width:.2f}" if self.pairs > 1 else "")
