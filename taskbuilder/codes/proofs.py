@@ -73,8 +73,9 @@ ENTRIES = {
     "TB511": Code(
         "The expert asks for what a robot cannot reach",
         "At some placement, no joint positions within the limits bring the robot's tcp to a pose "
-        "that a stage of the expert asks for. The finding names the seed, the stage and the "
-        "robot, and how far the pose is out of reach.",
+        "that a stage of the expert asks for, and the expert fails there too. The finding names "
+        "the seed, the stage and the robot, and how far the pose is out of reach. Where the expert "
+        "succeeds before it comes to that stage, it is a warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
