@@ -214,7 +214,9 @@ ENTRIES = {
     "TB545": Code(
         "An object starts in the reach of both arms",
         "Cooperation is required, and an object that one robot has to fetch starts where another "
-        "could fetch it. Solo play did not succeed, but a better policy may. A warning.",
+        "could fetch it. Solo play did not succeed, but a better policy may. What several robots "
+        "take or carry together, or push to each other, may start in the reach of all of them. A "
+        "warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"

@@ -188,14 +188,12 @@ class Foresight:
         at = self.now.pose(child)
         axis = rotate(at.quaternion, joint.axis)
         if joint.type == "prismatic":
-            far = self._within_limits(child, joint, dot(subtract(end, begin), axis))
-            shift = Pose(scale(axis, far))
-            self._carry(self._riders(child), shift)
+            by = dot(subtract(end, begin), axis)
         else:
-            angle = _angle(subtract(begin, at.position), subtract(end, at.position), axis)
-            angle = self._within_limits(child, joint, angle)
-            turn = (*scale(axis, math.sin(angle / 2.0)), math.cos(angle / 2.0))
-            shift = Pose(subtract(at.position, rotate(turn, at.position)), turn)
+            by = _angle(subtract(begin, at.position), subtract(end, at.position), axis)
+        shift = displaced(joint, at, self._within_limits(child, joint, by))
+        if joint.type == "prismatic":
+            self._carry(self._riders(child), shift)
         below = [
             f"{thing}.{name}"
             for name in self.world.objects[thing].boxes
@@ -263,6 +261,21 @@ class Foresight:
             yield box, tool
         if load := self.now.load(robot):
             yield self.world.box(load), self.now.pose(load)
+
+
+def displaced(joint: UrdfJoint, child: Pose, by: float) -> Pose:
+    """How the world's points on a link move as its joint does.
+
+    Args:
+        joint: The joint above the link.
+        child: Pose of the link in the world.
+        by: How far the joint moves, in rad or m.
+    """
+    axis = rotate(child.quaternion, joint.axis)
+    if joint.type == "prismatic":
+        return Pose(scale(axis, by))
+    turn = (*scale(axis, math.sin(by / 2.0)), math.cos(by / 2.0))
+    return Pose(subtract(child.position, rotate(turn, child.position)), turn)
 
 
 def _finger_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
