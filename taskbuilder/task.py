@@ -14,7 +14,7 @@ from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.spec.catalogue import Catalogue, Entry
 from taskbuilder.spec.expert import waits
 from taskbuilder.spec.explain import suggestion
-from taskbuilder.spec.load import TaskFile, read_task
+from taskbuilder.spec.load import TaskFile, TaskFileError, read_task
 from taskbuilder.spec.source import dotted
 
 
@@ -63,10 +63,12 @@ def load_task(
     catalogue = catalogue or Catalogue.discover()
     entry = catalogue.task(str(reference))
     findings: list[Finding] = []
-    file = description = None
+    file = description = names = None
     try:
         file = read_task(entry, catalogue)
-    except FileError as error:
+        names = file.names
+    except TaskFileError as error:
+        names = error.names
         findings += error.findings
         if any(finding.code == "TB001" for finding in findings):
             raise  # there is no task file: what lies beside it means nothing
@@ -76,13 +78,13 @@ def load_task(
         description = load_description(entry)
     except FileError as error:
         findings += error.findings
-    if file is not None and description is not None:
-        wrong = tuple(check_description(description, file.names, _where(description, entry)))
+    if names is not None and description is not None:
+        wrong = tuple(check_description(description, names, _where(description, entry)))
         findings += wrong
-        if not any(finding.code == "TB210" for finding in wrong):
+        if file is not None and not any(finding.code == "TB210" for finding in wrong):
             findings += _check_waits(file, description)
-        findings += file.warnings
-        if not any(finding.severity == "error" for finding in findings):
+        findings += file.warnings if file is not None else ()
+        if file is not None and not any(finding.severity == "error" for finding in findings):
             return Task(file, description, tuple(findings))
     raise FileError(findings)
 

@@ -20,7 +20,7 @@ from taskbuilder.errors import Finding, Location, Severity, TaskbuilderError
 
 MAX_BYTES = 64 * 2**20
 
-_PACKAGE = "package://"
+PACKAGE = "package://"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
 
@@ -128,8 +128,8 @@ def _located(reference: str, folder: Path, allowed: Sequence[Path]) -> Path:
         raise AssetError(
             codes.OUTSIDE, f"{reference!r} is not a portable path; separate folders with '/'"
         )
-    if reference.startswith(_PACKAGE):
-        name, _, rest = reference.removeprefix(_PACKAGE).partition("/")
+    if reference.startswith(PACKAGE):
+        name, _, rest = reference.removeprefix(PACKAGE).partition("/")
         return _package(name, reference, folder, allowed) / rest.lstrip("/")
     if _SCHEME.match(reference) or reference.startswith(("/", "~")):
         raise AssetError(

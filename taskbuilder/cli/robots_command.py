@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
-from taskbuilder.assets.paths import AssetError
+from taskbuilder.assets.paths import PACKAGE, AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.tasks import catalogue_of, make_folder
@@ -95,6 +95,8 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None]:
+    if reference.startswith(PACKAGE):
+        return _read_packaged(reference, catalogue), None
     if reference.endswith((".urdf", ".xml")):
         path = Path(reference).absolute()
         if not path.exists():
@@ -104,6 +106,20 @@ def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None
         raise UnknownNameError(f"{reference} is no robot; name a robot.yaml, a .urdf or an .xml")
     robot = load_robot(catalogue.robot(reference, Path()), catalogue.folders)
     return robot.urdf, robot
+
+
+def _read_packaged(reference: str, catalogue: Catalogue) -> Urdf:
+    """A URDF that is named as robot files name it.
+
+    Raises:
+        FileError: There is none, or it is wrong.
+    """
+    here = Path.cwd()
+    try:
+        path = resolve(reference, here, (here, *catalogue.folders))
+    except AssetError as error:
+        raise FileError([error.finding()]) from error
+    return read_urdf(path, (path.parent,))
 
 
 def _open_gripper(robot: RobotModel) -> dict[str, float]:

@@ -73,8 +73,9 @@ ENTRIES = {
     "TB511": Code(
         "The expert asks for what a robot cannot reach",
         "At some placement, no joint positions within the limits bring the robot's tcp to a pose "
-        "that a stage of the expert asks for. The finding names the seed, the stage and the "
-        "robot, and how far the pose is out of reach.",
+        "that a stage of the expert asks for, and the expert fails there too. The finding names "
+        "the seed, the stage and the robot, and how far the pose is out of reach. Where the expert "
+        "succeeds before it comes to that stage, it is a warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -225,7 +226,9 @@ ENTRIES = {
     "TB545": Code(
         "An object starts in the reach of both arms",
         "Cooperation is required, and an object that one robot has to fetch starts where another "
-        "could fetch it. Solo play did not succeed, but a better policy may. A warning.",
+        "could fetch it. Solo play did not succeed, but a better policy may. What several robots "
+        "take or carry together, or push to each other, may start in the reach of all of them. A "
+        "warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"

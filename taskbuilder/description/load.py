@@ -9,6 +9,7 @@ import contextlib
 import hashlib
 import importlib
 import importlib.util
+import inspect
 import linecache
 import os
 import re
@@ -147,11 +148,28 @@ def _said(error: BaseException) -> str:
     vocabulary: list[str] = sys.modules["taskbuilder.description"].__all__
     if isinstance(error, NameError) and error.name in vocabulary:
         return f"{said}; import it from taskbuilder.description"
+    if isinstance(error, TypeError) and (strange := _strange_argument(str(error))):
+        return strange
     missing = re.match(r"ImportError: cannot import name '(\w+)' from '([\w.]+)'", said)
     if not missing:
         return said
     ours = missing[2] == "taskbuilder.description"
     return f"{missing[0]}; {suggestion(missing[1], vocabulary)}" if ours else missing[0]
+
+
+def _strange_argument(said: str) -> str | None:
+    """What to write in place of a keyword that an expression of ours does not have."""
+    found = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", said)
+    ours = sys.modules["taskbuilder.description"]
+    if not found or found[1] not in ours.__all__:
+        return None
+    parameters = [*inspect.signature(getattr(ours, found[1])).parameters.values()]
+    by_name = [p for p in parameters if p.kind is p.KEYWORD_ONLY]
+    needed = [p.name for p in by_name if p.default is p.empty]
+    help_ = suggestion(found[2], [p.name for p in by_name or parameters], what="it has")
+    if len(needed) == 1:
+        help_ = f"write {needed[0]}"
+    return f'{found[1]} has no argument "{found[2]}"; {help_}'
 
 
 if __name__ == "__main__":

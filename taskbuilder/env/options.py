@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from taskbuilder.errors import UsageError
 from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile
+from taskbuilder.spec.scene import RobotEntry, SceneSpec
+from taskbuilder.spec.values import frozen
 from taskbuilder.task import Task
 
 RewardSharing = Literal["team", "local"]
@@ -48,7 +50,8 @@ class Options:
         flat: Observations and actions as flat float32 boxes, or as dictionaries of channels.
         normalize: Actions from -1 to 1, or in physical units.
         horizon: Control steps of an episode; by default the task's.
-        control_hz: Control steps a second; by default the task's.
+        control_hz: Control steps a second; by default the task's. The longest step and turn of an
+            action change with it, so that tools and joints stay as fast.
         variation: Which variation, 0 being the plain task; or ``random``, drawn each episode.
         randomize: Draw the quantities that the task lists under ``randomize``.
         observe: ``task``: every agent sees what the task file lists for it; ``scene``: itself, then
@@ -107,7 +110,10 @@ class Options:
                 f"control_hz {changed.control_hz} does not divide physics_hz "
                 f"{changed.physics_hz} of {task.name}; {near} does"
             )
-        return replace(task.file, spec=task.file.spec.model_copy(update={"timing": changed}))
+        share = timing.control_hz / changed.control_hz
+        scenes = tuple(_paced(scene, share) for scene in task.file.scenes)
+        update = {"timing": changed, "scene": scenes[0]}
+        return replace(task.file, spec=task.file.spec.model_copy(update=update), scenes=scenes)
 
     def _check(self, task: Task) -> None:
         _choice("reward", self.reward, ("team", "local"))
@@ -135,6 +141,25 @@ class Options:
         shown = (self.render_camera,) if self.render_camera else ()
         for camera in (*self.cameras, *shown):
             _choice("camera", camera, tuple(task.file.spec.scene.cameras))
+
+
+def _paced(scene: SceneSpec, share: float) -> SceneSpec:
+    """A scene in whose control steps, which last another time, its robots are as fast as before.
+
+    Args:
+        scene: The scene as the task file has it.
+        share: How long a control step lasts, as a share of the task file's.
+    """
+    if share == 1.0:
+        return scene
+
+    def paced(robot: RobotEntry) -> RobotEntry:
+        spec = robot.action
+        limits = {"max_step": spec.max_step * share, "max_turn_deg": spec.max_turn_deg * share}
+        return robot.model_copy(update={"action": spec.model_copy(update=limits)})
+
+    robots = {name: paced(robot) for name, robot in scene.robots.items()}
+    return scene.model_copy(update={"robots": frozen(robots)})
 
 
 def make_options(**options: Any) -> Options:

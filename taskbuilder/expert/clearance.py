@@ -53,19 +53,22 @@ class Near:
         b: What it comes near to.
         robot: The robot that moves it.
         distance: Between them, m; negative when one is inside the other.
+        advice: What to write if that is meant to be, or "".
     """
 
     a: str
     b: str
     robot: str
     distance: float
+    advice: str = ""
 
     def __str__(self) -> str:
         size = abs(self.distance) * 1000.0
         if self.distance < 0.0:
-            return f"{self.a} would be {size:.0f} mm inside {self.b}"
+            return f"{self.a} would be {size:.0f} mm inside {self.b}{self.advice}"
         needed = CLEARANCE_M * 1000.0
-        return f"{self.a} would be {size:.0f} mm from {self.b}, and {needed:.0f} mm are kept"
+        kept = f"and {needed:.0f} mm are kept{self.advice}"
+        return f"{self.a} would be {size:.0f} mm from {self.b}, {kept}"
 
 
 @dataclass(frozen=True)
@@ -179,7 +182,16 @@ class Clearance:
     def _near(self, key: Key, distance: float) -> Near:
         number, link_a, link_b = key
         one, other = self._pairs[number]
-        return Near(one.called(link_a), other.called(link_b), one.driver, distance)
+        advice = self._advice(other, distance)
+        return Near(one.called(link_a), other.called(link_b), one.driver, distance, advice)
+
+    def _advice(self, other: _Solid, distance: float) -> str:
+        thing = self._shadow.world.objects.get(other.name)
+        if thing is None or other.limbs or other.driver:
+            return ""
+        if distance >= 0.0:
+            return f"; if it may be touched, write touching: [{other.name}]"
+        return "" if thing.spec.fixed else f"; to push it, write touching: [{other.name}]"
 
     def _drivers(self, key: Key) -> Iterator[str]:
         return (solid.driver for solid in self._pairs[key[0]] if solid.driver)

@@ -67,7 +67,7 @@ class Foreseen:
 
     Attributes:
         now: The situation as it is.
-        moved: Pose in the world of the objects that are elsewhere.
+        moved: Pose in the world of the objects, and of links as ``chest.lid``, that are elsewhere.
         tools: Pose in the world of the tools that are elsewhere.
         loads: What robots hold, or None, where that is not as it is now.
     """
@@ -89,8 +89,9 @@ class Foreseen:
             carrier = self.scene.sites[carrier].frame
         owner, _, inner = carrier.partition(".")
         at = self.now.pose(frame)
-        if owner in self.moved:
-            return self.moved[owner] @ self.now.pose(owner).inverse() @ at
+        for mover in (carrier, owner):
+            if mover in self.moved:
+                return self.moved[mover] @ self.now.pose(mover).inverse() @ at
         if owner in self.tools and inner == "tcp":
             return self.tools[owner] @ self.now.pose(carrier).inverse() @ at
         return at

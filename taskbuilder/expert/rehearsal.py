@@ -1,17 +1,18 @@
 """Go through an expert's stages in thought: every pose that they ask for, without physics.
 
-What is grasped is taken to follow the tool exactly, and what is brought to arrive. So a pose that
-cannot be reached is known before anything moves, and apart from all else that may go wrong.
+What is grasped is taken to follow the tool exactly, and what is brought to arrive; what is pushed,
+or turns on a joint, moves as `foresight` can tell. So a pose that cannot be reached is known before
+anything moves, and apart from all else that may go wrong.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import zip_longest
 
-from taskbuilder.expert.orders import Foreseen, Go, NothingHeldError, Phase, bring, phases
-from taskbuilder.expert.planning import Move
+from taskbuilder.expert.foresight import Foresight
+from taskbuilder.expert.orders import Go, NothingHeldError, Phase, bring, phases
 from taskbuilder.geometry import Pose
 from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait
 from taskbuilder.spec.scene import SceneSpec
@@ -27,12 +28,15 @@ class Asked:
         robot: Whose tool.
         order: What for, as ``grasp stick.right_end``.
         choices: Poses of its tcp in the world, one of which it must reach.
+        guess: The object or robot whose pose they depend on and which can be foreseen only
+            roughly, as once it has been pushed; "" where all is known.
     """
 
     stage: int
     robot: str
     order: str
     choices: tuple[Pose, ...]
+    guess: str = ""
 
 
 def rehearse(world: World, stages: Sequence[ExpertStage] | None = None) -> Iterator[Asked]:
@@ -42,7 +46,7 @@ def rehearse(world: World, stages: Sequence[ExpertStage] | None = None) -> Itera
         world: As after a reset; it is only read.
         stages: By default those of the task file.
     """
-    rehearsal = _Rehearsal(_Standing(world))
+    rehearsal = _Rehearsal(Foresight(world, _Standing(world)))
     for number, stage in enumerate(world.spec.expert if stages is None else stages, start=1):
         yield from rehearsal.go_through(number, stage)
 
@@ -77,25 +81,22 @@ class _Standing:
 
 @dataclass
 class _Rehearsal:
-    """Where things would be by now."""
+    """Goes through stages one by one."""
 
-    start: _Standing
-    moved: dict[str, Pose] = field(default_factory=dict)
-    tools: dict[str, Pose] = field(default_factory=dict)
-    loads: dict[str, str | None] = field(default_factory=dict)
-
-    @property
-    def now(self) -> Foreseen:
-        """The situation as it would be."""
-        return Foreseen(self.start, self.moved, self.tools, self.loads)
+    foresight: Foresight
 
     def go_through(self, number: int, stage: ExpertStage) -> Iterator[Asked]:
         """A stage's poses; afterwards things are where it leaves them."""
         if isinstance(stage, Wait):
             return
         if isinstance(stage, Repeat):
+            before = dict(self.foresight.moved)
             for inner in stage.stages:
                 yield from self.go_through(number, inner)
+            if stage.repeat > 1:  # how often, and so how far, is not known
+                now = self.foresight.moved
+                changed = {self.foresight.owner(n) for n in now if before.get(n) != now[n]}
+                self.foresight.guesses |= changed
         elif isinstance(stage, Together):
             robots = stage.together
             group: Mapping[str, Phase | None] = {"": lambda now: bring(now, robots, stage)}
@@ -115,22 +116,24 @@ class _Rehearsal:
     ) -> Iterator[Asked]:
         for who, phase in group.items():
             try:
-                act = phase(self.now) if phase else None
+                act = phase(self.foresight.now) if phase else None
             except NothingHeldError:
                 continue  # the grasp was asked for, and is reported, before
             if isinstance(act, Go):
-                for robot in act.choices[0].carriers:
-                    poses = tuple(move.goal @ move.carriers[robot] for move in act.choices)
-                    yield Asked(number, robot, str(orders[who]), poses)
-                self._move(act.choices[0], act.brings)
+                move = act.choices[0]
+                guess = self._guess(orders[who], tuple(move.carriers))
+                for robot in move.carriers:
+                    poses = tuple(way.goal @ way.carriers[robot] for way in act.choices)
+                    yield Asked(number, robot, str(orders[who]), poses, guess)
+                self.foresight.go(act, guess=bool(guess))
             elif act is not None:
-                self.loads[act.robot] = (act.thing or None) if act.opening == 0.0 else None
+                self.foresight.grip(act)
 
-    def _move(self, move: Move, thing: str) -> None:
-        loads = {load for robot in move.carriers if (load := self.now.load(robot))}
-        (robot, offset), *_ = move.carriers.items()
-        shift = move.goal @ offset @ self.now.tool(robot).inverse()
-        there = {name: shift @ self.now.pose(name) for name in {*loads, thing} if name}
-        self.moved.update(there)
-        for robot, offset in move.carriers.items():
-            self.tools[robot] = move.goal @ offset
+    def _guess(self, order: Order | Together, robots: Sequence[str]) -> str:
+        """What an order depends on that is only roughly foreseen; "" if there is nothing."""
+        frames = [order.bring, order.to]
+        if isinstance(order, Order):
+            frames += [order.grasp, order.reach]
+            frames += robots if order.retreat is not None else []
+        owners = [self.foresight.owner(frame) for frame in frames if frame]
+        return next((owner for owner in owners if owner in self.foresight.guesses), "")

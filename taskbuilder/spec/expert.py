@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     AfterValidator,
@@ -57,8 +57,25 @@ Tolerance = Annotated[
 ]
 
 
+_TAKE = "to take something by a grasp point, write grasp"
+_GO = "to take the tool to a frame, write reach"
+_BRING = "to take what is held somewhere, write bring and to: {{bring: stick, to: goal}}"
+_PUSH = (
+    "to push something, close the gripper, then go through it: "
+    "{{reach: block, offset: [0.2, 0, 0], straight: true, touching: [block]}}"
+)
+
+
 class Order(Model):
     """One robot's part of a stage: exactly one verb, and what goes with it."""
+
+    INSTEAD: ClassVar = {
+        **dict.fromkeys(("move", "go", "goto", "move_to", "go_to"), f"{_GO}; {_BRING}"),
+        **dict.fromkeys(("pick", "pick_up", "take", "grip"), _TAKE),
+        **dict.fromkeys(("place", "put", "carry", "lift"), _BRING),
+        **dict.fromkeys(("open", "drop", "let_go"), "to open the gripper, write release"),
+        **dict.fromkeys(("push", "press", "slide"), _PUSH),
+    }
 
     grasp: Reference | None = Field(
         None, description="Grasp point to take, such as stick.left_end."
@@ -121,10 +138,11 @@ class Order(Model):
         for key, verbs in ONLY_WITH.items():
             given = getattr(self, key) != type(self).model_fields[key].default
             if given and self.verb not in verbs:
+                advice = _OTHERWISE_TURNED.get(self.verb, "") if key == "rpy_deg" else ""
                 raise PydanticCustomError(
                     "choice",
-                    "{key} goes with {verbs} only",
-                    {"key": key, "verbs": _and(verbs)},
+                    "{key} goes with {verbs} only{advice}",
+                    {"key": key, "verbs": _and(verbs), "advice": advice},
                 )
         return self
 
@@ -141,6 +159,14 @@ ONLY_WITH = {
     "tolerance": ("grasp", "reach", "bring", "retreat"),
 }
 """Key of an order -> the verbs that it goes with."""
+
+_OTHERWISE_TURNED = {
+    "grasp": "; a grasp point says how it is taken, by its approach and across",
+    "bring": "; to turn what is brought, write align: true, and rpy_deg at the site it is brought "
+    "to",
+    "retreat": "; turn the tool by an order to reach before",
+}
+"""Verb -> how to turn a tool that is given ``rpy_deg`` with it."""
 
 
 def _and(words: Sequence[str]) -> str:

@@ -115,8 +115,10 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         hint = (field.description or "").rstrip(".") if field else ""
         return "TB101", f"missing; {hint[:1].lower()}{hint[1:]}" if hint else "missing", True
     if kind == "extra_forbidden":
-        known = _keys(_type_at(model, path[:-1]))
-        return "TB102", f"unknown key; {suggestion(str(path[-1]), known)}", True
+        parent = _type_at(model, path[:-1])
+        advice = getattr(parent, "INSTEAD", {}).get(path[-1])
+        help_ = advice.format(_spelt(value)) if advice else suggestion(str(path[-1]), _keys(parent))
+        return "TB102", f"unknown key; {help_}", True
     if kind == "literal_error":
         choices = [_plain(choice) for choice in get_args(_type_at(model, path))]
         help_ = suggestion(str(value), choices, what="choices")
@@ -130,11 +132,41 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         return "TB104", f"has {_values(len(value))}; {most} are needed", False
     if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
         return "TB104", _length_message(kind, context, value), False
+    if kind == "string_type" and path[0] == "expert" and path[-1] in ("to", "reach"):
+        return "TB103", f"is {_described(value)}; {_frame_needed(str(path[-1]), value)}", False
+    if kind == "tuple_type" and path[-1] == "box" and _is_number(value):
+        edges = f"[{value:g}, {value:g}, {value:g}]"
+        return "TB103", f"is {value:g}; three edge lengths are needed: {edges}", False
     if kind in _NEEDED:
         return "TB103", f"is {_described(value)}; {_needed(kind, value)}", False
     if kind in _OWN:
         return _OWN[kind], detail["msg"], False
     return "TB103", f"{detail['msg']} (got {_described(value)})", False
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _frame_needed(key: str, value: Any) -> str:
+    """How a frame is written where a position stands."""
+    if not (isinstance(value, tuple) and len(value) == 3 and all(map(_is_number, value))):
+        return "the name of a frame is needed"
+    return (
+        f"the name of a frame is needed: write a site, scene.sites.point: "
+        f"{{position: {_spelt(value)}}}, and {key}: point"
+    )
+
+
+def _spelt(value: Any) -> str:
+    """A value as YAML spells it in a line, or dots where that is long."""
+    if isinstance(value, dict):
+        text = f"{{{', '.join(f'{key}: {_spelt(inner)}' for key, inner in value.items())}}}"
+    elif isinstance(value, tuple):
+        text = f"[{', '.join(map(_spelt, value))}]"
+    else:
+        text = _plain(value)
+    return text if len(text) <= 60 else "…"
 
 
 def _values(count: int, unit: str = "values") -> str:

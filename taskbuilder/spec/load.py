@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -49,6 +49,18 @@ class TaskFile:
     warnings: tuple[Finding, ...] = ()
 
 
+class TaskFileError(FileError):
+    """A task file is wrong.
+
+    Attributes:
+        names: The names of the scene, if what is wrong leaves no doubt about them.
+    """
+
+    def __init__(self, findings: Iterable[Finding], names: SceneNames | None = None) -> None:
+        super().__init__(findings)
+        self.names = names
+
+
 @dataclass
 class _Loading:
     """A task file on its way: what has been read, and what has been found wrong."""
@@ -73,7 +85,7 @@ def read_task(entry: Entry, catalogue: Catalogue) -> TaskFile:
     """Read and check a task file and everything that it names, except its description.
 
     Raises:
-        FileError: With every finding of the file and of the robots and assets it names.
+        TaskFileError: With every finding of the file and of the robots and assets it names.
     """
     loading = _Loading(entry, read_source(entry.file), catalogue)
     spec, wrong = parse(TaskSpec, loading.source)
@@ -92,7 +104,7 @@ def read_task(entry: Entry, catalogue: Catalogue) -> TaskFile:
         loading.findings += check_randomize(loading.source, names, spec)
         loading.findings += _check_instructions(loading.source, spec, scenes)
     if spec is None or any(finding.severity == "error" for finding in loading.findings):
-        raise FileError(loading.findings)
+        raise TaskFileError(loading.findings, _certain(names, loading.findings))
     return TaskFile(
         entry,
         loading.source,
@@ -103,6 +115,32 @@ def read_task(entry: Entry, catalogue: Catalogue) -> TaskFile:
         names,
         tuple(loading.findings),
     )
+
+
+_WHAT_NAMES = ("robots", "objects", "sites", "cameras")
+
+
+def _certain(names: SceneNames, findings: Sequence[Finding]) -> SceneNames | None:
+    """The names of a scene in whose file there are mistakes; None where names may be missing.
+
+    An object in which something is wrong may have any part, and a site any marker.
+    """
+    objects, sites = dict(names.objects), dict(names.sites)
+    for finding in findings:
+        if finding.code.startswith("TB00") and finding.code != "TB009":
+            return None  # not all of the file was read
+        if finding.code == "TB107":
+            return None  # it will have another name
+        top, _, rest = finding.path.partition(".")
+        group, _, name = rest.partition(".")
+        misplaced = finding.code == "TB102" and not rest  # "objects" may stand at the top
+        if misplaced or (top == "scene" and (group not in _WHAT_NAMES or not name)):
+            return None
+        if top == "scene" and (name := name.partition(".")[0]) in objects:
+            objects[name] = replace(objects[name], unread=True)
+        elif top == "scene" and name in sites:
+            sites[name] = True
+    return replace(names, objects=objects, sites=sites)
 
 
 def _read_robots(loading: _Loading) -> None:

@@ -7,7 +7,7 @@ full edge lengths. Orientations are roll, pitch and yaw about fixed x, y, z, as 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -161,6 +161,11 @@ class _Placed(Model):
 
 class ObjectSpec(_Placed):
     """A body: one shape, or a compound of named parts."""
+
+    INSTEAD: ClassVar = {
+        **{kind: f"it is a shape; write shape: {{{{{kind}: {{}}}}}}" for kind in SHAPES},
+        "scale": "it goes with a mesh or urdf, inside shape: {{mesh: part.obj, scale: {}}}",
+    }
 
     shape: Shape | None = None
     parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None

@@ -29,6 +29,7 @@ DRIFT_MM = 5.0
 REST_SPEED = 0.02
 SEEN_SHARE = 0.005
 DENSITY = (10.0, 25_000.0)  # kg/m³: from foam to beyond lead
+LONGEST_M = 2.0  # what is longer and far too light is a mesh in another unit
 ENERGY_PER_KG = 50.0  # J/kg: falling five metres
 
 
@@ -113,7 +114,12 @@ def check_masses(task: Task, world: World) -> Result:
                 f"{name} weighs {thing.body.mass:g} kg at {volume * 1e6:.3g} cm³ of bounding box; "
                 f"from {least:.2g} to {most:.2g} kg would be plausible"
             )
-            findings.append(finding_at(task, "TB308", message, name, "mass", severity="warning"))
+            place = "mass"
+            shape, edge = thing.spec.shape, 2.0 * max(world.box(name).half)
+            if shape and shape.mesh and shape.scale is None and edge > LONGEST_M:
+                message = f"{name} is {edge:.3g} m long; a mesh in millimetres needs scale: 0.001"
+                place = "shape"
+            findings.append(finding_at(task, "TB308", message, name, place, severity="warning"))
     extreme = max(densities, key=lambda density: abs(math.log(density / 1000.0)))
     check = Check("TB308", "masses are plausible", True, extreme, None, "kg/m³")
     return check, findings

@@ -3,7 +3,8 @@
 Every seed is played once in each of several ways, the variations taking turns: holding still, at
 random, the expert without one of the robots, and one robot alone. A robot alone takes each object
 that the success condition names, at each of its grasp points, and brings it to each place that the
-condition names, or just up; of these ways up to `MOST_SOLOS` are tried from a seed, taking turns.
+condition names, or just up; where the condition names joints, it moves their object by each of its
+grasp points along them. Of these ways up to `MOST_SOLOS` are tried from a seed, taking turns.
 
 Ways are judged from the simplest on, up to the first that succeeds: where waiting is enough, all
 else is, too. Where the task says ``cooperation: optional``, what robots do without each other is
@@ -19,7 +20,14 @@ from typing import NamedTuple
 from taskbuilder.errors import Finding
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
-from taskbuilder.validate.alone import fetched, first_grasps, play_solo, solos, within_reach
+from taskbuilder.validate.alone import (
+    fetched,
+    first_grasps,
+    play_solo,
+    sharers,
+    solos,
+    within_reach,
+)
 from taskbuilder.validate.places import finding_in_description, finding_in_file
 from taskbuilder.validate.playing import play_nothing, play_random
 from taskbuilder.validate.report import Check, FamilyResult, Result
@@ -120,7 +128,10 @@ def _summary(run: Run) -> str:
         label = "solo" if " alone, " in way else way.replace("without", "frozen")
         counts[label] = counts.get(label, 0) + sum(play.success for play in plays.values())
     order = sorted(counts, key=lambda label: (label in (NOTHING, RANDOM), label == NOTHING))
-    return ", ".join(f"{label} {counts[label]}" for label in order)
+    said = ", ".join(f"{label} {counts[label]}" for label in order)
+    if run.has_expert and len(run.task.agents) > 1 and "solo" not in counts:
+        said += "; success names nothing that a robot could take alone"
+    return said
 
 
 # --- in each process
@@ -153,9 +164,12 @@ def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
     env.reset(seed=start.seed)
     world = env.episode.world
     things = fetched(task, world.scene)
+    shared = sharers(task.file.spec.expert)
     for grasp, taker in first_grasps(task.file.spec.expert).items():
-        if grasp.partition(".")[0] in things:
-            others = [robot for robot in task.agents if robot != taker]
+        thing = grasp.partition(".")[0]
+        if thing in things:
+            apart = {taker} | shared.get(thing, set())
+            others = [robot for robot in task.agents if robot not in apart]
             yield from ((r, grasp) for r in others if within_reach(world, r, grasp))
 
 

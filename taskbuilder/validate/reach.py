@@ -3,13 +3,17 @@
 The stages are rehearsed without physics, from every seed in every variation. For each order the
 pose that lies farthest from the robot's shoulder is tried farther out still, along the line from
 the shoulder through it, to find out how much there is to spare.
+
+A rehearsal may foresee wrongly where things are by then. Wherever it finds a pose out of reach the
+expert is played as well: a stage that it carries out asks for nothing out of reach, and a task in
+which it succeeds is not wrong.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -34,6 +38,12 @@ ATTEMPTS = 6
 """Beginnings of inverse kinematics while the edge is looked for; a pose itself gets more."""
 
 
+Key = tuple[int, str, str]
+"""An order: the number of its stage, its robot, and what is to be done."""
+
+Verdict = Literal["fine", "warning", "error", ""]
+
+
 class Reached(NamedTuple):
     """Whether a robot can take a pose that was asked of it.
 
@@ -52,7 +62,7 @@ class Reached(NamedTuple):
     distance: float
 
     @property
-    def key(self) -> tuple[int, str, str]:
+    def key(self) -> Key:
         """The order that it belongs to."""
         return self.asked.stage, self.asked.robot, self.asked.order
 
@@ -73,60 +83,101 @@ def reach_family(run: Run) -> FamilyResult:
     """Rehearse the expert's stages from every seed."""
     if not run.task.file.spec.expert:
         return FamilyResult("reach", (), (), "no expert")
-    extremes: dict[tuple[int, str, str], Reached] = {}
-    missed: list[Reached] = []
     starts = run.every_start
-    for found in run.ask(rehearse_from, starts, "reach"):
-        for reached in found:
-            missed += [] if reached.ok else [reached]
-            known = extremes.get(reached.key)
-            if known is None or _severity(reached) > _severity(known):
-                extremes[reached.key] = reached
+    found = [reached for each in run.ask(rehearse_from, starts, "reach") for reached in each]
+    judged = [(reached, _verdict(run, reached)) for reached in _play_missed(run, found)]
+    missed = [(reached, verdict) for reached, verdict in judged if verdict and not reached.ok]
+    extremes: dict[Key, Reached] = {}
+    for reached, verdict in judged:
+        known = extremes.get(reached.key)
+        if verdict and (known is None or _severity(reached) > _severity(known)):
+            extremes[reached.key] = reached
     listed = sorted(extremes.values(), key=lambda reached: reached.start)
     margins = list(run.ask(find_margin, [r.start for r in listed], "reach, margins", about=listed))
     worst = min(margins, key=lambda margin: margin.metres, default=None)
     findings = _findings(run, missed, margins)
     value = worst.metres * 100.0 if worst and math.isfinite(worst.metres) else None
-    check = Check("TB511", "the expert's poses can be reached", not missed, value, 0.0, "cm")
-    return FamilyResult("reach", (check,), tuple(findings), _summary(run, worst))
+    ok = all(verdict == "warning" for _, verdict in missed)
+    check = Check("TB511", "the expert's poses can be reached", ok, value, 0.0, "cm")
+    return FamilyResult("reach", (check,), tuple(findings), _summary(run, found, worst))
+
+
+def _play_missed(run: Run, found: Sequence[Reached]) -> Sequence[Reached]:
+    """Have the expert play from every start from which a pose seems out of reach."""
+    starts = sorted({reached.start for reached in found if not reached.ok})
+    if starts and run.has_expert:
+        for _ in run.demonstrate(starts, "reach, played"):
+            pass  # they are kept by the run
+    return found
+
+
+def _verdict(run: Run, reached: Reached) -> Verdict:
+    """What it means that a pose is, or is not, in reach; "" where physics shows otherwise."""
+    if reached.ok:
+        return "fine"
+    asked, played = reached.asked, run.demonstrations.get(reached.start)
+    if played is None:  # the expert cannot be played
+        return "warning" if asked.guess else "error"
+    if len(played.stage_ends) >= asked.stage:
+        return ""
+    trouble = played.trouble
+    stopped = trouble is not None and (trouble.stage, trouble.robot) == (asked.stage, asked.robot)
+    if played.success:
+        return "warning" if stopped else ""
+    return "error" if stopped or not asked.guess else ""
 
 
 def _severity(reached: Reached) -> tuple[bool, float]:
     return not reached.ok, reached.distance
 
 
-def _summary(run: Run, worst: Margin | None) -> str:
+def _summary(run: Run, found: Sequence[Reached], worst: Margin | None) -> str:
     stages = len(run.task.file.spec.expert)
     counted = f"{stages} stage{'s' * (stages != 1)}"
-    if worst is None:
+    if not found:
         return f"{counted}, which ask for no pose"
+    guesses = dict.fromkeys(reached.asked.guess for reached in found if reached.asked.guess)
+    rough = f"; where {' and '.join(guesses)} will be is a guess" if guesses else ""
+    if worst is None:
+        return f"{counted}{rough}"
     stage, robot, order = worst.reached.key
     where = f"({robot}, stage {stage}: {order})"
     if not math.isfinite(worst.metres):
-        return f"{counted}, one beyond all reach {where}"
-    return f"{counted}, worst margin {worst.metres * 100:.0f} cm {where}"
+        return f"{counted}, one beyond all reach {where}{rough}"
+    return f"{counted}, worst margin {worst.metres * 100:.0f} cm {where}{rough}"
 
 
-def _findings(run: Run, missed: Sequence[Reached], margins: Sequence[Margin]) -> list[Finding]:
+def _findings(
+    run: Run, missed: Sequence[tuple[Reached, Verdict]], margins: Sequence[Margin]
+) -> list[Finding]:
     """One for each order that asks for what cannot be reached."""
     short = {margin.reached.key: margin for margin in margins}
     findings: list[Finding] = []
-    for key in dict.fromkeys(reached.key for reached in missed):
+    for key in dict.fromkeys(reached.key for reached, _ in missed):
         stage, robot, order = key
-        starts = list(dict.fromkeys(reached.start for reached in missed if reached.key == key))
+        mine = [(reached.start, verdict) for reached, verdict in missed if reached.key == key]
+        starts = list(dict.fromkeys(start for start, _ in mine))
+        wrong = any(verdict == "error" for _, verdict in mine)
         margin = short[key]
-        far = f"it is {-margin.metres * 100:.0f} cm too far out"
-        if not math.isfinite(margin.metres):
-            far = f"not even {FARTHEST_M:g} m nearer; turn the tool otherwise"
         x, y, z = margin.reached.pose.position
         message = (
             f"{robot} cannot reach what it is to {order}, ({x:.2f}, {y:.2f}, {z:.2f}), from "
-            f"{len(starts)} of {len(run.every_start)} placements: {far} at worst "
-            f"({margin.reached.start})"
+            f"{len(starts)} of {len(run.every_start)} placements: at worst, from "
+            f"{margin.reached.start}, {_far(margin.metres)}"
         )
-        found = finding_in_file(run.task, "TB511", message, "expert", stage - 1, robot)
+        if not wrong and run.has_expert:
+            message += "; the expert succeeds without it"
+        severity: Literal["error", "warning"] = "error" if wrong else "warning"
+        path = ("expert", stage - 1, robot)
+        found = finding_in_file(run.task, "TB511", message, *path, severity=severity)
         findings += in_variation(starts[0].variation, [found], findings)
     return findings
+
+
+def _far(metres: float) -> str:
+    if math.isfinite(metres):
+        return f"it is {-metres * 100:.0f} cm too far out"
+    return f"even {FARTHEST_M:g} m nearer would be out of reach, so turn the tool otherwise"
 
 
 # --- in each process

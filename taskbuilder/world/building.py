@@ -142,6 +142,13 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     size = (spec.shape.scale if spec.shape else None) or 1.0
     body = loader.urdf(urdf, name, spec.pose, fixed=spec.fixed, size=size)
     body.set_friction(spec.friction)
+    # What a task file leaves open stays as the URDF says.
+    if "color" in spec.model_fields_set:
+        body.set_color((*rgb(spec.color), 1.0))
+    if "rolling_friction" in spec.model_fields_set:
+        body.set_rolling_friction(spec.rolling_friction)
+    if "restitution" in spec.model_fields_set:
+        body.set_restitution(spec.restitution)
     moving = urdf.moving_joints
     indices = tuple(body.joints[joint.name].index for joint in moving)
     written = [spec.joints.get(joint.name, 0.0) for joint in moving]

@@ -45,6 +45,13 @@ def test_the_table_names_the_part_that_each_joint_plays(run):
     assert lines[-2:] == ["ok", "ur5e.png"]
 
 
+def test_a_urdf_can_be_checked_by_the_name_that_a_robot_file_gives_it(run):
+    ran = run("robots", "check", "package://pybullet_data/r2d2.urdf", "--json")
+    assert (ran.status, ran.err) == (0, "")
+    assert ran.data["ok"]
+    assert len(ran.data["joints"]) > 5
+
+
 def test_any_urdf_can_be_checked_by_its_path(run):
     urdf = Path(pybullet_data_folder()) / "r2d2.urdf"
     ran = run("robots", "check", str(urdf), "--json")

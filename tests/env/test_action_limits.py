@@ -174,3 +174,29 @@ def test_the_control_rate_sets_how_far_speeds_reach_in_a_step(make):
     ends = [env.episode.world.robots["arm"].arm_state()[0][0] for env in (slow, fast)]
     assert near(*ends, 0.01)
     assert ends[0] - begin == pytest.approx(0.2 * math.pi * 0.5, rel=0.1)
+
+
+@pytest.mark.parametrize("mode", ["tcp_delta", "tcp_pose", "joint_delta"])
+def test_another_control_rate_leaves_tools_and_joints_as_fast(make, mode):
+    text = arm(action=f"arm: {mode}, max_step: 0.02, max_turn_deg: 4")
+    travelled = []
+    for hz in (None, 20, 5):
+        env = make(text, control_hz=hz, normalize=False)
+        env.reset(seed=0)
+        begin = env.episode.world.pose("arm.tcp").position
+        high = env.action_space("arm").high
+        for _ in range((hz or 10) // 5 * 2):
+            env.step({"arm": high})
+        travelled.append(math.dist(begin, env.episode.world.pose("arm.tcp").position))
+        env.close()
+    usual, fast, slow = travelled
+    assert usual > 0.05
+    assert fast == pytest.approx(usual, rel=0.15)
+    assert slow == pytest.approx(usual, rel=0.15)
+
+
+def test_another_control_rate_holds_in_every_variation(make):
+    text = arm(action="max_step: 0.02") + "variations: [{spot.color: blue}]\n"
+    for variation in (0, 1):
+        env = make(text, control_hz=20, variation=variation, normalize=False)
+        assert env.action_space("arm").high[0] == pytest.approx(0.01)

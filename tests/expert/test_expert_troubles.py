@@ -162,3 +162,40 @@ def test_a_demonstration_of_one_task_is_not_replayed_in_another(expert, tmp_path
     with pytest.raises(UsageError, match="not of other"):
         replay(other, demonstration)
     other.close()
+
+
+SWEEP = "arm: {{reach: block, offset: [{x}, 0, {z}], straight: true}}"
+
+
+def trouble_of(folder, *stages, **scene):
+    env = made(folder, *stages, **scene)
+    expert = Expert(env)
+    found = expert.play(0, finish=False).trouble
+    expert.close()
+    env.close()
+    return found
+
+
+def test_a_gap_that_is_too_narrow_wants_touching(tmp_path):
+    said = set()
+    for millimetres in range(27, 34, 3):
+        z = millimetres / 1000.0
+        stages = ("arm: {close: nothing}", SWEEP.format(x=0.15, z=z), SWEEP.format(x=-0.15, z=z))
+        trouble = trouble_of(tmp_path, *stages)
+        said |= {trouble.message.rpartition("; ")[2]} if trouble else set()
+    assert "if it may be touched, write touching: [block]" in said
+
+
+def test_what_may_be_pushed_wants_touching_and_what_is_fixed_does_not(tmp_path):
+    closed = "arm: {close: nothing}"
+    trouble = trouble_of(tmp_path, closed, "arm: {reach: block}")
+    assert trouble.message.endswith("inside the block; to push it, write touching: [block]")
+    trouble = trouble_of(tmp_path, closed, "arm: {reach: table, offset: [0.1, 0.0, 0]}")
+    assert trouble.message.endswith("inside the table")
+
+
+def test_a_turn_that_the_action_mode_does_not_allow_tells_which_does(tmp_path):
+    turned = "arm: {reach: goal, rpy_deg: [90, 0, 0]}"
+    trouble = trouble_of(tmp_path, GRASP, turned)
+    assert (trouble.stage, trouble.cause) == (2, "out of reach")
+    assert trouble.message.endswith("; write action: {turn: full} for arm, or turn it less")

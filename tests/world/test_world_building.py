@@ -110,6 +110,33 @@ def test_a_drawer_opens_as_written_and_carries_its_frames(crowd):
     assert crowd.joint("cabinet.slide") == pytest.approx(0.05, abs=1e-3)
 
 
+def colors(world, name):
+    body = world.objects[name].body
+    return {shape[7] for shape in world.client.bullet.getVisualShapeData(body.id)}
+
+
+def test_a_colour_of_the_task_file_paints_every_link_of_a_urdf(build, tmp_path):
+    (tmp_path / "wedge.obj").write_text(WEDGE, encoding="utf-8")
+    paint = '<visual><material name="m"><color rgba="0 0 1 1"/></material>'
+    painted = CABINET.replace("<visual>", paint)
+    (tmp_path / "cabinet.urdf").write_text(painted, encoding="utf-8")
+    plain = build(CROWD)
+    assert colors(plain, "cabinet") == {(0.0, 0.0, 1.0, 1.0)}
+    red = build(CROWD.replace("fixed: true", "fixed: true\n      color: '#ff0000'"))
+    assert colors(red, "cabinet") == {(1.0, 0.0, 0.0, 1.0)}
+
+
+def test_what_a_task_file_says_of_a_urdfs_surface_holds_for_every_link(build, tmp_path):
+    (tmp_path / "wedge.obj").write_text(WEDGE, encoding="utf-8")
+    (tmp_path / "cabinet.urdf").write_text(CABINET, encoding="utf-8")
+    said = "fixed: true\n      restitution: 0.5\n      rolling_friction: 0.01"
+    world = build(CROWD.replace("fixed: true", said))
+    body = world.objects["cabinet"].body
+    for link in body.indices:
+        info = world.client.bullet.getDynamicsInfo(body.id, link)
+        assert (info[5], info[6]) == pytest.approx((0.5, 0.01))
+
+
 def test_a_home_out_of_reach_is_refused_where_it_is_written(build):
     with pytest.raises(FileError, match="arm cannot reach this pose") as caught:
         build(bench(height=3.0))

@@ -1,0 +1,115 @@
+"""What robots try alone, and which objects may start in the reach of several."""
+
+from __future__ import annotations
+
+import math
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from taskbuilder.spec.expert import Order, Together
+from taskbuilder.task import load_task
+from taskbuilder.validate.alone import play_solo, sharers, solos
+from taskbuilder.validate.needs import _in_reach
+from taskbuilder.validate.studio import Start, Studio
+
+CHEST = Path(__file__).parent.parent / "proven_tasks" / "lid_by_its_knob.yaml"
+
+BAR = """\
+task: bar
+summary: Three arms carry one bar.
+scene:
+  robots:
+    one: {model: ur5e, base: {position: [-0.6, 0, 0]}}
+    two: {model: ur5e, base: {position: [0.6, 0, 0], rpy_deg: [0, 0, 180]}}
+    three: {model: ur5e, base: {position: [0, 0.6, 0], rpy_deg: [0, 0, -90]}}
+  objects:
+    bar:
+      shape: {box: [0.6, 0.03, 0.03]}
+      mass: 0.2
+      position: [0, 0, 0.0155]
+      grasps:
+        left: {at: [-0.25, 0, 0.01]}
+        middle: {at: [0, 0, 0.01]}
+        right: {at: [0.25, 0, 0.01]}
+  sites:
+    goal: {position: [0, 0, 0.2]}
+expert:
+"""
+TAKEN_AT_ONCE = (
+    "  - {one: {grasp: bar.left}, two: {grasp: bar.right}, three: {grasp: bar.middle}}\n"
+)
+TAKEN_IN_TURN = (
+    "  - one: {grasp: bar.left}\n  - two: {grasp: bar.right}\n  - three: {grasp: bar.middle}\n"
+)
+CARRIED = "  - {together: [one, two, three], bring: bar, to: goal}\n"
+GIVEN = "  - {one: {bring: bar, to: goal}}\n"
+DESCRIPTION = """\
+from taskbuilder.description import *
+
+
+class Bar(Description):
+    success = Near("bar", "goal", within=0.05)
+    reward = (Distance("carry", "bar", "goal"),)
+"""
+
+
+def in_reach(folder, stages):
+    (folder / "bar.yaml").write_text(BAR + stages)
+    (folder / "bar.py").write_text(DESCRIPTION)
+    with closing(Studio(load_task(folder / "bar.yaml"))) as studio:
+        return list(_in_reach(studio, Start(0, 0)))
+
+
+@pytest.mark.parametrize("taken", [TAKEN_AT_ONCE, TAKEN_IN_TURN])
+def test_one_load_of_three_robots_may_start_in_the_reach_of_all(tmp_path, taken):
+    assert in_reach(tmp_path, taken + CARRIED) == []
+
+
+def test_what_one_robot_is_to_fetch_may_not(tmp_path):
+    alone = "  - one: {grasp: bar.left}\n" + GIVEN
+    assert in_reach(tmp_path, alone)[:1] == [("two", "bar.left")]
+
+
+def test_those_who_share_an_object_are_its_carriers_and_who_pushes_it():
+    stages = (
+        {"one": Order(reach="cube", touching=("cube",))},
+        {"one": Order(grasp="bar.left")},
+        {"two": Order(grasp="bar.right"), "three": Order(grasp="cube.top")},
+        Together(together=("one", "two"), bring="bar", to="goal"),
+    )
+    assert sharers(stages) == {"cube": {"one"}, "bar": {"one", "two"}}
+
+
+class TestJoints:
+    @pytest.fixture
+    def task(self, tmp_path):
+        for file in CHEST.parent.glob("lid_by_its_knob.*"):
+            text = file.read_text(encoding="utf-8")
+            text = text.replace("success = Sustained(put", "success = Sustained(opened")
+            (tmp_path / file.name).write_text(text, encoding="utf-8")
+        return load_task(tmp_path / CHEST.name)
+
+    def test_are_moved_by_every_robot_to_where_they_are_not(self, task):
+        found = solos(task, task.file.spec.scene)
+        names = [solo.name for solo in found]
+        assert names == [
+            "left alone, chest.grip along chest.hinge by +1.90",
+            "right alone, chest.grip along chest.hinge by +1.90",
+        ]
+
+    def test_one_robot_alone_is_found_to_open_a_lid(self, task):
+        (solo, _) = solos(task, task.file.spec.scene)
+        with closing(Studio(task)) as studio:
+            played = play_solo(studio.expert(0), 0, solo)
+            assert played.success
+            assert math.degrees(studio.env(0).episode.world.joint("chest.hinge")) > 55
+
+
+def test_the_report_says_where_nothing_could_be_tried_alone(prove):
+    near = 'Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
+    points = 'Sustained(Near("right.tcp", "lamp", within=0.02), 0.5)'
+    report = prove((near, points), only=("needs its robots",))
+    said = "; success names nothing that a robot could take alone"
+    assert report.families[-1].summary.endswith(said)
