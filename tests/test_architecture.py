@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry")
+FOUNDATION = ("errors", "geometry", "wording")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -46,6 +46,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "assets": FOUNDATION,
     "geometry": (),
     "errors": (),
+    "wording": (),
     "_version": (),
 }
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import re
 import sys
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from taskbuilder._version import __version__
 from taskbuilder.cli.kinds import whole
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
+from taskbuilder.wording import suggestion
 
 _COMMANDS = (
     "list",
@@ -69,9 +69,7 @@ _BETTER = (
 
 
 def _no_such(what: str, word: str, choices: list[str]) -> str:
-    near = difflib.get_close_matches(word, choices, n=1)
-    meant = f'did you mean "{near[0]}"?' if near else f"one of {', '.join(choices)}"
-    return f"there is no {what}; {meant}"
+    return f"there is no {what}; {suggestion(word, choices, what='one of')}"
 
 
 def parse(words: Sequence[str]) -> argparse.Namespace:

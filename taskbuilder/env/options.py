@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.errors import UsageError
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile
 from taskbuilder.task import Task
+from taskbuilder.wording import suggestion
 
 RewardSharing = Literal["team", "local"]
 Seen = Literal["task", "scene"]

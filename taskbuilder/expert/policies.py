@@ -14,7 +14,7 @@ from taskbuilder.expert.demonstration import Demonstration, Watch
 from taskbuilder.expert.driving import Actions, Driver
 from taskbuilder.expert.player import Expert
 from taskbuilder.expert.recording import Recording
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 
 Act = Callable[[Mapping[str, Any]], Mapping[str, NDArray[np.floating]]]
 """Every agent's action, given what each sees."""

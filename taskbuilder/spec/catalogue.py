@@ -15,9 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
-from taskbuilder.assets.wording import closest
 from taskbuilder.errors import FileError, Finding, Location, UnknownNameError, display_path
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import closest, suggestion
 
 Sort = Literal["task", "robot"]
 
