@@ -13,6 +13,7 @@ lint:
 
 types:
 	mypy
+	cd tests/typing && mypy uses.py # as users do: from elsewhere, with what is installed
 
 tests:
 	pytest -n 2 --dist worksteal

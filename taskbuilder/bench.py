@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from taskbuilder.env.options import Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.render import take_still
 from taskbuilder.sim.cameras import capture
@@ -102,7 +103,7 @@ def measure_resets(task: Task, *, resets: int = 200, **options: Any) -> float:
     return statistics.median(times) * 1000.0
 
 
-def measure_images(task: Task, renderer: str) -> dict[str, float]:
+def measure_images(task: Task, renderer: Renderer) -> dict[str, float]:
     """Images a second of the scene's first camera, by size; stills a second as well."""
     env = parallel_env(task, renderer=renderer)
     env.reset(seed=0)

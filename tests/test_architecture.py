@@ -42,11 +42,12 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "world": ("sim", *FILES),
     "sim": ("assets", *FOUNDATION),
     "description": FILES,
-    "spec": ("assets", *FOUNDATION),
+    "spec": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
     "geometry": (),
     "errors": (),
     "wording": (),
+    "_library": (),
     "_version": (),
 }
 
@@ -64,13 +65,20 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     ),
     "matplotlib": ("taskbuilder/charts.py", "taskbuilder/curves.py"),
     "ompl": ("taskbuilder/expert/",),
+    "PIL": (
+        *("taskbuilder/render.py", "taskbuilder/film/files.py"),
+        "taskbuilder/validate/formats/pictures.py",
+    ),
 }
 
 # Checking files takes no numpy, so that it takes no time.
 WITHOUT_NUMPY = {"codes", *TASKS_LOADED}
 
 # These stand above the layers: they hand out, by name, what is below.
-ABOVE = tuple(f"taskbuilder/{name}.py" for name in ("__init__", "__main__", "_gymnasium"))
+ABOVE = tuple(
+    f"taskbuilder/{name}.py"
+    for name in ("__init__", "__main__", "gym", "tasks/__init__", "robots/__init__")
+)
 
 MOST_LINES = 400
 

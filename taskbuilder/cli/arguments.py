@@ -104,7 +104,11 @@ def make_parser() -> Parser:
         help="also look for tasks and robots in this folder (may be repeated)",
     )
     commands = parser.add_subparsers(
-        dest="command", metavar="COMMAND", required=True, parser_class=Parser
+        prog=parser.prog,  # or argparse formats a usage to find it, which takes its time
+        dest="command",
+        metavar="COMMAND",
+        required=True,
+        parser_class=Parser,
     )
     for name in _COMMANDS:
         _ADDERS[name](Adder(commands, common, name))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from typing import Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
 RewardSharing = Literal["team", "local"]
+Variation = int | Literal["random"]
+Renderer = Literal["auto", "tiny", "egl"]
+RenderMode = Literal["rgb_array"]
 Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
 Rotation = Literal["quaternion", "matrix"]
@@ -75,7 +78,7 @@ class Options:
     normalize: bool = True
     horizon: int | None = None
     control_hz: int | None = None
-    variation: int | Literal["random"] = 0
+    variation: Variation = 0
     randomize: bool = False
     observe: Seen = "task"
     frame: Frame = "task"
@@ -86,7 +89,7 @@ class Options:
     opening_share: float = 0.0
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
-    renderer: Literal["auto", "tiny", "egl"] = "tiny"
+    renderer: Renderer = "tiny"
     render_camera: str | None = None
 
     def applied(self, task: Task) -> TaskFile:
@@ -137,7 +140,30 @@ class Options:
             _choice("camera", camera, tuple(task.file.spec.scene.cameras))
 
 
-def make_options(**options: Any) -> Options:
+class EnvOptions(TypedDict, total=False):
+    """The fields of `Options` as keywords, by which type checkers find a wrong one."""
+
+    reward: RewardSharing
+    flat: bool
+    normalize: bool
+    horizon: int | None
+    control_hz: int | None
+    variation: Variation
+    randomize: bool
+    observe: Seen
+    frame: Frame
+    rotation: Rotation
+    end_on_setback: bool
+    patience: float | None
+    openings: tuple[Opening, ...]
+    opening_share: float
+    cameras: tuple[str, ...]
+    camera_size: tuple[int, int] | None
+    renderer: Renderer
+    render_camera: str | None
+
+
+def make_options(**options: Unpack[EnvOptions]) -> Options:
     """Options by name.
 
     Raises:
