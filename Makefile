@@ -19,6 +19,7 @@ tests:
 	pytest -n 2 --dist worksteal
 
 docs:
+	cd docs && python -m generators # writes anew what pages show of the library
 	sphinx-build -q -W -b html docs docs/_build/html
 
 benchmarks:

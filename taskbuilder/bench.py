@@ -118,7 +118,7 @@ def measure_images(task: Task, renderer: Renderer) -> dict[str, float]:
     return rates
 
 
-def renderers() -> tuple[str, ...]:
+def renderers() -> tuple[Renderer, ...]:
     """The renderers that work on this machine."""
     return ("tiny", "egl") if probe_egl().works else ("tiny",)
 

@@ -22,7 +22,7 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         *("validate", "bench", "learn", "data", "film", "expert", "portrait", "render", "env"),
-        *("codes", "curves", "charts", "jobs", "files", *SIMULATED),
+        *("reference", "codes", "curves", "charts", "jobs", "files", *SIMULATED),
     ),
     "validate": ("bench", "film", "expert", "render", "env", "codes", "jobs", "files", *SIMULATED),
     "bench": ("expert", "render", "env", *SIMULATED),
@@ -33,6 +33,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "portrait": ("render", *SIMULATED),
     "render": ("files", *SIMULATED),
     "env": SIMULATED,
+    "reference": ("codes", "description", *FILES),
     "codes": (),
     "curves": ("charts",),
     "charts": (),
@@ -55,7 +56,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/chatter.py"),
-    "pydantic": ("taskbuilder/spec/",),
+    "pydantic": ("taskbuilder/spec/", "taskbuilder/reference/"),
     "pydantic_core": ("taskbuilder/spec/",),
     "yaml": ("taskbuilder/spec/",),
     "argparse": ("taskbuilder/cli/",),
@@ -72,7 +73,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
 }
 
 # Checking files takes no numpy, so that it takes no time.
-WITHOUT_NUMPY = {"codes", *TASKS_LOADED}
+WITHOUT_NUMPY = {"codes", "reference", *TASKS_LOADED}
 
 # These stand above the layers: they hand out, by name, what is below.
 ABOVE = tuple(

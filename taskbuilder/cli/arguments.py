@@ -28,6 +28,7 @@ _COMMANDS = (
     "plot",
     "bench",
     "robots",
+    "explain",
     "schema",
 )
 
@@ -299,6 +300,15 @@ def _add_bench(adder: Adder) -> None:
     add_json(parser)
 
 
+def _add_explain(adder: Adder) -> None:
+    parser = adder.command(
+        "print what the reference says of a code, a condition, a verb, a channel or a key",
+        "objects.place",
+    )
+    parser.add_argument("name", metavar="NAME", help="such as TB511, Held, grasp or objects.place")
+    add_json(parser)
+
+
 def _add_schema(adder: Adder) -> None:
     parser = adder.command(
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
@@ -320,5 +330,6 @@ _ADDERS = {
     "plot": add_plot,
     "bench": _add_bench,
     "robots": _add_robots,
+    "explain": _add_explain,
     "schema": _add_schema,
 }
