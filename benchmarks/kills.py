@@ -26,7 +26,7 @@ import numpy as np
 from machine import describe_machine
 from tqdm import tqdm
 
-from taskbuilder.learn.store import read_arrays
+from taskbuilder.arrays import read_arrays
 from taskbuilder.learn.zoo import load_policy
 
 RESULTS = Path(__file__).parent / "results" / "kills.json"

@@ -14,11 +14,12 @@ import time
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
 from taskbuilder.env.options import Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.render import take_still
+from taskbuilder.rollout.play import play, replay, replaying
+from taskbuilder.rollout.players import RandomActions
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.motors import Command, Motors
 from taskbuilder.sim.renderers import probe_egl
@@ -69,9 +70,9 @@ def measure_steps(task: Task, *, episodes: int = 10, repeats: int = 5, **options
     whole = bare = 0.0
     steps = 0
     for seed in range(episodes):
-        actions = _random_actions(env, seed)
-        whole += min(_play(env, seed, actions) for _ in range(repeats))
-        told = _record(env, seed, actions)
+        rollout = play(env, RandomActions(), seed)
+        whole += min(_play(env, rollout) for _ in range(repeats))
+        told = _record(env, rollout)
         bare += min(_physics_alone(env, seed, told) for _ in range(repeats))
         steps += len(told)
     env.reset(seed=0)
@@ -134,43 +135,29 @@ def as_data(cost: StepCost) -> dict[str, float]:
     return asdict(cost)
 
 
-Actions = list[dict[str, np.ndarray[Any, np.dtype[np.float32]]]]
-
-
-def _random_actions(env: TaskEnv, seed: int) -> Actions:
-    rng = np.random.default_rng(seed)
-    sizes = {agent: env.episode.actions[agent].size for agent in env.possible_agents}
-    return [
-        {agent: rng.uniform(-1.0, 1.0, size).astype(np.float32) for agent, size in sizes.items()}
-        for _ in range(env.episode.horizon)
-    ]
-
-
-def _play(env: TaskEnv, seed: int, actions: Actions) -> float:
+def _play(env: TaskEnv, rollout: Rollout) -> float:
     """Seconds of an episode's steps."""
-    env.reset(seed=seed)
+    steps = replaying(env, rollout)
+    next(steps)  # the reset
     started = time.perf_counter()
-    for action in actions:
-        env.step(action)
-        if not env.agents:
-            break
+    for _ in steps:
+        pass
     return time.perf_counter() - started
 
 
 Told = list[dict[Motors, Command]]
 
 
-def _record(env: TaskEnv, seed: int, actions: Actions) -> Told:
+def _record(env: TaskEnv, rollout: Rollout) -> Told:
     """What the motors were told at each step of an episode."""
-    env.reset(seed=seed)
-    told = []
-    for action in actions:
-        env.step(action)
+    told: Told = []
+
+    def note(env: TaskEnv) -> None:
         robots = env.episode.world.robots.values()
         told.append({m: m.command for robot in robots for m in (robot.arm, robot.gripper)})
-        if not env.agents:
-            break
-    return told
+
+    replay(env, rollout, note)
+    return told[1:]  # the first is of the reset
 
 
 def _physics_alone(env: TaskEnv, seed: int, told: Told) -> float:

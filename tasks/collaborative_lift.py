@@ -6,6 +6,8 @@ from taskbuilder.description import (
     Closeness,
     Description,
     Distance,
+    Duration,
+    ForceAbove,
     Height,
     Held,
     Ladder,
@@ -13,6 +15,7 @@ from taskbuilder.description import (
     Level,
     Near,
     On,
+    Once,
     Share,
     Sustained,
     Then,
@@ -25,9 +28,20 @@ class CollaborativeLift(Description):
     at_goal = Near("cube", "goal", within=0.05)
     lifted = Held("tray.left_handle", by="left") & Held("tray.right_handle", by="right")
 
-    success = at_goal & lifted & Level("tray", within_deg=15)
-    failure = Below("tray", height=0.35) | Below("cube", "tray", height=-0.02)
-    stages = {"both held": lifted, "in the air": lifted & ~On("tray", "table"), "at goal": success}
+    presented = at_goal & lifted & Level("tray", within_deg=10) & On("cube", "tray")
+
+    success = Sustained(presented, seconds=1.0)
+    failure = (
+        Below("tray", height=0.35)
+        | Below("cube", "tray", height=-0.02)
+        | ForceAbove("left", "right", newtons=100)
+    )
+    stages = {
+        "both held": lifted,
+        "in the air": lifted & ~On("tray", "table"),
+        "at goal": presented,
+        "kept there": success,
+    }
     reward = (  # equation (2)
         Bonus("grasp", Held("tray.left_handle", by="left"), 1.0, agent="left"),
         Bonus("grasp", Held("tray.right_handle", by="right"), 1.0, agent="right"),
@@ -49,7 +63,8 @@ class CollaborativeLift(Description):
             lifted & On("cube", "tray"),
             2.5 + 2.0 * Share(lowest - 0.05, of=0.08) + 2.0 * Closeness("cube", "goal"),
         ),
-        (success, 8.0),
+        (presented, 7.5 + 2.0 * Share(Duration(presented), of=1.0)),
+        (success, 10.5),
     )
 
-    setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted, seconds=0.3))
+    setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted & ~Once(success), seconds=0.3))

@@ -6,11 +6,14 @@ from taskbuilder.description import (
     Closeness,
     Description,
     Distance,
+    Duration,
+    ForceAbove,
     GripperOpening,
     Height,
     Held,
     Ladder,
     Near,
+    Once,
     Share,
     Sustained,
     Then,
@@ -24,9 +27,17 @@ class Handover(Description):
     shared = Held("stick", by=("left", "right"))
     handed_over = Held("stick", by="right") & ~Held("stick", by="left")
 
-    success = handed_over & Near("stick", "goal", within=0.05)
-    failure = Below("stick", height=0.35)
-    stages = {"taken": taken, "shared": shared, "handed over": handed_over, "at goal": success}
+    at_goal = handed_over & Near("stick", "goal", within=0.05)
+
+    success = Sustained(at_goal, seconds=1.0)
+    failure = Below("stick", height=0.35) | ForceAbove("left", "right", newtons=100)
+    stages = {
+        "taken": taken,
+        "shared": shared,
+        "handed over": handed_over,
+        "at goal": at_goal,
+        "kept there": success,
+    }
     reward = (  # equation (3)
         Bonus("grasp", Held("stick", by="left"), 1.0, agent="left"),
         Bonus("grasp", Held("stick", by="right"), 1.0, agent="right"),
@@ -55,8 +66,9 @@ class Handover(Description):
             - 0.15 * Closeness("left.tcp", "stick.left_end")
             + 3.0 * Closeness("stick", "goal", scale=0.5),
         ),
-        (success, 9.0),
+        (at_goal, 8.5 + 2.0 * Share(Duration(at_goal), of=1.0)),
+        (success, 11.5),
     )
 
     held = taken | Held("stick", by="right")
-    setback = Then(held, Sustained(~held, seconds=0.3))
+    setback = Then(held, Sustained(~held & ~Once(success), seconds=0.3))

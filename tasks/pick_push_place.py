@@ -6,11 +6,17 @@ from taskbuilder.description import (
     Closeness,
     Description,
     Distance,
+    Duration,
+    ForceAbove,
+    GripperOpening,
     Height,
     Held,
     Inside,
     Ladder,
+    Near,
     On,
+    Once,
+    Released,
     Share,
     Sustained,
     Then,
@@ -18,16 +24,24 @@ from taskbuilder.description import (
 
 
 class PickPushPlace(Description):
-    """The left arm brings the cube and the right arm the tray, until the cube is in the tray."""
+    """The left arm brings the cube, the right arm the tray, and the cube goes into the tray."""
 
     in_tray = Inside("cube", "tray") & On("cube", "tray")
+    let_go = in_tray & Released("cube")
+    placed = let_go & On("tray", "table.top")
 
-    success = in_tray
-    failure = Below("cube", height=0.35) | Below("tray", height=0.35)
+    success = Sustained(placed, seconds=1.0)
+    failure = (
+        Below("cube", height=0.35)
+        | Below("tray", height=0.35)
+        | ForceAbove("left", "right", newtons=100)
+    )
     stages = {
         "cube held": Held("cube", by="left"),
         "both held": Held("cube", by="left") & Held("tray", by="right"),
         "in tray": in_tray,
+        "placed": placed,
+        "kept there": success,
     }
     reward = (  # equation (1)
         Bonus("grasp", Held("cube", by="left"), 1.0, agent="left"),
@@ -40,6 +54,7 @@ class PickPushPlace(Description):
 
     cube_held = Held("cube", by="left")
     tray_held = Held("tray", by="right")
+    over_tray = Near("cube", "above_tray", within=0.06)
     lift = Share(Height("cube", "table.top") - 0.0225, of=0.06)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "cube.middle")
@@ -50,11 +65,14 @@ class PickPushPlace(Description):
             cube_held & tray_held,
             2.5
             + 0.5 * lift
-            + Closeness("tray", "middle", scale=0.3)
-            + Closeness("cube", "above_tray", scale=0.3)
+            + Closeness("tray", "middle", scale=0.7)
+            + Closeness("cube", "above_tray", scale=0.7)
             + lift * Closeness("cube", "above_tray", scale=0.08),
         ),
-        (in_tray, 7.0),
+        (over_tray | in_tray, 6.0 + GripperOpening("left")),
+        (let_go, 8.0 - Share(Height("tray", "table.top"), of=0.1)),
+        (placed, 8.5 + 2.0 * Share(Duration(placed), of=1.0)),
+        (success, 11.5),
     )
 
-    setback = Then(cube_held, Sustained(~cube_held & ~in_tray, seconds=0.5))
+    setback = Then(cube_held, Sustained(~cube_held & ~in_tray & ~Once(success), seconds=0.5))

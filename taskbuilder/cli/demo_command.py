@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import statistics
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -14,17 +14,19 @@ from typing import Any
 from taskbuilder.cli.output import paint, print_json, progress, say
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import Place, is_trained
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.expert.demonstration import Demonstration
-from taskbuilder.expert.policies import Acting, Player, player_named
+from taskbuilder.expert.named import policy_named
+from taskbuilder.expert.player import Expert
 from taskbuilder.files import write_whole
-from taskbuilder.film.chronicle import chronicle
 from taskbuilder.film.film import save_film
 from taskbuilder.film.strip import film_strip
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.render import save_image
+from taskbuilder.rollout.play import Policy, as_policy, play
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
@@ -43,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         for _, episode in zip(progress(seeds, "episodes"), episodes, strict=True):
             played.append(episode)
             if not arguments.json:
-                say(_line(task, episode, len(str(seeds[-1]))))
+                say(_line(episode, len(str(seeds[-1]))))
     if not arguments.json:
         print(_summary(played))
     files = [display_path(file) for file in _show(task, played[0], cast, arguments)]
@@ -58,7 +60,7 @@ def _check(task: Task, arguments: argparse.Namespace) -> None:
     """Refuse what cannot be played or shown before anything is."""
     check_views(task, arguments)
     if not is_trained(arguments.policy):
-        player_named(arguments.policy)
+        policy_named(arguments.policy)
     if arguments.policy == "expert" and not task.file.spec.expert:
         file = display_path(task.file.entry.file)
         raise UsageError(
@@ -95,76 +97,86 @@ class Cast:
     place: Place
     policy: str
 
-    def hire(self, stack: ExitStack) -> Player:
-        """A player, to be let go by the stack.
+    def hire(self, stack: ExitStack) -> Callable[[int], Rollout]:
+        """What plays an episode from a seed; it is freed by the stack.
 
         Raises:
             UsageError: A trained policy does not fit the task.
         """
         env = stack.enter_context(closing(self.place()))
-        if not is_trained(self.policy):
-            return stack.enter_context(closing(player_named(self.policy)(env)))
-        policy = load_policy(self.policy)
-        check_fits(policy, env, self.policy)
-        return Acting(env, policy.act)
+        return partial(play, env, self._policy(env, stack))
+
+    def _policy(self, env: TaskEnv, stack: ExitStack) -> Policy:
+        if is_trained(self.policy):
+            trained = load_policy(self.policy)
+            check_fits(trained, env, self.policy)
+            return as_policy(trained.act)
+        made = policy_named(self.policy)(env)
+        if isinstance(made, Expert):
+            stack.callback(made.close)
+        return made
 
 
-def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Demonstration, None, None]:
+def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Rollout, None, None]:
     """Episodes in the order of their seeds, each as soon as it has been played."""
     if jobs > 1:
         with workers(jobs) as spread:
             yield from spread(partial(_play_elsewhere, cast), seeds)
         return
     with ExitStack() as stack:
-        yield from map(cast.hire(stack).play, seeds)
+        yield from map(cast.hire(stack), seeds)
 
 
-def _play_elsewhere(cast: Cast, seed: int) -> Demonstration:
-    return _hired_once(cast).play(seed)
+def _play_elsewhere(cast: Cast, seed: int) -> Rollout:
+    return _hired_once(cast)(seed)
 
 
 @lru_cache(maxsize=1)
-def _hired_once(cast: Cast) -> Player:
-    """A player that is kept for as long as its process lives."""
+def _hired_once(cast: Cast) -> Callable[[int], Rollout]:
+    """A policy in its environment that is kept for as long as its process lives."""
     return cast.hire(ExitStack())
 
 
 # Saying
 
 
-def _line(task: Task, episode: Demonstration, digits: int) -> str:
+def _line(episode: Rollout, digits: int) -> str:
     verdict = paint("success", "green") if episode.success else paint("failed ", "red")
-    start = f"seed {episode.seed:{digits}}  {verdict}  return {episode.discounted():8.2f}"
-    return f"{start}  {_how_it_went(task, episode)}"
+    start = f"seed {episode.seed:{digits}}  {verdict}  return {episode.team_return:8.2f}"
+    return f"{start}  {_how_it_went(episode)}"
 
 
-def _how_it_went(task: Task, episode: Demonstration) -> str:
+def _how_it_went(episode: Rollout) -> str:
     """Steps to success, or where it failed and why."""
     if episode.first_success is not None:
-        return f"{episode.first_success} of {task.file.spec.timing.episode_steps} steps"
-    trouble = episode.trouble
+        return f"{episode.first_success} of {episode.horizon} steps"
+    trouble, furthest = episode.trouble, episode.furthest_stage
     if trouble is not None:
         return f"in stage {trouble.stage} ({trouble.order}): {trouble.message}"
-    return f"got as far as {episode.milestone}" if episode.milestone else "reached nothing"
+    return f"got as far as {furthest}" if furthest else "reached nothing"
 
 
-def _summary(episodes: Sequence[Demonstration]) -> str:
+def _summary(episodes: Sequence[Rollout]) -> str:
     steps = _steps_to_success(episodes)
     share = len(steps) / len(episodes)
     parts = [f"{len(steps)} of {len(episodes)} succeeded ({share:.0%})"]
     if steps:
         parts.append(f"median {statistics.median(steps):g} steps")
-    planning = statistics.median(episode.planning_s for episode in episodes)
+    planning = statistics.median(_planning_s(episode) for episode in episodes)
     if planning:
         parts.append(f"median planning time {planning:.2f} s")
     return paint(" · ".join(parts), "bold")
 
 
-def _steps_to_success(episodes: Sequence[Demonstration]) -> list[int]:
+def _planning_s(episode: Rollout) -> float:
+    return episode.log.planning_s if episode.log else 0.0
+
+
+def _steps_to_success(episodes: Sequence[Rollout]) -> list[int]:
     return [e.first_success for e in episodes if e.first_success is not None]
 
 
-def _as_data(task: Task, episodes: Sequence[Demonstration]) -> dict[str, Any]:
+def _as_data(task: Task, episodes: Sequence[Rollout]) -> dict[str, Any]:
     return {
         "task": task.name,
         "success_rate": len(_steps_to_success(episodes)) / len(episodes),
@@ -172,11 +184,11 @@ def _as_data(task: Task, episodes: Sequence[Demonstration]) -> dict[str, Any]:
             {
                 "seed": episode.seed,
                 "success": episode.success,
-                "return": episode.discounted(),
+                "return": episode.team_return,
                 "steps": episode.first_success or episode.steps,
-                "stage": episode.milestone,
+                "stage": episode.furthest_stage,
                 "trouble": vars(episode.trouble) if episode.trouble else None,
-                "planning_s": round(episode.planning_s, 4),
+                "planning_s": round(_planning_s(episode), 4),
             }
             for episode in episodes
         ],
@@ -186,9 +198,7 @@ def _as_data(task: Task, episodes: Sequence[Demonstration]) -> dict[str, Any]:
 # Showing
 
 
-def _show(
-    task: Task, episode: Demonstration, cast: Cast, arguments: argparse.Namespace
-) -> list[Path]:
+def _show(task: Task, episode: Rollout, cast: Cast, arguments: argparse.Namespace) -> list[Path]:
     """Write what an episode looked like, and say where."""
     from taskbuilder.charts import Mark, reward_chart  # a second, when all else is in order
 
@@ -196,22 +206,20 @@ def _show(
     strip, chart = (stem.with_name(f"{stem.name}-{what}.png") for what in ("strip", "rewards"))
     cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
     cameras = list(dict.fromkeys(cameras))
-    subtitle = _subtitle(task, episode, arguments.policy)
+    subtitle = _subtitle(episode, arguments.policy)
     with closing(cast.place(renderer=arguments.renderer)) as env:
-        story = chronicle(env, episode)
         size = arguments.size
-        page = film_strip(env, episode, story, cameras, subtitle=subtitle, size=size)
+        page = film_strip(env, episode, cameras, subtitle=subtitle, size=size)
         save_image(strip, page)
-        marks = [Mark(step, name) for name, step in story.reached.items()]
-        if story.first_success is not None:
-            marks.append(Mark(story.first_success, "success", good=True))
+        marks = [Mark(step, name) for name, step in episode.reached.items()]
+        if episode.first_success is not None:
+            marks.append(Mark(episode.first_success, "success", good=True))
         write_whole(chart, reward_chart(task.name, subtitle, episode.terms, episode.rewards, marks))
         films: tuple[Path, ...] = ()
         if arguments.video:
             films = save_film(
                 env,
                 episode,
-                story,
                 cameras,
                 stem,
                 size=size,
@@ -220,8 +228,8 @@ def _show(
     return [strip, chart, *films]
 
 
-def _subtitle(task: Task, episode: Demonstration, policy: str) -> str:
+def _subtitle(episode: Rollout, policy: str) -> str:
     verdict = "success after" if episode.success else "failed:"
     parts = [policy] if policy != "expert" else []
-    parts += [f"seed {episode.seed}", f"return {episode.discounted():.2f}"]
-    return " · ".join([*parts, f"{verdict} {_how_it_went(task, episode)}"])
+    parts += [f"seed {episode.seed}", f"return {episode.team_return:.2f}"]
+    return " · ".join([*parts, f"{verdict} {_how_it_went(episode)}"])

@@ -14,14 +14,11 @@ from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import Place, origin, task_of
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.expert.policies import Acting
 from taskbuilder.files import write_whole
-from taskbuilder.film.chronicle import chronicle
 from taskbuilder.film.film import save_film
 from taskbuilder.film.shooting import Frame
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import (
-    Played,
     Summary,
     check_fits,
     evaluate,
@@ -30,6 +27,8 @@ from taskbuilder.learn.evaluation import (
 )
 from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.zoo import load_policy
+from taskbuilder.rollout.play import play
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task, load_task
 
 BAR = 24
@@ -53,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     summary = summarise(played, len(stages) - 1)
     data = _as_data(arguments.policy, policy, task, played, summary, stages)
     if not arguments.json:
-        _print(task, played, summary, stages)
+        _print(played, summary, stages)
     files = [display_path(file) for file in _write(place, policy, data, summary, arguments)]
     if arguments.json:
         print_json({**data, "files": files})
@@ -91,7 +90,7 @@ def _folder(arguments: argparse.Namespace) -> Path:
     return folder
 
 
-def _play_all(place: Place, policy: Policy, seeds: range, jobs: int) -> list[Played]:
+def _play_all(place: Place, policy: Policy, seeds: range, jobs: int) -> list[Rollout]:
     with ExitStack() as stack:
         spread = stack.enter_context(workers(jobs)) if jobs > 1 else None
         episodes = stack.enter_context(closing(evaluate(place, policy, seeds, spread)))
@@ -106,16 +105,16 @@ def _episodes(seeds: range) -> str:
     return f"{len(seeds)} episode{'s' * (len(seeds) > 1)} from the task's own starts, {which}"
 
 
-def _print(task: Task, played: Sequence[Played], summary: Summary, stages: Sequence[str]) -> None:
+def _print(played: Sequence[Rollout], summary: Summary, stages: Sequence[str]) -> None:
     print(paint(_verdict(summary), "bold"))
     print(f"return {summary.mean_return:.2f}, interquartile mean {summary.iqm_return:.2f}")
     if len(stages) > 1:
         print()
         _print_stages(summary, stages)
     print()
-    horizon, by_seed = task.file.spec.timing.episode_steps, {e.seed: e for e in played}
+    by_seed = {episode.seed: episode for episode in played}
     for role, seed in _shown(summary).items():
-        print(f"{role:6}  {_line(by_seed[seed], horizon, stages)}")
+        print(f"{role:6}  {_line(by_seed[seed])}")
     failed = [str(episode.seed) for episode in played if not episode.success]
     if failed:
         more = f" and {len(failed) - FEW} more" if len(failed) > FEW else ""
@@ -148,12 +147,13 @@ def _bar(share: float) -> str:
     return ("█" * (eighths // 8) + " ▏▎▍▌▋▊▉"[eighths % 8]).rstrip()
 
 
-def _line(episode: Played, horizon: int, stages: Sequence[str]) -> str:
+def _line(episode: Rollout) -> str:
     verdict = paint("success", "green") if episode.success else paint("failed ", "red")
     if episode.first_success is not None:
-        how = f"{episode.first_success} of {horizon} steps"
+        how = f"{episode.first_success} of {episode.horizon} steps"
     else:
-        how = f"got as far as {stages[episode.stage]}" if episode.stage else "reached nothing"
+        furthest = episode.furthest_stage
+        how = f"got as far as {furthest}" if furthest else "reached nothing"
     return f"seed {episode.seed}  {verdict}  return {episode.team_return:8.2f}  {how}"
 
 
@@ -174,7 +174,7 @@ def _as_data(
     name: str,
     policy: Policy,
     task: Task,
-    played: Sequence[Played],
+    played: Sequence[Rollout],
     summary: Summary,
     stages: Sequence[str],
 ) -> dict[str, Any]:
@@ -196,7 +196,7 @@ def _as_data(
                 "success": episode.success,
                 "return": episode.team_return,
                 "steps": episode.first_success or episode.steps,
-                "stage": stages[episode.stage],
+                "stage": episode.furthest_stage,
             }
             for episode in played
         ],
@@ -222,14 +222,12 @@ def _write(
         files.append(result)
     if arguments.video:
         with closing(place(renderer=arguments.renderer)) as env:
-            player = Acting(env, policy.act)
             cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
             for role, seed in _shown(summary).items():
-                episode = player.play(seed)
+                episode = play(env, policy.act, seed)
                 files += save_film(
                     env,
                     episode,
-                    chronicle(env, episode),
                     list(dict.fromkeys(cameras)),
                     stem.with_name(f"{stem.name}-{role}"),
                     size=arguments.size,

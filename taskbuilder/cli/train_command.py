@@ -24,7 +24,7 @@ from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.player import Expert
 from taskbuilder.jobs import cores, workers
-from taskbuilder.learn.expertise import EXPERT_FILE, SEEDS_FROM, Recorded, save_episodes
+from taskbuilder.learn.expertise import EXPERT_FILE, SEEDS_FROM
 from taskbuilder.learn.judging import Judge
 from taskbuilder.learn.plan import (
     RUN_FILE,
@@ -34,6 +34,8 @@ from taskbuilder.learn.plan import (
     read_settings,
     save_plan,
 )
+from taskbuilder.rollout.files import save_rollouts
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
@@ -144,7 +146,7 @@ def _found(
     """Record expert episodes where any are needed, then write down what the run is."""
     count = max(plan.demos, START_EPISODES if plan.starts else 0)
     if count:
-        save_episodes(folder, _record(plan, count, catalogue))
+        save_rollouts(folder / EXPERT_FILE, _record(plan, count, catalogue))
     save_plan(
         folder,
         plan,
@@ -166,20 +168,20 @@ def _versions() -> dict[str, str]:
     return {"taskbuilder": __version__, "python": platform.python_version(), **found}
 
 
-def _record(plan: Plan, count: int, catalogue: Catalogue) -> list[Recorded]:
+def _record(plan: Plan, count: int, catalogue: Catalogue) -> list[Rollout]:
     """Expert episodes, failed ones too, played in as many processes as there are cores."""
     play = partial(_play_elsewhere, plan.task, catalogue, tuple(plan.env.items()))
     seeds = range(SEEDS_FROM, SEEDS_FROM + count)
     with workers(min(cores(), count)) as spread:
         played = list(progress(spread(play, seeds), "expert episodes", total=count))
-    good = sum(episode.first_success > 0 for episode in played)
+    good = sum(episode.success for episode in played)
     say(f"expert: {good} of {count} episodes succeeded; in {EXPERT_FILE}")
     return played
 
 
 def _play_elsewhere(
     task: str, catalogue: Catalogue, options: tuple[tuple[str, Any], ...], seed: int
-) -> Recorded:
+) -> Rollout:
     expert = _expert_once(task, catalogue, options)
     played = expert.play(seed)
     robots = expert.env.episode.world.scene.robots
@@ -187,7 +189,7 @@ def _play_elsewhere(
         agent: _explicit(told) if robots[agent].action.gripper == "binary" else told
         for agent, told in played.actions.items()
     }
-    return Recorded(seed, actions, played.first_success or -1)
+    return replace(played, actions=actions)
 
 
 def _explicit(actions: NDArray[np.float32]) -> NDArray[np.float32]:

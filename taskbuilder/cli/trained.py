@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.policies import PLAYERS
+from taskbuilder.expert.named import POLICIES
 from taskbuilder.learn.plan import RUN_FILE, load_plan
 from taskbuilder.learn.policy import Policy
 from taskbuilder.spec.catalogue import Catalogue
@@ -47,7 +47,7 @@ class Place:
 
 def is_trained(name: str) -> bool:
     """Whether a policy's name is that of a trained one: of the zoo, of a run, or of a file."""
-    if name in PLAYERS:
+    if name in POLICIES:
         return False
     return name.startswith("zoo:") or "/" in name or Path(name).exists()
 

@@ -3,11 +3,13 @@
 Everything that a description file needs is importable from here.
 """
 
-from taskbuilder.description.contact import Contact, EmptyHanded, Held, On, Released
+from taskbuilder.description.contact import Contact, EmptyHanded, ForceAbove, Held, On, Released
 from taskbuilder.description.description import Description, Outcome
 from taskbuilder.description.logic import AtLeast, Never, Once, Sustained, Then
 from taskbuilder.description.measures import (
     Closeness,
+    ContactForce,
+    Duration,
     Gap,
     GripperOpening,
     Height,
@@ -26,6 +28,7 @@ from taskbuilder.description.node import (
     ObjectName,
     RobotName,
     SiteName,
+    SolidName,
     condition,
 )
 from taskbuilder.description.rewards import Bonus, Distance, Paid, Potential, Term
@@ -53,10 +56,13 @@ __all__ = [
     "Closeness",
     "Condition",
     "Contact",
+    "ContactForce",
     "ContainerName",
     "Description",
     "Distance",
+    "Duration",
     "EmptyHanded",
+    "ForceAbove",
     "FrameName",
     "Gap",
     "GripperOpening",
@@ -83,6 +89,7 @@ __all__ = [
     "RobotName",
     "Share",
     "SiteName",
+    "SolidName",
     "Stationary",
     "Sustained",
     "Term",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 
-from taskbuilder.description.node import BodyName, Condition, RobotName
+from taskbuilder.description.measures import one_body
+from taskbuilder.description.node import BodyName, Condition, RobotName, SolidName
 from taskbuilder.description.view import WorldView
 from taskbuilder.spec.names import SceneNames
 
@@ -83,3 +84,24 @@ class On(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return world.support(self.body, self.below) > _CARRIES
+
+
+@dataclass(frozen=True)
+class ForceAbove(Condition):
+    """Two things press on each other with more than so many newtons; see `ContactForce`."""
+
+    first: SolidName
+    second: SolidName
+    _: KW_ONLY
+    newtons: float
+
+    def holds(self, world: WorldView) -> bool:
+        return world.contact_force(self.first, self.second) > self.newtons
+
+    def force_pairs(self) -> Iterator[tuple[str, str]]:
+        yield self.first, self.second
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from one_body(self.first, self.second)
+        if not self.newtons >= 0:
+            yield f"newtons is {self.newtons}; 0 or more"

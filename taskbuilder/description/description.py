@@ -76,6 +76,9 @@ class Referee:
     Every distinct expression of the description is evaluated once after reset and once after each
     control step, parts first, never short-circuited. `memory` is immutable: keep it beside a
     snapshot of the physics and set it back to continue from there.
+
+    Attributes:
+        force_pairs: The bodies between which the world must meter forces, from before `start`.
     """
 
     def __init__(self, description: type[Description], agents: Sequence[str]) -> None:
@@ -93,6 +96,8 @@ class Referee:
         self._stages = tuple(index[node] for node in stages)
         self._terms = tuple((t.label, t.agent, index[t]) for t in description.reward)
         self._progress = index[progress[0]] if progress else None
+        pairs = (pair for node in self._nodes for pair in node.force_pairs())
+        self.force_pairs = tuple(dict.fromkeys(pairs))
         self.memory: tuple[tuple[Memory, ...], int] = ((), 0)
 
     def start(self, world: WorldView) -> Outcome:

@@ -19,6 +19,7 @@ from taskbuilder.description.node import (
     Node,
     Parts,
     RobotName,
+    SolidName,
     Step,
 )
 from taskbuilder.description.view import WorldView
@@ -148,6 +149,52 @@ class GripperOpening(Measure):
 
     def value(self, world: WorldView) -> float:
         return world.opening(self.robot)
+
+
+@dataclass(frozen=True)
+class ContactForce(Measure):
+    """The force with which two things press on each other, in newtons; 0 where they do not touch.
+
+    Each is a robot, an object or a part. It is the sum of the normal forces between the two,
+    averaged over 1/60 s, and of that the peak over all physics steps of the control step.
+    """
+
+    first: SolidName
+    second: SolidName
+
+    def value(self, world: WorldView) -> float:
+        return world.contact_force(self.first, self.second)
+
+    def force_pairs(self) -> Iterator[tuple[str, str]]:
+        yield self.first, self.second
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from one_body(self.first, self.second)
+
+
+def one_body(first: str, second: str) -> Iterator[str]:
+    """The problem with a force between a body and itself."""
+    if first.partition(".")[0] == second.partition(".")[0]:
+        yield "no force is known within one body; name two"
+
+
+@dataclass(frozen=True)
+class Duration(Measure):
+    """For how long a condition has held without a break, in seconds; 0 while it does not hold."""
+
+    of: Condition
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The one condition."""
+        return (self.of,)
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        """The memory is the time since which the condition holds."""
+        if not parts[0]:
+            return 0.0, None
+        since = world.time if memory is None else memory
+        return world.time - since, since
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ class Refers:
 RobotName = Annotated[str, Refers("robot")]
 ObjectName = Annotated[str, Refers("object")]
 BodyName = Annotated[str, Refers("body")]
+SolidName = Annotated[str, Refers("solid")]
 FrameName = Annotated[str, Refers("frame")]
 SiteName = Annotated[str, Refers("site")]
 JointName = Annotated[str, Refers("joint")]
@@ -86,6 +87,10 @@ class Node:
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         """This node's value, given those of its parts, and its memory for the next step."""
         raise NotImplementedError
+
+    def force_pairs(self) -> Iterator[tuple[str, str]]:
+        """Pairs of bodies whose `WorldView.contact_force` it asks for; no others are metered."""
+        return iter(())
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         """What is wrong with the node's own values, beyond names and kinds."""

@@ -51,6 +51,12 @@ class WorldView(Protocol):
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which one object or part carries another."""
 
+    def contact_force(self, first: str, second: str) -> float:
+        """Peak of the force between two things in this control step (N); see `ContactForce`.
+
+        Known of the pairs that a node of the description names in `Node.force_pairs`.
+        """
+
     def fingers_touch(self, body: str, robot: str) -> bool:
         """Whether any finger of a robot touches an object or part."""
 

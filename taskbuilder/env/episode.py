@@ -57,6 +57,7 @@ class EpisodeState:
     outcome: Outcome
     idleness: Idleness
     succeeded: bool
+    failed: bool
     over: bool
     previous: Mapping[str, NDArray[np.float64]]
     noise: Mapping[str, Any]
@@ -73,7 +74,9 @@ class Episode:
         outcome: The referee's word on the present control step.
         idleness: How long progress has not risen.
         steps: Control steps taken in this episode.
-        succeeded: Success has held at some control step of this episode.
+        succeeded: Success has held at some control step of this episode, at which failure had not
+            held yet.
+        failed: Failure has held at some control step of this episode, or after its reset.
         exploded: The physics diverged; the episode is over and its world given up.
         over: No further step is possible before a reset.
         noise_rng: For noise on observations.
@@ -90,7 +93,7 @@ class Episode:
         self._referee = Referee(task.description, self.agents)
         self.seed = 0
         self.steps = 0
-        self.succeeded = self.exploded = False
+        self.succeeded = self.failed = self.exploded = False
         self.over = True
         self._begun = False
         self.noise_rng = np.random.default_rng(0)
@@ -111,10 +114,17 @@ class Episode:
         if self._closed:
             raise UsageError("this environment is closed; make another")
         if self._variation not in self._worlds:
-            self._worlds[self._variation] = build_world(
+            world = build_world(
                 self._file, variation=self._variation, renderer=self.options.renderer
             )
+            world.watch_forces(self._referee.force_pairs)
+            self._worlds[self._variation] = world
         return self._worlds[self._variation]
+
+    @property
+    def variation(self) -> int:
+        """Which scene of the task this episode is played in."""
+        return self._variation
 
     @property
     def horizon(self) -> int:
@@ -170,6 +180,7 @@ class Episode:
             self._give_up()
             raise
         self.outcome = self._referee.start(self.world)
+        self.failed = self.outcome.failure
         self.idleness = Idleness(self.outcome.progress)
         self.over, self._begun = False, True
 
@@ -197,7 +208,8 @@ class Episode:
             return
         self.outcome = self._referee.judge(self.world)
         self.idleness = self.idleness.after(self.outcome)
-        self.succeeded = self.succeeded or self.outcome.success
+        self.failed = self.failed or self.outcome.failure
+        self.succeeded = self.succeeded or (self.outcome.success and not self.failed)
         self.over = self.terminated or self.truncated
 
     def close(self) -> None:
@@ -274,6 +286,7 @@ class Episode:
             self.outcome,
             self.idleness,
             self.succeeded,
+            self.failed,
             self.over,
             dict(self._previous),
             self.noise_rng.bit_generator.state,
@@ -297,7 +310,8 @@ class Episode:
         world.restore(state.world)
         self._referee.memory = state.memory
         self.steps, self.outcome, self.idleness = state.steps, state.outcome, state.idleness
-        self.succeeded, self.over, self.exploded = state.succeeded, state.over, False
+        self.succeeded, self.failed = state.succeeded, state.failed
+        self.over, self.exploded = state.over, False
         self._begun = True
         self._previous = dict(state.previous)
         self.noise_rng.bit_generator.state = state.noise

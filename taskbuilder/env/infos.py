@@ -13,6 +13,7 @@ def make_info(episode: Episode) -> dict[str, float]:
         "success": float(outcome.success),
         "succeeded": float(episode.succeeded),
         "failure": float(outcome.failure),
+        "failed": float(episode.failed),
         "exploded": float(episode.exploded),
         "stage": float(outcome.stage),
         "progress": outcome.progress,

@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 
 import numpy as np
 
+from taskbuilder.env.action_encoder import ActionEncoder, Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError
-from taskbuilder.expert.driving import Driver
 from taskbuilder.expert.orders import Foreseen, Go, Grip, NothingHeldError, Phase, bring, phases
 from taskbuilder.expert.planning import Blocked, Move, Planner, Trajectory
-from taskbuilder.expert.recording import Recording
 from taskbuilder.geometry import Pose
 from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait
 from taskbuilder.spec.scene import SceneSpec
@@ -49,7 +48,7 @@ class StageError(TaskbuilderError):
     Attributes:
         order: What was to be done.
         robot: Who could not do it, or "".
-        cause: One of `demonstration.CAUSES`.
+        cause: One of `rollout.record.CAUSES`.
     """
 
     def __init__(self, order: str, robot: str, cause: str, message: str) -> None:
@@ -58,32 +57,31 @@ class StageError(TaskbuilderError):
 
 
 class Performance:
-    """Plays stages in an episode that has begun. It is the `orders.Situation` of its orders.
+    """Plays stages in an episode that has begun: yields actions, and sees what came of each.
+
+    It is the `orders.Situation` of its orders.
 
     Args:
-        env: The environment.
-        recording: Steps the episode.
+        env: The environment, which whoever asks steps by each action before asking for the next.
         planner: Plans its motions.
         without: Robots that take no part.
         seed: Of the planner's chances.
 
     Attributes:
-        driver: Speaks to the environment.
+        encoder: Makes the environment's actions.
         planning_s: Wall time spent on planning so far, in seconds.
     """
 
     def __init__(
         self,
         env: TaskEnv,
-        recording: Recording,
         planner: Planner,
         without: frozenset[str],
         seed: int,
     ) -> None:
-        self.driver = Driver(env)
+        self.encoder = ActionEncoder(env)
         self.planning_s = 0.0
         self._env = env
-        self._recording = recording
         self._planner = planner
         self._without = without
         self._rng = np.random.default_rng([seed, 1])
@@ -115,49 +113,48 @@ class Performance:
 
     # --- stages
 
-    def play(self, stage: ExpertStage) -> None:
+    def play(self, stage: ExpertStage) -> Iterator[Actions]:
         """Carry a stage out.
 
         Raises:
             StageError: It cannot be done.
-            EpisodeOver: No control step is left.
         """
         if isinstance(stage, Together):
-            self._together(stage)
+            yield from self._together(stage)
         elif isinstance(stage, Wait):
-            self._wait(stage)
+            yield from self._wait(stage)
         elif isinstance(stage, Repeat):
             for _ in range(stage.repeat):
                 if stage.unless is not None and self._holds(stage.unless):
                     return
-                begun = self._recording.steps
+                begun = self._env.episode.steps
                 for inner in stage.stages:
-                    self.play(inner)
-                if self._recording.steps == begun:
+                    yield from self.play(inner)
+                if self._env.episode.steps == begun:
                     return  # nothing moved, so nothing would the next time
         else:
-            self._each({r: order for r, order in stage.items() if r not in self._without})
+            yield from self._each({r: o for r, o in stage.items() if r not in self._without})
 
-    def _each(self, orders: Mapping[str, Order]) -> None:
+    def _each(self, orders: Mapping[str, Order]) -> Iterator[Actions]:
         """Orders side by side: the first phases of all, then the second, and so on."""
         # Those that bring come first: the others are to find things where they are brought.
         first = dict(sorted(orders.items(), key=lambda item: item[1].bring is None))
         queues = {robot: deque(phases(robot, order)) for robot, order in first.items()}
         while any(queues.values()):
-            self._act(queues, first)
+            yield from self._act(queues, first)
 
-    def _together(self, stage: Together) -> None:
+    def _together(self, stage: Together) -> Iterator[Actions]:
         robots = tuple(robot for robot in stage.together if robot not in self._without)
         if robots:
             name = " and ".join(robots)
             phase = partial(bring, robots=robots, order=stage)
-            self._act({name: deque([phase])}, {name: stage})
+            yield from self._act({name: deque([phase])}, {name: stage})
 
-    def _wait(self, stage: Wait) -> None:
+    def _wait(self, stage: Wait) -> Iterator[Actions]:
         for _ in range(self._steps(stage.within)):
             if self._holds(stage.until):
                 return
-            self._recording.step(self.driver.hold())
+            yield self.encoder.hold()
         if not self._holds(stage.until):
             message = f'"{stage.until}" does not hold within {stage.within:g} s'
             raise StageError(f"wait {stage}", "", "waited in vain", message)
@@ -172,21 +169,22 @@ class Performance:
 
     def _act(
         self, queues: Mapping[str, deque[Phase]], orders: Mapping[str, Order | Together]
-    ) -> None:
+    ) -> Iterator[Actions]:
         """The next phase of each of several orders, by who acts, all at once."""
         told = {who: f"{who}: {orders[who]}" for who in queues}
         acts, group = self._next(queues, told)
         goes = {who: act for who, act in acts.items() if isinstance(act, Go)}
         grips = {who: act for who, act in acts.items() if isinstance(act, Grip)}
-        self._grip(grips)
+        if grips:
+            yield self.encoder.actions(openings={g.robot: g.opening for g in grips.values()})
         if goes:
-            self._go(goes, told)
+            yield from self._go(goes, told)
             for _ in range(CORRECTIONS):
                 if not (wrong := self._shifted(goes, group)):
                     break
-                self._go(wrong, told)
+                yield from self._go(wrong, told)
             self._check_arrived(goes, told)
-        self._check_grips(grips, told)
+        yield from self._check_grips(grips, told)
 
     def _next(
         self, queues: Mapping[str, deque[Phase]], told: Mapping[str, str]
@@ -215,18 +213,18 @@ class Performance:
                 moved[self.load(robot) or act.brings] = act.choices[0].goal
         return acts, group
 
-    def _go(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> None:
+    def _go(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> Iterator[Actions]:
         """Motions, all at once, until all have arrived or will not."""
         moves, trajectory = self._plan(goes, told)
         loads = {r: load for move in moves for r in move.carriers if (load := self.load(r))}
         missed = dict.fromkeys(loads, 0)
         for step in range(trajectory.steps):
             joints = {robot: path[step] for robot, path in trajectory.joints.items()}
-            self._recording.step(self.driver.actions(joints))
+            yield self.encoder.actions(joints)
             self._check_loads(loads, missed, told)
         waited = 0
         while waited < self._steps(SETTLE_S) and not all(map(self._arrived, goes.values())):
-            self._recording.step(self.driver.hold())
+            yield self.encoder.hold()
             self._check_loads(loads, missed, told)
             waited += 1
 
@@ -303,19 +301,13 @@ class Performance:
         others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
         return ", ".join(n for n in others if world.touching(robot, n))
 
-    def _grip(self, grips: Mapping[str, Grip]) -> None:
-        """Tell grippers; it takes a control step."""
-        if grips:
-            openings = {grip.robot: grip.opening for grip in grips.values()}
-            self._recording.step(self.driver.actions(openings=openings))
-
-    def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> None:
+    def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:
         """Wait until grippers hold, or have let go."""
         for waited in range(self._steps(GRIP_S)):
             late = waited >= self._steps(PART_S)
             if all(self._gripped(grip) and (late or self._parted(grip)) for grip in grips.values()):
                 break
-            self._recording.step(self.driver.hold())
+            yield self.encoder.hold()
         for who, grip in grips.items():
             if not self._gripped(grip):
                 cause = "still held" if grip.opening else "grasp missed"

@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.demonstration import Demonstration
-from taskbuilder.film.chronicle import Chronicle
 from taskbuilder.film.files import mp4, save_gif
 from taskbuilder.film.shooting import FPS, Frame, shoot
 from taskbuilder.film.slate import compose
 from taskbuilder.film.strip import fitting
 from taskbuilder.render import Pixels
+from taskbuilder.rollout.record import Rollout
 
 Progress = Callable[[Iterable[Frame], int], Iterable[Frame]]
 
@@ -29,8 +28,7 @@ MOST_GIF_FRAMES = 150
 
 def save_film(
     env: TaskEnv,
-    demonstration: Demonstration,
-    chronicle: Chronicle,
+    rollout: Rollout,
     cameras: Sequence[str],
     stem: Path,
     *,
@@ -38,12 +36,11 @@ def save_film(
     fps: int | None = None,
     progress: Progress = lambda frames, _: frames,
 ) -> tuple[Path, ...]:
-    """Play a demonstration again, up to a little after its success, and film it.
+    """Replay an episode to its end and film it.
 
     Args:
         env: As for `replay`; may draw through OpenGL.
-        demonstration: The episode.
-        chronicle: Of the same episode.
+        rollout: The episode.
         cameras: Of the scene; side by side if there are several.
         stem: Path of the files without their endings.
         size: Width and height of each picture; by default 480 wide and as high as the first
@@ -61,15 +58,15 @@ def save_film(
     """
     fps = fps or min(FPS, env.task.file.spec.timing.physics_hz)
     size = size or fitting(env.episode.world.scene.cameras[cameras[0]].size, WIDTH)
-    length = round(chronicle.seconds(chronicle.end) * fps)
+    length = round(rollout.seconds(rollout.steps) * fps)
     every = max(round(fps / GIF_FPS), -(-length // MOST_GIF_FRAMES), 1)
     kept: list[Pixels] = []
     times: list[float] = []
     film, picture = stem.with_name(f"{stem.name}.mp4"), stem.with_name(f"{stem.name}.gif")
     with mp4(film, fps=fps) as add:
-        frames = shoot(env, demonstration, cameras, size=size, fps=fps, until=chronicle.end)
+        frames = shoot(env, rollout, cameras, size=size, fps=fps)
         for number, frame in enumerate(progress(frames, length + 1)):
-            composed = compose(frame, chronicle)
+            composed = compose(frame, rollout)
             add(composed)
             if number % every == 0 or number == length:
                 kept.append(composed)

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from taskbuilder.film.chronicle import Chronicle
+from taskbuilder.rollout.record import Rollout
 
 MOMENTS = 8
 
-_A_LITTLE_S = 0.5
 
-
-def key_moments(chronicle: Chronicle, count: int = MOMENTS) -> tuple[int, ...]:
+def key_moments(rollout: Rollout, count: int = MOMENTS) -> tuple[int, ...]:
     """Control steps that show what happened, in order; 0 is the moment after reset.
 
-    The beginning, the end (a little after success, if there was one), each step at which a stage
-    was reached, and between them, where the gaps are widest, as many as are still missing.
+    The beginning, the end, each step at which a stage or success was reached, and between them,
+    where the gaps are widest, as many as are still missing.
 
     Args:
-        chronicle: The episode.
+        rollout: The episode.
         count: How many at most; there are fewer where the episode has fewer steps.
     """
-    end = chronicle.end
-    turns = dict.fromkeys(chronicle.reached.values())
-    if chronicle.first_success is not None:
-        end = min(end, chronicle.first_success + round(_A_LITTLE_S * chronicle.control_hz))
-        turns[chronicle.first_success] = None
+    end = rollout.steps
+    turns = dict.fromkeys(sorted(rollout.reached.values()))
+    if rollout.first_success is not None:
+        turns[rollout.first_success] = None
     inner = [step for step in turns if 0 < step < end]
     chosen = {0, end, *inner[max(0, len(inner) - (count - 2)) :]}
     while len(chosen) < count:
@@ -37,9 +34,9 @@ def key_moments(chronicle: Chronicle, count: int = MOMENTS) -> tuple[int, ...]:
     return tuple(sorted(chosen))
 
 
-def caption(chronicle: Chronicle, step: int) -> tuple[str, ...]:
+def caption(rollout: Rollout, step: int) -> tuple[str, ...]:
     """What was achieved with a control step: stages and success."""
-    said = [name for name, at in chronicle.reached.items() if at == step]
-    if step == chronicle.first_success:
+    said = [name for name, at in rollout.reached.items() if at == step]
+    if step == rollout.first_success:
         said.append("success")
     return tuple(said)

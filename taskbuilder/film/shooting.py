@@ -10,8 +10,9 @@ import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.demonstration import Demonstration
 from taskbuilder.render import SUPERSAMPLE, Pixels
+from taskbuilder.rollout.play import replaying
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.cameras import STUDIO, capture
 from taskbuilder.world.world import World
 
@@ -38,33 +39,30 @@ class Frame:
 
 def shoot(
     env: TaskEnv,
-    demonstration: Demonstration,
+    rollout: Rollout,
     cameras: Sequence[str],
     *,
     size: tuple[int, int] | None = None,
     fps: int = FPS,
-    until: int | None = None,
 ) -> Iterator[Frame]:
-    """Play a demonstration again, and take pictures on the way.
+    """Replay an episode, and take pictures on the way.
 
     The episode goes as it went, to the bit. The last frame is of its last moment, and may follow
     the one before sooner than the others.
 
     Args:
         env: As for `replay`.
-        demonstration: The episode.
+        rollout: The episode.
         cameras: Of the scene.
         size: Width and height of each picture; by default each camera's own.
         fps: Frames a simulated second.
-        until: Control steps to show; by default all.
 
     Raises:
         UsageError: The environment is of another task, or has fewer physics steps than frames.
         UnknownNameError: The scene has no such camera.
     """
-    if env.task.name != demonstration.task:
-        raise UsageError(f"a demonstration of {demonstration.task}, not of {env.task.name}")
-    env.reset(seed=demonstration.seed)
+    steps = replaying(env, rollout)
+    next(steps)  # the reset
     world = env.episode.world
     rate = world.spec.timing.physics_hz
     if not 1 <= fps <= rate:
@@ -85,18 +83,16 @@ def shoot(
             steps += 1
             yield
 
-    last = demonstration.steps if until is None else min(until, demonstration.steps)
     world.onlooker = looks()
     try:
-        for step in range(last):
-            env.step({agent: actions[step] for agent, actions in demonstration.actions.items()})
+        for _ in steps:
             if env.episode.exploded:
                 return
             yield from taken
             taken.clear()
     finally:
         world.onlooker = None
-    look(last * substeps)
+    look(rollout.steps * substeps)
     yield from taken
 
 

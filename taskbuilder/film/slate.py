@@ -8,9 +8,9 @@ from math import ceil
 import cv2
 import numpy as np
 
-from taskbuilder.film.chronicle import Chronicle
 from taskbuilder.film.shooting import Frame
 from taskbuilder.render import GRAY, INK, PAPER, Pixels, text_width, write_text
+from taskbuilder.rollout.record import Rollout
 
 GREEN, RED, PALE = (22, 128, 72), (186, 48, 40), (222, 218, 213)
 
@@ -19,13 +19,16 @@ _SIZE = 13  # of letters
 _DOT, _AFTER_DOT, _AFTER_NAME = 9, 5, 14  # widths
 _EDGE = 10
 
+LOST = "success lost"
+"""Said of an episode that had reached success, while success does not hold."""
 
-def compose(frame: Frame, chronicle: Chronicle) -> Pixels:
+
+def compose(frame: Frame, rollout: Rollout) -> Pixels:
     """The pictures of a frame side by side, with the slate below; width and height are even.
 
     Args:
         frame: What the cameras saw.
-        chronicle: Of the same episode.
+        rollout: The same episode.
     """
     several = len(frame.pictures) > 1
     height = max(picture.shape[0] for picture in frame.pictures.values())
@@ -37,22 +40,18 @@ def compose(frame: Frame, chronicle: Chronicle) -> Pixels:
             _name(column, camera, column.shape[1] - picture.shape[1])
         columns.append(column)
     pictures = np.hstack(columns)
-    whole = np.vstack([pictures, slate(chronicle, frame, pictures.shape[1])])
+    whole = np.vstack([pictures, slate(rollout, frame, pictures.shape[1])])
     odd = [(0, length % 2) for length in whole.shape[:2]]
     return np.pad(whole, [*odd, (0, 0)], mode="edge").astype(np.uint8)
 
 
-def slate(chronicle: Chronicle, frame: Frame, width: int) -> Pixels:
+def slate(rollout: Rollout, frame: Frame, width: int) -> Pixels:
     """A bar that fills as the episode passes, the stages, which light up, and the time."""
-    outcome = chronicle.outcomes[frame.step]
-    won = chronicle.first_success is not None and frame.step >= chronicle.first_success
-    lost = outcome.failure and not won
-    color = GREEN if won else RED if lost else INK
-    length = chronicle.seconds(chronicle.horizon)
+    word, color = _verdict(rollout, frame.step)
+    length = rollout.seconds(rollout.horizon)
     right = width - _EDGE - text_width(f"{length:.1f} s", _SIZE, 400)
-    word = "success" if won else "failed" if lost else ""
-    room = right - _EDGE - _AFTER_NAME - text_width("success", _SIZE, 600)
-    lines = _lines(chronicle.stages, room)
+    room = right - _EDGE - _AFTER_NAME - text_width(LOST, _SIZE, 600)
+    lines = _lines(rollout.stages, room)
     drawn = np.full((_BAR + _LINE * max(len(lines), 1), width, 3), PAPER, dtype=np.uint8)
     drawn[:_BAR] = PALE
     drawn[:_BAR, : ceil(width * min(1.0, frame.seconds / length))] = color
@@ -61,12 +60,20 @@ def slate(chronicle: Chronicle, frame: Frame, width: int) -> Pixels:
         left, base = _EDGE, _BAR + _LINE * row + 19
         for stage in stages:
             number += 1
-            left = _stage(drawn, stage, (left, base), reached=number <= outcome.stage)
+            left = _stage(drawn, stage, (left, base), reached=number <= rollout.stage[frame.step])
     write_text(drawn, f"{frame.seconds:.1f} s", (right, _BAR + 19), _SIZE, GRAY, 400)
     if word:
         left = right - _AFTER_NAME - text_width(word, _SIZE, 600)
         write_text(drawn, word, (left, _BAR + 19), _SIZE, color, 600)
     return drawn
+
+
+def _verdict(rollout: Rollout, step: int) -> tuple[str, tuple[int, int, int]]:
+    """How the episode stands after a control step: a word, and its colour."""
+    holds = bool(rollout.conditions["success"][step])
+    if rollout.succeeded[step]:
+        return ("success", GREEN) if holds else (LOST, RED)
+    return ("failed", RED) if rollout.conditions["failure"][: step + 1].any() else ("", INK)
 
 
 def _lines(stages: Sequence[str], room: int) -> list[list[str]]:

@@ -8,8 +8,6 @@ import cv2
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.demonstration import Demonstration, replay
-from taskbuilder.film.chronicle import Chronicle
 from taskbuilder.film.moments import caption, key_moments
 from taskbuilder.film.slate import GREEN
 from taskbuilder.render import (
@@ -23,6 +21,8 @@ from taskbuilder.render import (
     text_width,
     write_text,
 )
+from taskbuilder.rollout.play import replay
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.cameras import LARGEST_SIDE
 
 _COLUMNS = 4
@@ -33,21 +33,19 @@ _SIZE = 14  # of letters
 
 def film_strip(
     env: TaskEnv,
-    demonstration: Demonstration,
-    chronicle: Chronicle,
+    rollout: Rollout,
     cameras: Sequence[str],
     *,
     subtitle: str,
     size: tuple[int, int] | None = None,
 ) -> Pixels:
-    """Play a demonstration again, and put its key moments on a page.
+    """Replay an episode, and put its key moments on a page.
 
     Those of one camera in rows of four; of several, in a row for each.
 
     Args:
         env: As for `replay`.
-        demonstration: The episode.
-        chronicle: Of the same episode.
+        rollout: The episode.
         cameras: Of the scene.
         subtitle: Below the task's name.
         size: Width and height in which pictures are taken; by default as they are shown.
@@ -56,7 +54,7 @@ def film_strip(
         UsageError: The environment is of another task.
         UnknownNameError: The scene has no such camera.
     """
-    moments = key_moments(chronicle)
+    moments = key_moments(rollout)
     columns = len(moments) if len(cameras) > 1 else min(_COLUMNS, len(moments))
     width = _WIDTH if columns <= _COLUMNS else _WIDTH_OF_MANY
     taken: dict[tuple[str, int], Pixels] = {}
@@ -69,13 +67,13 @@ def film_strip(
                 shape = size or fitting(world.scene.cameras[camera].size, width)
                 taken[camera, step] = take_still(world, camera, shape).image.rgb
 
-    replay(env, demonstration, take)
+    replay(env, rollout, take)
     rows = []
     for camera in cameras:
         tiles = []
         for step in moments:
             name = camera if len(cameras) > 1 and step == moments[0] else ""
-            tiles.append(_tile(taken[camera, step], width, chronicle, step, name))
+            tiles.append(_tile(taken[camera, step], width, rollout, step, name))
         rows += [tiles[start : start + columns] for start in range(0, len(tiles), columns)]
     return page(env.task.name, subtitle, rows, width)
 
@@ -85,15 +83,15 @@ def fitting(size: tuple[int, int], width: int) -> tuple[int, int]:
     return width, min(max(1, round(width * size[1] / size[0])), LARGEST_SIDE // SUPERSAMPLE)
 
 
-def _tile(picture: Pixels, width: int, chronicle: Chronicle, step: int, camera: str) -> Pixels:
+def _tile(picture: Pixels, width: int, rollout: Rollout, step: int, camera: str) -> Pixels:
     """A picture above the time, and what was achieved just then."""
     shape = fitting((picture.shape[1], picture.shape[0]), width)
     shown = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
     below = np.full((_CAPTION, width, 3), PAPER, dtype=np.uint8)
     left = 0
     for text, color, weight in (
-        (f"{chronicle.seconds(step):.1f} s", GRAY, 400),
-        *((said, GREEN if said == "success" else INK, 600) for said in caption(chronicle, step)),
+        (f"{rollout.seconds(step):.1f} s", GRAY, 400),
+        *((said, GREEN if said == "success" else INK, 600) for said in caption(rollout, step)),
     ):
         write_text(below, text, (left, 20), _SIZE, color, weight)
         left += text_width(text, _SIZE, weight) + 10

@@ -7,12 +7,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from taskbuilder.arrays import Arrays
 from taskbuilder.learn.maddpg import Maddpg, MaddpgSettings
 from taskbuilder.learn.plan import Plan, make_settings
 from taskbuilder.learn.policy import Array, Policy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.shapes import Rows, Shapes
-from taskbuilder.learn.store import Arrays
 
 
 class Learner(Protocol):

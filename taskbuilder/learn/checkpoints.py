@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.arrays import Arrays, StoreError, read_arrays, write_arrays
 from taskbuilder.learn.replay import Replay
-from taskbuilder.learn.store import Arrays, StoreError, read_arrays, write_arrays
 
 FOLDER = "checkpoints"
 KEPT = 2

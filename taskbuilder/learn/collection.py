@@ -22,7 +22,7 @@ class Finished:
 
     Attributes:
         steps: Control steps.
-        success: Whether success held at some step.
+        success: Whether the episode succeeded; see `Episode`.
         stage: The furthest stage reached, 0 for none.
         team: Sum of the task's team reward.
         paid: Sum of the training signal's pay, mean of the agents.
@@ -59,7 +59,7 @@ class Tally:
             self._sums.setdefault(name, np.zeros(len(self._steps)))[:] += value
         self._steps += 1
         self._stage = np.maximum(self._stage, infos["stage"])
-        self._success |= infos["success"] > 0.0
+        self._success |= infos["succeeded"] > 0.0
 
     def finished(self, rows: NDArray[np.bool_]) -> Iterator[Finished]:
         """The episodes that ended in these rows."""

@@ -15,12 +15,13 @@ from statistics import fmean, median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.policy import Network, Policy
 from taskbuilder.learn.statistics import iqm, wilson
+from taskbuilder.rollout.play import play
+from taskbuilder.rollout.record import Rollout
 
 SEED = 1_000_000
 """First of the episodes that nothing was chosen by."""
@@ -28,36 +29,10 @@ SEED = 1_000_000
 EPISODES = 300
 """That a claim takes."""
 
-Act = Callable[[Mapping[str, NDArray[Any]]], Mapping[str, NDArray[Any]]]
-"""Every agent's action, given what each sees."""
-
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
 _OPTIONS = ("observe", "frame", "rotation", "variation")
-
-
-@dataclass(frozen=True)
-class Played:
-    """How an episode went.
-
-    Attributes:
-        seed: Of the reset.
-        success: Success held at some control step.
-        first_success: The first such step, counted from 1, or None.
-        stage: Number of the furthest stage, from 1; 0 where none was reached.
-        team_return: Sum of the team's rewards, not discounted.
-        terms: The same of every reward term, by label.
-        steps: Control steps of the episode.
-    """
-
-    seed: int
-    success: bool
-    first_success: int | None
-    stage: int
-    team_return: float
-    terms: Mapping[str, float]
-    steps: int
 
 
 @dataclass(frozen=True)
@@ -96,44 +71,12 @@ class Summary:
         return self.successes / self.episodes
 
 
-def play(env: TaskEnv, act: Act, seed: int) -> Played:
-    """Play an episode.
-
-    Args:
-        env: The environment.
-        act: Who plays.
-        seed: Of the reset.
-    """
-    seen, _ = env.reset(seed=seed)
-    sums: dict[str, float] = {}
-    first_success: int | None = None
-    info: Mapping[str, float] = {}
-    while env.agents:
-        seen, _, _, _, infos = env.step(act(seen))
-        info = next(iter(infos.values()))  # all agents are told the same
-        for name, value in info.items():
-            if name == "team_reward" or name.startswith("reward/"):
-                sums[name] = sums.get(name, 0.0) + value
-        if first_success is None and info["succeeded"]:
-            first_success = int(info["step"])
-    team_return = sums.pop("team_reward")
-    return Played(
-        seed=seed,
-        success=first_success is not None,
-        first_success=first_success,
-        stage=int(info["stage"]),
-        team_return=team_return,
-        terms={name.removeprefix("reward/"): value for name, value in sums.items()},
-        steps=int(info["step"]),
-    )
-
-
 def evaluate(
     make_env: Callable[[], TaskEnv],
     policy: Policy,
     seeds: Iterable[int],
     spread: Spread | None = None,
-) -> Generator[Played, None, None]:
+) -> Generator[Rollout, None, None]:
     """Play episodes, each as soon as it can be, in the order of their seeds.
 
     Args:
@@ -151,7 +94,7 @@ def evaluate(
             yield play(env, policy.act, seed)
 
 
-def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: Policy, seed: int) -> Played:
+def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: Policy, seed: int) -> Rollout:
     return play(_made_once(make_env), policy.act, seed)
 
 
@@ -161,7 +104,7 @@ def _made_once(make_env: Callable[[], TaskEnv]) -> TaskEnv:
     return make_env()
 
 
-def summarise(played: Sequence[Played], stages: int) -> Summary:
+def summarise(played: Sequence[Rollout], stages: int) -> Summary:
     """What episodes say together.
 
     Args:
@@ -172,7 +115,8 @@ def summarise(played: Sequence[Played], stages: int) -> Summary:
     to_success = [e.first_success for e in played if e.first_success is not None]
     order = sorted(played, key=_merit)
     failed = [episode.seed for episode in order if not episode.success]
-    furthest = np.bincount([episode.stage for episode in played], minlength=stages + 1)
+    furthest = np.bincount([episode.stage[-1] for episode in played], minlength=stages + 1)
+    terms = [episode.term_returns for episode in played]
     return Summary(
         episodes=len(played),
         successes=len(to_success),
@@ -181,14 +125,14 @@ def summarise(played: Sequence[Played], stages: int) -> Summary:
         iqm_return=float(iqm(returns)),
         steps_to_success=median(to_success) if to_success else None,
         stages=tuple(furthest.tolist()),
-        terms={label: fmean(e.terms[label] for e in played) for label in played[0].terms},
+        terms={label: fmean(each[label] for each in terms) for label in terms[0]},
         best=order[-1].seed,
         median=order[len(order) // 2].seed,
         failed=failed[len(failed) // 2] if failed else None,
     )
 
 
-def _merit(episode: Played) -> tuple[bool, float, int]:
+def _merit(episode: Rollout) -> tuple[bool, float, int]:
     return episode.success, episode.team_return, -episode.seed
 
 

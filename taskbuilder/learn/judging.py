@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.learn.evaluation import play, summarise
+from taskbuilder.learn.evaluation import summarise
 from taskbuilder.learn.policy import Policy
+from taskbuilder.rollout.play import play
 from taskbuilder.task import Task
 
 SEEDS_FROM = 800_000

@@ -22,7 +22,7 @@ from taskbuilder.env.vector import TaskVectorEnv, make_vec
 from taskbuilder.learn.algorithms import Learner, make_learner
 from taskbuilder.learn.checkpoints import Checkpoint, Checkpoints
 from taskbuilder.learn.collection import Collector, Finished
-from taskbuilder.learn.expertise import load_episodes, transitions
+from taskbuilder.learn.expertise import load_episodes, opening, transitions
 from taskbuilder.learn.journal import Journal
 from taskbuilder.learn.judging import Evaluation
 from taskbuilder.learn.plan import Plan
@@ -157,7 +157,7 @@ class Run:
             "end_on_setback": pays.end_on_setback,
             "patience": pays.patience,
         }
-        openings = tuple(episode.opening for episode in episodes) if plan.starts else ()
+        openings = tuple(map(opening, episodes)) if plan.starts else ()
         envs = stack.enter_context(
             closing(
                 make_vec(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.learn.policy import Policy
-from taskbuilder.learn.store import StoreError, read_arrays, write_arrays
 from taskbuilder.wording import suggestion
 
 ZOO = Path(__file__).parent / "models"

@@ -20,6 +20,7 @@ _KINDS: Mapping[str, str] = {
     "robot": "a robot",
     "object": "an object",
     "body": "an object or a part of one: `tray`, `tray.left_handle`",
+    "solid": "a robot, an object or a part of one",
     "frame": "anything with a pose: `tray`, `goal`, `left.tcp`, `left.base`, a part, a grasp point",
     "site": "a site",
     "joint": "a joint of an object that is a URDF: `cabinet.drawer_joint`",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -70,19 +70,27 @@ class Client:
         """What draws this client's pictures."""
         return self._renderer
 
-    def step(self, substeps: int, drives: Sequence[Iterator[object]] = ()) -> None:
+    def step(
+        self,
+        substeps: int,
+        drives: Sequence[Iterator[object]] = (),
+        watch: Callable[[], object] | None = None,
+    ) -> None:
         """Advance by physics steps.
 
         Args:
             substeps: How many.
             drives: Each is advanced before each step, for commands that change within a control
                 step or last a single physics step.
+            watch: Called after each step; it must change nothing.
         """
         advance = self.bullet.stepSimulation
         for _ in range(substeps):
             for drive in drives:
                 next(drive)
             advance()
+            if watch is not None:
+                watch()
 
     def collide(self) -> None:
         """Find contacts afresh: they are stale after a body was placed or a snapshot restored.

@@ -14,11 +14,22 @@ from typing import Literal
 from taskbuilder.wording import suggestion
 
 Kind = Literal[
-    "robot", "object", "body", "surface", "site", "frame", "container", "grasp", "joint", "camera"
+    "robot",
+    "object",
+    "body",
+    "solid",
+    "surface",
+    "site",
+    "frame",
+    "container",
+    "grasp",
+    "joint",
+    "camera",
 ]
 """Kinds of reference.
 
-``body``: an object or one of its parts. ``surface``: the same. ``frame``: anything with a pose.
+``body``: an object or one of its parts. ``solid``: that, or a robot. ``surface``: as ``body``.
+``frame``: anything with a pose.
 ``container``: what something can be inside of, a body or a site with a marker.
 """
 
@@ -81,7 +92,7 @@ class SceneNames:
     def _may_be(self, kind: Kind, name: str) -> bool:
         owner, _, inner = name.partition(".")
         inside = self.objects.get(owner)
-        lives_inside = kind in ("body", "surface", "frame", "container", "joint")
+        lives_inside = kind in ("body", "solid", "surface", "frame", "container", "joint")
         return bool(inner and inside and inside.unread and lives_inside)
 
 
@@ -101,6 +112,10 @@ def _bodies(names: SceneNames) -> Iterable[str]:
     return (*names.objects, *_parts(names))
 
 
+def _solids(names: SceneNames) -> Iterable[str]:
+    return (*names.robots, *_bodies(names))
+
+
 def _frames(names: SceneNames) -> Iterable[str]:
     robots = (f"{robot}.{frame}" for robot in names.robots for frame in ROBOT_FRAMES)
     return (*names.objects, *names.sites, *robots, *_parts(names), *_grasps(names))
@@ -114,6 +129,7 @@ _KNOWN: Mapping[Kind, Callable[[SceneNames], Iterable[str]]] = {
     "robot": lambda names: names.robots,
     "object": lambda names: names.objects,
     "body": _bodies,
+    "solid": _solids,
     "surface": _bodies,
     "site": lambda names: names.sites,
     "frame": _frames,

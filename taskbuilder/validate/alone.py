@@ -9,10 +9,13 @@ from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.player import Expert
 from taskbuilder.expert.rehearsal import rehearse
+from taskbuilder.rollout.play import resume
+from taskbuilder.rollout.players import HoldStill
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.spec.expert import ExpertStage, Order, Repeat
 from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.playing import Account, Play, drop, of_demonstration
+from taskbuilder.validate.playing import DropAll
 from taskbuilder.validate.reach import reaches
 from taskbuilder.world.world import World
 
@@ -81,7 +84,7 @@ def solos(task: Task, scene: SceneSpec) -> list[Solo]:
     ]
 
 
-def play_solo(expert: Expert, seed: int, solo: Solo) -> Play:
+def play_solo(expert: Expert, seed: int, solo: Solo) -> Rollout:
     """Try it: take, bring and hold on; then the same, but let go at the end.
 
     The better of the two counts.
@@ -89,23 +92,20 @@ def play_solo(expert: Expert, seed: int, solo: Solo) -> Play:
     env = expert.env
     env.reset(seed=seed)
     saved = []
-    demonstration = expert.play(
+    tried = expert.play(
         seed,
         stages=_stages(env, solo),
         finish=False,
         after_stage=lambda number: saved.append(env.save_state()) if number == 2 else None,
     )
-    tried = of_demonstration(demonstration)
     if not saved or tried.success:
         return tried
-    holding = Account(env, demonstration.rewards.tolist())
-    holding.hold()
-    if env.episode.exploded:
-        return holding.closed()
+    holding = resume(env, HoldStill(), tried)
+    if holding.exploded:
+        return holding
     env.load_state(saved[0])
-    letting_go = Account(env, demonstration.rewards.tolist())
-    drop(letting_go)
-    return max(holding.closed(), letting_go.closed(), key=lambda play: (play.success, play.earned))
+    letting_go = resume(env, DropAll(), tried)
+    return max(holding, letting_go, key=lambda play: (play.success, play.team_return))
 
 
 def _stages(env: TaskEnv, solo: Solo) -> tuple[ExpertStage, ...]:

@@ -19,9 +19,9 @@ from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import api_test, parallel_api_test, seed_test
 from pettingzoo.utils.conversions import parallel_to_aec
 
+from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.driving import Actions
 from taskbuilder.task import Task
 from taskbuilder.validate.observing import (
     check_inside,

@@ -17,10 +17,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
 from taskbuilder.validate.alone import fetched, first_grasps, play_solo, solos, within_reach
 from taskbuilder.validate.places import finding_in_description, finding_in_file
-from taskbuilder.validate.playing import Play, of_demonstration, play_nothing, play_random
+from taskbuilder.validate.playing import play_nothing, play_random
 from taskbuilder.validate.report import Check, FamilyResult, Result
 from taskbuilder.validate.running import Run
 from taskbuilder.validate.shares import Share
@@ -39,7 +40,7 @@ class Tried(NamedTuple):
         in_reach: Grasp points that a robot could reach which is not to take them, with its name.
     """
 
-    plays: dict[str, Play]
+    plays: dict[str, Rollout]
     in_reach: tuple[tuple[str, str], ...]
 
 
@@ -136,8 +137,7 @@ def try_ways(studio: Studio, start: Start) -> Tried:
         return Tried(plays, ())
     expert = studio.expert(start.variation)
     for robot in task.agents:
-        played = expert.play(start.seed, without={robot}, persist=True)
-        plays[without(robot)] = of_demonstration(played)
+        plays[without(robot)] = expert.play(start.seed, without={robot}, persist=True)
     scene = env.episode.world.scene
     listed = solos(task, scene)
     first = start.seed * MOST_SOLOS

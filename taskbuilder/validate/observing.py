@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
-from taskbuilder.expert.driving import Actions
 from taskbuilder.spec.channels import Channel, default_channels, parse_channel
 from taskbuilder.task import Task
 from taskbuilder.validate.places import finding_in_file

@@ -12,32 +12,25 @@ names the best of that sort, and how many others pay as well: they tend to have 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from taskbuilder.env.parallel import EnvState
+from taskbuilder.env.parallel import EnvState, TaskEnv
 from taskbuilder.errors import Finding
-from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.rollout.play import Policy, replay, resume
+from taskbuilder.rollout.players import HoldStill
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.needs import NOTHING, RANDOM
 from taskbuilder.validate.places import finding_in_description
-from taskbuilder.validate.playing import (
-    DISCOUNT,
-    LARGEST,
-    Account,
-    Play,
-    drop,
-    of_demonstration,
-    throw,
-)
+from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, wild_terms
 from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
 from taskbuilder.validate.running import Run
 from taskbuilder.validate.studio import Start, Studio
-from taskbuilder.validate.traces import actions_of, trace
 
 EXPERT = "expert"
 
-Plays = Mapping[str, Mapping[Start, Play]]
+Plays = Mapping[str, Mapping[Start, Rollout]]
 """What was played, by way of playing, and by how the episode began."""
 
 
@@ -45,7 +38,7 @@ class Replayed(NamedTuple):
     """An episode of the expert that is to be left at each of its stages."""
 
     start: Start
-    demonstration: Demonstration
+    rollout: Rollout
 
 
 @dataclass(frozen=True)
@@ -73,12 +66,12 @@ _SORTS = (
 
 def pays_family(run: Run) -> FamilyResult:
     """Compare what the expert earns with what is easier."""
-    plays: dict[str, Mapping[Start, Play]] = {}
+    plays: dict[str, Mapping[Start, Rollout]] = {}
     if run.has_expert:
         starts = run.some_starts()
         played = zip(starts, run.demonstrate(starts, "pays for success"), strict=True)
         jobs = [Replayed(start, demo) for start, demo in played if demo.success]
-        plays[EXPERT] = {job.start: of_demonstration(job.demonstration) for job in jobs}
+        plays[EXPERT] = {job.start: job.rollout for job in jobs}
         plays |= _left(run, jobs)
     plays |= {way: found for way, found in run.plays.items() if " alone, " not in way}
     bounded = _check_terms(run, plays)
@@ -93,7 +86,7 @@ def pays_family(run: Run) -> FamilyResult:
 
 
 def _left(run: Run, jobs: Sequence[Replayed]) -> Plays:
-    found: dict[str, dict[Start, Play]] = {}
+    found: dict[str, dict[Start, Rollout]] = {}
     starts = [job.start for job in jobs]
     asked = run.ask(leave_stages, starts, "pays for success", about=jobs)
     for start, plays in zip(starts, asked, strict=True):
@@ -102,12 +95,12 @@ def _left(run: Run, jobs: Sequence[Replayed]) -> Plays:
     return dict(sorted(found.items()))
 
 
-def _probe(way: str, found: Mapping[Start, Play]) -> Probe:
+def _probe(way: str, found: Mapping[Start, Rollout]) -> Probe:
     listed = list(found.values())
     return Probe(
         way,
-        tuple(play.earned for play in listed),
-        tuple(play.discounted for play in listed),
+        tuple(play.team_return for play in listed),
+        tuple(play.discounted(DISCOUNT) for play in listed),
         sum(play.success for play in listed),
     )
 
@@ -131,36 +124,35 @@ def _mean(values: Iterable[float]) -> float:
 # --- in each process
 
 
-def leave_stages(studio: Studio, job: Replayed) -> dict[str, Play]:
+def leave_stages(studio: Studio, job: Replayed) -> dict[str, Rollout]:
     """What comes of leaving the expert's way after each of its stages."""
-    env = studio.env(job.start.variation)
-    ends = {end: number for number, end in enumerate(job.demonstration.stage_ends, start=1)}
+    env, whole = studio.env(job.start.variation), job.rollout
+    ends = {end: number for number, end in enumerate(whole.stage_ends, start=1)}
     saved: list[tuple[int, int, EnvState]] = []
-    env.reset(seed=job.start.seed)
-    actions = actions_of(job.demonstration)
-    for step, action in enumerate(actions):
-        if step in ends:
+
+    def save(env: TaskEnv) -> None:
+        step = env.episode.steps
+        if step in ends and step < whole.steps:
             saved.append((ends[step], step, env.save_state()))
-        env.step(action)
-    rewards = job.demonstration.rewards.tolist()
+
+    replay(env, whole, save)
     last = len(studio.task.file.spec.expert)
-    plays = {}
+    plays: dict[str, Rollout] = {}
     lost = False
     for number, step, state in saved:
-        leaves: dict[str, Callable[[Account], None]] = {}
+        ways: dict[str, Policy] = {}
         odd = job.start.seed // len(studio.task.file.scenes) % 2
-        leaves |= {"throw": throw} if odd else {"drop": drop}
+        ways |= {"throw": ThrowAll()} if odd else {"drop": DropAll()}
         if number < last:  # after the last one the expert itself holds still
-            leaves["stall"] = Account.hold
-        for name, leave in leaves.items():
+            ways["stall"] = HoldStill()
+        begun = whole.until(step)
+        for name, way in ways.items():
             if lost:  # with a world whose physics diverged, its states went
-                trace(env, job.start.seed, actions[:step])
+                replay(env, begun)
             else:
                 env.load_state(state)
-            account = Account(env, rewards[:step])
-            leave(account)
-            plays[f"{name} after stage {number}"] = account.closed()
-            lost = lost or env.episode.exploded
+            played = plays[f"{name} after stage {number}"] = resume(env, way, begun)
+            lost = lost or played.exploded
     return plays
 
 
@@ -172,7 +164,7 @@ def _check_terms(run: Run, plays: Plays) -> Result:
     wild: dict[str, tuple[float, str, Start]] = {}
     for way, found in plays.items():
         for start, play in found.items():
-            for label, pay in play.wild.items():
+            for label, pay in wild_terms(play).items():
                 wild.setdefault(label, (pay, way, start))
     findings = []
     for term in run.task.description.reward:
@@ -237,7 +229,7 @@ class _Rival:
 
 
 def _rivals(
-    way: str, expert: Mapping[Start, Play], found: Mapping[Start, Play]
+    way: str, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout]
 ) -> Iterator[_Rival]:
     """A way of playing beside the expert, undiscounted and discounted.
 
@@ -247,9 +239,11 @@ def _rivals(
     if not common:
         return
     steps = max(expert[start].steps for start in common)
-    ours, theirs = (_mean(plays[s].earned for s in common) for plays in (expert, found))
+    ours, theirs = (_mean(plays[s].team_return for s in common) for plays in (expert, found))
     yield _Rival(way, 1.0, ours, theirs, steps)
-    ours, theirs = (_mean(plays[s].discounted for s in common) for plays in (expert, found))
+    ours, theirs = (
+        _mean(plays[s].discounted(DISCOUNT) for s in common) for plays in (expert, found)
+    )
     yield _Rival(way, DISCOUNT, ours, theirs, (1.0 - DISCOUNT**steps) / (1.0 - DISCOUNT))
 
 

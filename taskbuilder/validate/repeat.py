@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 from taskbuilder.description.description import Referee
 from taskbuilder.description.node import Node
+from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
-from taskbuilder.expert.driving import Actions
 from taskbuilder.task import Task
 from taskbuilder.validate.fresh import fresh_processes
 from taskbuilder.validate.places import finding_in_description

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from taskbuilder.errors import Finding, in_reading_order
 
 if TYPE_CHECKING:  # a static validation loads no physics
-    from taskbuilder.expert.demonstration import Demonstration
+    from taskbuilder.rollout.record import Rollout
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class FamilyResult:
         summary: One line for people: the figures that matter.
         seconds: How long it took.
         probes: What ways of playing the task earned.
-        demonstrations: Episodes worth a picture: one that shows the task, and those that failed.
+        rollouts: Episodes worth a picture: one that shows the task, and those that failed.
     """
 
     name: str
@@ -78,7 +78,7 @@ class FamilyResult:
     summary: str
     seconds: float = 0.0
     probes: tuple[Probe, ...] = ()
-    demonstrations: tuple[Demonstration, ...] = ()
+    rollouts: tuple[Rollout, ...] = ()
 
     @property
     def ok(self) -> bool:

@@ -51,6 +51,7 @@ def reset_family(run: Run) -> FamilyResult:
     for variation in range(run.variations):
         world = build_world(task.file, variation=variation)
         referee = Referee(task.description, task.agents)
+        world.watch_forces(referee.force_pairs)
         label = f"reset, variation {variation}" if variation else "reset"
         try:
             for seed in run.progress(range(run.seeds), label):

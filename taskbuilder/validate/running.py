@@ -8,10 +8,10 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
-from taskbuilder.expert.demonstration import Demonstration
 from taskbuilder.jobs import Map
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
-from taskbuilder.validate.playing import Play, play_expert
+from taskbuilder.validate.playing import play_expert
 from taskbuilder.validate.report import Progress
 from taskbuilder.validate.studio import Source, Start, Studio, at_work, open_studio
 
@@ -27,8 +27,8 @@ class Run:
         progress: Wraps the seeds of a family to show progress.
         spread: Maps work over processes, in order.
         measures: Figures by name, for the report.
-        demonstrations: What the expert did, by how the episode began.
-        plays: Ways of playing that were tried, by name, and by how the episode began.
+        demonstrations: The expert's episodes, by how they began.
+        plays: Other ways of playing that were tried, by name, and by how the episode began.
     """
 
     task: Task
@@ -37,8 +37,8 @@ class Run:
     progress: Progress
     spread: Map
     measures: dict[str, float] = field(default_factory=dict)
-    demonstrations: dict[Start, Demonstration] = field(default_factory=dict)
-    plays: dict[str, dict[Start, Play]] = field(default_factory=dict)
+    demonstrations: dict[Start, Rollout] = field(default_factory=dict)
+    plays: dict[str, dict[Start, Rollout]] = field(default_factory=dict)
 
     @property
     def studio(self) -> Studio:
@@ -95,7 +95,7 @@ class Run:
             for _ in self.progress([start.seed for start in group], name):
                 yield next(results)
 
-    def demonstrate(self, starts: Sequence[Start], label: str) -> Iterator[Demonstration]:
+    def demonstrate(self, starts: Sequence[Start], label: str) -> Iterator[Rollout]:
         """What the expert does from each start; played only where it has not been.
 
         Raises:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 
 from taskbuilder.errors import Finding
-from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.places import finding_in_file, in_variation
 from taskbuilder.validate.report import Check, FamilyResult
 from taskbuilder.validate.running import Run
@@ -58,7 +58,7 @@ def solvable_family(run: Run) -> FamilyResult:
         tuple(reversed(checks)),
         tuple(findings),
         _summary(worst, run.variations, needed, horizon),
-        demonstrations=_worth_a_picture(played.values()),
+        rollouts=_worth_a_picture(played.values()),
     )
 
 
@@ -72,8 +72,8 @@ def _without_expert(run: Run) -> FamilyResult:
     return FamilyResult("solvable", (check,), (finding,), "no expert")
 
 
-def _share(demonstrations: Iterable[Demonstration]) -> Share:
-    results = [demonstration.success for demonstration in demonstrations]
+def _share(rollouts: Iterable[Rollout]) -> Share:
+    results = [rollout.success for rollout in rollouts]
     return Share(sum(results), len(results))
 
 
@@ -82,9 +82,9 @@ def _summary(worst: Share, variations: int, needed: int, horizon: int) -> str:
     return f"{worst}{among}, {needed} of {horizon} steps at most"
 
 
-def _worth_a_picture(demonstrations: Iterable[Demonstration]) -> tuple[Demonstration, ...]:
+def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
     """The first that succeeded, and the first few that failed."""
-    listed = list(demonstrations)
+    listed = list(rollouts)
     good = next((demo for demo in listed if demo.success), None)
     bad = islice((demo for demo in listed if not demo.success), MOST_FAILED)
     return (*([good] if good else []), *bad)
@@ -93,7 +93,7 @@ def _worth_a_picture(demonstrations: Iterable[Demonstration]) -> tuple[Demonstra
 # --- what keeps it from succeeding
 
 
-def _failing(run: Run, demos: Mapping[Start, Demonstration], share: Share) -> Finding:
+def _failing(run: Run, demos: Mapping[Start, Rollout], share: Share) -> Finding:
     """Why the expert fails in a variation: for want of time, or otherwise."""
     failed = {start: demo for start, demo in demos.items() if not demo.success}
     others = [demo for demo in failed.values() if demo.trouble and demo.trouble.cause != TOO_LATE]
@@ -121,7 +121,7 @@ def _too_short(run: Run, share: Share, needed: int) -> Finding:
     return finding_in_file(run.task, "TB532", message, "timing", "episode_steps")
 
 
-def _fails(run: Run, failed: Mapping[Start, Demonstration], share: Share) -> Finding:
+def _fails(run: Run, failed: Mapping[Start, Rollout], share: Share) -> Finding:
     causes = Counter(_cause(demo) for demo in failed.values())
     counted = ", ".join(f"{count} × {cause}" for cause, count in causes.most_common())
     start, first = next(iter(failed.items()))
@@ -132,7 +132,7 @@ def _fails(run: Run, failed: Mapping[Start, Demonstration], share: Share) -> Fin
         path = ("expert", trouble.stage - 1)
         said = f"stage {trouble.stage} ({trouble.order}): {trouble.message}"
     else:
-        last = f'; the last milestone is "{first.milestone}"' if first.milestone else ""
+        last = f'; the last milestone is "{first.furthest_stage}"' if first.furthest_stage else ""
         said = f"all stages are done, and success does not hold{last}"
     message = (
         f"the expert succeeds from {share} seeds only, {LEAST:.0%} are needed: {counted}; "
@@ -141,5 +141,5 @@ def _fails(run: Run, failed: Mapping[Start, Demonstration], share: Share) -> Fin
     return finding_in_file(run.task, "TB531", message, *path)
 
 
-def _cause(demonstration: Demonstration) -> str:
-    return demonstration.trouble.cause if demonstration.trouble else "done without success"
+def _cause(rollout: Rollout) -> str:
+    return rollout.trouble.cause if rollout.trouble else "done without success"

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.demonstration import Demonstration
-from taskbuilder.expert.driving import Actions
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.body import Body
 from taskbuilder.world.world import World
 
@@ -41,11 +41,11 @@ class Difference:
         return f"{when}: {shown}{more}"
 
 
-def actions_of(demonstration: Demonstration) -> list[Actions]:
-    """A demonstration's actions, by control step."""
+def actions_of(rollout: Rollout) -> list[Actions]:
+    """The actions of an episode, by control step."""
     return [
-        {agent: actions[step] for agent, actions in demonstration.actions.items()}
-        for step in range(demonstration.steps)
+        {agent: actions[step] for agent, actions in rollout.actions.items()}
+        for step in range(rollout.steps)
     ]
 
 

@@ -79,8 +79,8 @@ class Touch:
         Raises:
             UnknownNameError: There is no such object, part or robot.
         """
-        one, one_link = self._body(first)
-        other, other_link = self._body(second)
+        one, one_link = self.body(first)
+        other, other_link = self.body(second)
         of_one = self._contacts.get(one.id)
         if of_one is None:
             of_one = self._contacts[one.id] = self._read(one)
@@ -111,8 +111,12 @@ class Touch:
             pushes.append(_Push(force, middle))
         return pushes
 
-    def _body(self, name: str) -> tuple[Body, int | None]:
-        """The body of a name and, for a part or link, its index."""
+    def body(self, name: str) -> tuple[Body, int | None]:
+        """The body of a name and, for a part or link, its index.
+
+        Raises:
+            UnknownNameError: There is no such object, part or robot.
+        """
         known = self._bodies.get(name)
         if known is None:
             known = self._bodies[name] = self._find(name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,6 +18,7 @@ from taskbuilder.sim.snapshots import Snapshot, release, restore, save
 from taskbuilder.spec.load import TaskFile
 from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.wording import suggestion
+from taskbuilder.world.forces import ForceMeter, Pair, Reading
 from taskbuilder.world.frames import Frames
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
@@ -39,6 +40,7 @@ class WorldState:
         sites: Where each site is, in the world or in what it rides on.
         quantities: Values of what the task can randomise.
         touches: A contact of every two links that touched.
+        forces: Between the watched pairs of bodies.
     """
 
     snapshot: Snapshot
@@ -46,6 +48,7 @@ class WorldState:
     sites: Mapping[str, Pose]
     quantities: Mapping[str, Any]
     touches: tuple[Contact, ...]
+    forces: Mapping[Pair, Reading]
 
 
 class World:
@@ -95,6 +98,7 @@ class World:
         self.onlooker: Iterator[None] | None = None
         self._frames = Frames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
+        self._forces = ForceMeter(client, self._touch)
         self._built: WorldState | None = None
 
     # Time
@@ -122,6 +126,7 @@ class World:
         place_all(self, randomness.placement())
         self.step()
         self.time = 0.0
+        self._forces.clear()
 
     def step(self, arm_targets: Mapping[str, Sequence[float]] | None = None) -> None:
         """Let one control step pass.
@@ -140,7 +145,8 @@ class World:
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
         if self.onlooker is not None:
             drives.append(self.onlooker)
-        self.client.step(timing.substeps, drives)
+        self._forces.begin()
+        self.client.step(timing.substeps, drives, self._forces.read if self._forces else None)
         self.time += 1.0 / timing.control_hz
         self.refresh()
         self._check()
@@ -160,7 +166,9 @@ class World:
         found = contacts(self.client)
         touches = tuple({(c.body_a, c.link_a, c.body_b, c.link_b): c for c in found}.values())
         snapshot = save(self.client, motors)
-        return WorldState(snapshot, self.time, sites, self.quantities, touches)
+        return WorldState(
+            snapshot, self.time, sites, self.quantities, touches, self._forces.readings
+        )
 
     def restore(self, state: WorldState) -> None:
         """Go back to a moment of this world, to the bit."""
@@ -174,6 +182,7 @@ class World:
         for name, pose in state.sites.items():
             self.sites[name].pose = pose
         self._set_quantities(state.quantities)
+        self._forces.restore(state.forces)
         self.refresh()
 
     def release(self, state: WorldState) -> None:
@@ -300,6 +309,22 @@ class World:
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which one object or part carries another."""
         return self._touch.support(body, below)
+
+    def watch_forces(self, pairs: Iterable[Pair]) -> None:
+        """Meter the forces between pairs of bodies from now on, and between no others.
+
+        Raises:
+            UnknownNameError: There is no such object, part or robot.
+        """
+        self._forces = ForceMeter(self.client, self._touch, pairs)
+
+    def contact_force(self, first: str, second: str) -> float:
+        """Force with which two things press on each other: see `ForceMeter`; 0 after reset.
+
+        Raises:
+            UsageError: The pair is not watched.
+        """
+        return self._forces.force(first, second)
 
     # Cameras
 

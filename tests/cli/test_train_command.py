@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from made_runs import write_task
 
-from taskbuilder.learn.store import read_arrays
+from taskbuilder.arrays import read_arrays
 from taskbuilder.learn.zoo import load_policy
 
 pytest.importorskip("torch")

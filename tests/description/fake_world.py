@@ -33,6 +33,7 @@ class FakeWorld:
     touches: set[tuple[str, str]] = field(default_factory=set)
     finger_touches: set[tuple[str, str]] = field(default_factory=set)
     supports: dict[tuple[str, str], float] = field(default_factory=dict)
+    forces: dict[tuple[str, str], float] = field(default_factory=dict)
     joints: dict[str, float] = field(default_factory=dict)
     openings: dict[str, float] = field(default_factory=dict)
     facts: set[str] = field(default_factory=set)
@@ -65,6 +66,9 @@ class FakeWorld:
 
     def support(self, body: str, below: str) -> float:
         return self.supports.get((body, below), 0.0)
+
+    def contact_force(self, first: str, second: str) -> float:
+        return self.forces.get((first, second), 0.0)
 
     def fingers_touch(self, body: str, robot: str) -> bool:
         return (body, robot) in self.finger_touches

@@ -140,6 +140,23 @@ def test_a_sound_description_has_no_findings(found, tmp_path):
         ),
         ("Then()", "5:15: error[TB212] Then(…): lists no condition; give at least one"),
         (
+            'ForceAbove("left", "rigth", newtons=100)',
+            '5:15: error[TB207] ForceAbove("left", …): the scene has no "rigth"; did you mean '
+            '"right"?',
+        ),
+        (
+            'ForceAbove("left", "goal", newtons=100)',
+            '5:15: error[TB207] ForceAbove("left", …): "goal" is no solid; solids: left, right, cu',
+        ),
+        (
+            'ForceAbove("tray", "tray.handle", newtons=100)',
+            '5:15: error[TB212] ForceAbove("tray", …): no force is known within one body; name two',
+        ),
+        (
+            'ForceAbove("left", "right", newtons=-1)',
+            '5:15: error[TB212] ForceAbove("left", …): newtons is -1; 0 or more',
+        ),
+        (
             'Sustained(Held("cube"), 0)',
             "5:15: error[TB212] Sustained(…): seconds is 0; more than 0",
         ),

@@ -13,6 +13,7 @@ from taskbuilder.description import (
     Below,
     Contact,
     EmptyHanded,
+    ForceAbove,
     Held,
     Inside,
     JointAngle,
@@ -249,3 +250,10 @@ def test_on_is_being_carried_by_more_than_noise(world, now, force, value):
     world.supports = {("cube", "tray"): force}
     assert now(On("cube", "tray")) is value
     assert now(On("tray", "cube")) is False
+
+
+@pytest.mark.parametrize(("force", "value"), [(0.0, False), (100.0, False), (100.1, True)])
+def test_a_force_is_above_a_bound(world, now, force, value):
+    world.forces = {("left", "right"): force}
+    assert now(ForceAbove("left", "right", newtons=100)) is value
+    assert now(ForceAbove("left", "tray", newtons=100)) is False

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from taskbuilder.description import (
     Closeness,
+    ContactForce,
     Gap,
     GripperOpening,
     Height,
@@ -54,6 +55,12 @@ def test_distances_and_heights_are_in_metres(world, now):
     assert now(Gap("cube", "goal")) == pytest.approx(0.5)
     assert now(Height("cube")) == pytest.approx(0.4)
     assert now(Height("cube", "tray")) == pytest.approx(0.3)
+
+
+def test_a_force_is_what_the_world_says(world, now):
+    world.forces = {("left", "right"): 80.0}
+    assert now(ContactForce("left", "right")) == 80.0
+    assert now(ContactForce("left", "cube")) == 0.0
 
 
 def test_closeness_is_one_at_the_place_and_falls_off_with_distance(world, now):

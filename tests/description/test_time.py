@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from fake_world import A, B, C
+from fake_world import A, B, C, describe
 
-from taskbuilder.description import Once, Sustained, Then
+from taskbuilder.description import Duration, Once, Share, Sustained, Then
+from taskbuilder.description.description import Referee
 
 NO, YES = False, True
 
@@ -53,6 +54,23 @@ def test_times_that_are_sums_of_steps_are_not_missed_for_their_rounding(history)
     # 0.1 * 3 is a little more than 0.3, and 0.7 - 0.4 a little less.
     assert history(Sustained(A, 0.3), *"xxxxaaaa") == [NO] * 7 + [YES]
     assert history(Sustained(A, 0.3), *"aaaa") == [NO] * 3 + [YES]
+
+
+@pytest.mark.parametrize(
+    ("steps", "seconds"),
+    [
+        (["a", "a", "a", "", "a"], [0.0, 0.1, 0.2, 0.0, 0.0]),
+        (["", "a", "a", "a"], [0.0, 0.0, 0.1, 0.2]),
+    ],
+)
+def test_a_duration_is_the_time_for_which_something_has_held_without_a_gap(world, steps, seconds):
+    judge = Referee(describe(progress=Duration(A) + 2.0 * Share(Duration(A), of=0.2)), ("left",))
+    for _ in range(2):  # it begins afresh with each episode
+        told = []
+        for index, facts in enumerate(steps):
+            world.time, world.facts = index * 0.1, set(facts)
+            told.append((judge.judge(world) if index else judge.start(world)).progress)
+        assert told == pytest.approx([s + 2.0 * min(s / 0.2, 1.0) for s in seconds])
 
 
 def test_once_remembers(history):

@@ -9,7 +9,7 @@ import yaml
 from pydantic import TypeAdapter
 from written_pages import written
 
-from taskbuilder.expert.demonstration import CAUSES
+from taskbuilder.rollout.record import CAUSES
 from taskbuilder.spec.expert import VERBS, ExpertStage
 
 PAGE = written("experts.md")

@@ -139,7 +139,7 @@ def moment(env: TaskEnv) -> dict[str, Any]:
         "agents": list(env.agents),
         "steps": episode.steps,
         "outcome": episode.outcome,
-        "flags": (episode.succeeded, episode.exploded, episode.over),
+        "flags": (episode.succeeded, episode.failed, episode.exploded, episode.over),
         "seeds": env._seeds.bit_generator.state,
         "noise": episode.noise_rng.bit_generator.state,
     }

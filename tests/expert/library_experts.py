@@ -10,8 +10,8 @@ from written_experts import Digest
 
 from taskbuilder.description.description import Outcome
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.demonstration import Demonstration
 from taskbuilder.expert.player import Expert
+from taskbuilder.rollout import Rollout
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import load_task
 
@@ -45,7 +45,7 @@ class Played:
         holding: Whether any robot held anything then.
     """
 
-    demonstration: Demonstration
+    demonstration: Rollout
     digest: str
     outcomes: Sequence[Outcome]
     holding: Sequence[bool]

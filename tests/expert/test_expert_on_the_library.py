@@ -8,8 +8,8 @@ from library_experts import SCENES, SEEDS, TASKS, expert_of, played
 from written_experts import Digest, same
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.demonstration import replay
 from taskbuilder.expert.player import Expert
+from taskbuilder.rollout import replay
 
 MARGIN_STEPS = 5
 

@@ -7,8 +7,9 @@ import pytest
 from written_experts import RIGHT, made
 
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.demonstration import CAUSES, replay
 from taskbuilder.expert.player import Expert
+from taskbuilder.rollout import replay
+from taskbuilder.rollout.record import CAUSES
 
 GRASP = "arm: {grasp: block.middle}"
 FAR = "    far: {position: [1.5, 0, 0.6]}\n"

@@ -13,7 +13,7 @@ from taskbuilder.description import Closeness, GripperOpening, Ladder, Share
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.policies import Random
+from taskbuilder.rollout import RandomActions, play
 from taskbuilder.task import load_task
 
 LARGEST_RISE = 0.35
@@ -32,7 +32,7 @@ def wandered(task, seed):
         progress.append(env.episode.outcome.progress)
         holding.append(any(env.episode.holding(robot) for robot in env.possible_agents))
 
-    Random(env).play(seed, watch=watch)
+    play(env, RandomActions(), seed, watch=watch)
     env.close()
     return progress, holding
 

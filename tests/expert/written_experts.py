@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.rollout import Rollout
 from taskbuilder.task import load_task
 
 TABLE = """
@@ -106,7 +106,7 @@ class Digest:
         return self._hash.hexdigest()
 
 
-def same(one: Demonstration, other: Demonstration) -> bool:
+def same(one: Rollout, other: Rollout) -> bool:
     """Whether two demonstrations are alike to the bit, but for the time that planning took."""
     actions = all(np.array_equal(one.actions[a], other.actions[a]) for a in one.actions)
     return actions and np.array_equal(one.rewards, other.rewards) and one.trouble == other.trouble

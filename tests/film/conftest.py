@@ -8,8 +8,7 @@ import pytest
 from film_scenes import sideways, write_scene
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.demonstration import Demonstration
-from taskbuilder.film.chronicle import Chronicle, chronicle
+from taskbuilder.rollout import Rollout
 
 
 @pytest.fixture(scope="session")
@@ -20,11 +19,6 @@ def env(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TaskEnv]:
 
 
 @pytest.fixture(scope="session")
-def episode(env: TaskEnv) -> Demonstration:
+def episode(env: TaskEnv) -> Rollout:
     """Ten control steps, which reach both stages."""
     return sideways(env)
-
-
-@pytest.fixture(scope="session")
-def story(env: TaskEnv, episode: Demonstration) -> Chronicle:
-    return chronicle(env, episode)

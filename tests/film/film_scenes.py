@@ -1,4 +1,4 @@
-"""An arm that moves sideways, past milestones, and episodes that are made up."""
+"""An arm that moves sideways, past milestones."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from taskbuilder.description.description import Outcome
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.demonstration import Demonstration
-from taskbuilder.expert.recording import Recording
-from taskbuilder.film.chronicle import Chronicle
+from taskbuilder.rollout import RecordedActions, Rollout, play
 
 SMALL = (32, 24)
 
@@ -51,34 +48,8 @@ def write_scene(folder: Path) -> Path:
     return file
 
 
-def sideways(env: TaskEnv, steps: int = 10) -> Demonstration:
+def sideways(env: TaskEnv, steps: int = 10) -> Rollout:
     """The arm moves for some steps along y, at half its speed."""
-    recording = Recording(env, seed=0)
-    action = np.zeros(env.action_space("arm").shape, dtype=np.float32)
-    action[1] = 0.5
-    for _ in range(steps):
-        recording.step({"arm": action})
-    return recording.demonstration()
-
-
-def made_up(
-    stages: list[int],
-    *,
-    names: tuple[str, ...] = ("one", "two", "three"),
-    success: int | None = None,
-) -> Chronicle:
-    """An episode in which so many stages were reached after reset and after each step."""
-    outcomes = tuple(
-        Outcome(
-            success=success is not None and step >= success,
-            failure=False,
-            stage=stage,
-            progress=0.0,
-            conditions={},
-            terms={},
-            local={},
-            team=0.0,
-        )
-        for step, stage in enumerate(stages)
-    )
-    return Chronicle("made_up", 0, names, outcomes, control_hz=10, horizon=max(1, len(stages) - 1))
+    actions = np.zeros((steps, *env.action_space("arm").shape), dtype=np.float32)
+    actions[:, 1] = 0.5
+    return play(env, RecordedActions({"arm": actions}), seed=0)

@@ -5,14 +5,16 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from film_scenes import made_up
+from made_rollouts import made_rollout
 
 from taskbuilder.film.moments import caption, key_moments
 
 
 def reaching(*steps, length, success=None):
     """An episode that reaches a stage at each of these steps."""
-    return made_up([sum(at <= step for at in steps) for step in range(length + 1)], success=success)
+    states = range(length + 1)
+    held = range(success, length + 1) if success else ()
+    return made_rollout([sum(at <= step for at in steps) for step in states], success=held)
 
 
 def test_they_begin_and_end_with_the_episode_and_lie_evenly():
@@ -26,9 +28,9 @@ def test_each_stage_is_shown_when_it_is_reached():
     assert {3, 4, 5} <= set(key_moments(reaching(3, 4, 5, length=50)))
 
 
-def test_they_end_a_little_after_success():
+def test_success_is_shown_when_it_is_reached_and_so_is_the_end():
     moments = key_moments(reaching(10, 20, length=50, success=30))
-    assert moments[-1] == 35
+    assert moments[-1] == 50
     assert 30 in moments
 
 
@@ -39,13 +41,13 @@ def test_a_short_episode_has_few(length, shown):
 
 def test_of_many_stages_the_last_are_shown():
     names = tuple(map(str, range(12)))
-    chronicle = made_up([min(step, 12) for step in range(21)], names=names)
-    moments = key_moments(chronicle)
+    rollout = made_rollout([min(step, 12) for step in range(21)], stages=names)
+    moments = key_moments(rollout)
     assert len(moments) == 8
     assert moments == (0, 7, 8, 9, 10, 11, 12, 20)
 
 
 def test_captions_say_what_was_achieved_just_then():
-    chronicle = made_up([0, 1, 1, 3, 3], success=3)
-    said = [caption(chronicle, step) for step in range(5)]
+    rollout = made_rollout([0, 1, 1, 3, 3], success=[3, 4])
+    said = [caption(rollout, step) for step in range(5)]
     assert said == [(), ("one",), (), ("two", "three", "success"), ()]

@@ -10,9 +10,9 @@ from film_scenes import SMALL
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
-from taskbuilder.expert.demonstration import replay
-from taskbuilder.expert.policies import player_named
+from taskbuilder.expert.player import Expert
 from taskbuilder.film.shooting import shoot, take_picture
+from taskbuilder.rollout import replay
 
 
 def trace(env):
@@ -26,15 +26,21 @@ def trace(env):
 def test_an_episode_goes_as_it_went_while_it_is_filmed():
     """With a grasp and a handing over, between whose physics steps cameras look."""
     env = parallel_env("handover")
-    player = player_named("expert")(env)
+    player = Expert(env)
     plain: list[object] = []
     episode = player.play(0, watch=lambda played: plain.append(trace(played)))
     assert env.episode.outcome.conditions["handed_over"]
     filmed = []
     step = env.step
-    env.step = lambda actions: (step(actions), filmed.append(trace(env)))
+
+    def traced(actions):
+        taken = step(actions)
+        filmed.append(trace(env))
+        return taken
+
+    env.step = traced
     cameras = ["front", "right_wrist"]
-    frames = sum(1 for _ in shoot(env, episode, cameras, size=(16, 12), fps=40, until=30))
+    frames = sum(1 for _ in shoot(env, episode.until(30), cameras, size=(16, 12), fps=40))
     assert frames == 3 * 40 + 1
     assert filmed == plain[1:31]
     player.close()
@@ -69,7 +75,7 @@ def test_pictures_have_the_size_asked_for_or_that_of_their_camera(env, episode):
 
 def test_what_moves_is_elsewhere_in_every_frame(env, episode):
     """The arm, the wrist's camera, and the marker that rides on the tool."""
-    frames = list(shoot(env, episode, ["front", "wrist"], fps=60, until=6))[20:]
+    frames = list(shoot(env, episode.until(6), ["front", "wrist"], fps=60))[20:]
     for camera in ("front", "wrist"):
         pictures = [frame.pictures[camera] for frame in frames]
         same = [np.array_equal(a, b) for a, b in pairwise(pictures)]
@@ -77,7 +83,7 @@ def test_what_moves_is_elsewhere_in_every_frame(env, episode):
 
 
 def test_frames_between_control_steps_lie_between_them(env, episode):
-    frames = list(shoot(env, episode, ["front"], size=(240, 180), fps=30, until=7))[6:]
+    frames = list(shoot(env, episode.until(7), ["front"], size=(240, 180), fps=30))[6:]
     columns = []
     for frame in frames:
         red, green, blue = np.moveaxis(frame.pictures["front"].astype(int), 2, 0)
@@ -98,7 +104,7 @@ def test_a_frame_of_a_control_step_shows_what_is_seen_after_it(env, episode):
 
 
 def test_a_film_may_end_before_the_episode(env, episode):
-    frames = list(shoot(env, episode, ["front"], size=SMALL, fps=20, until=3))
+    frames = list(shoot(env, episode.until(3), ["front"], size=SMALL, fps=20))
     assert frames[-1].seconds == pytest.approx(0.3)
     assert len(frames) == 7
 
@@ -121,12 +127,12 @@ def test_a_rate_beyond_the_physics_is_refused(env, episode, fps):
 
 def test_an_unknown_camera_is_refused(env, episode):
     with pytest.raises(UnknownNameError, match='no camera "frnt"; did you mean "front"'):
-        list(shoot(env, episode, ["frnt"], size=SMALL, until=1))
+        list(shoot(env, episode.until(1), ["frnt"], size=SMALL))
 
 
 def test_an_episode_of_another_task_is_not_filmed(env, episode):
     other = parallel_env("handover")
-    with pytest.raises(UsageError, match="a demonstration of sideways"):
+    with pytest.raises(UsageError, match="a rollout of sideways"):
         next(shoot(other, episode, ["front"]))
     other.close()
 

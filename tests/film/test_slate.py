@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from film_scenes import made_up
+from made_rollouts import made_rollout
 
 from taskbuilder.film.shooting import Frame
 from taskbuilder.film.slate import GREEN, PALE, RED, compose, slate
@@ -29,50 +27,47 @@ def bar(drawn):
 
 
 def test_the_bar_fills_as_time_passes():
-    chronicle = made_up([0] * 11)
-    shares = [bar(slate(chronicle, frame(step), 480))[0] for step in (0, 5, 10)]
+    rollout = made_rollout([0] * 11)
+    shares = [bar(slate(rollout, frame(step), 480))[0] for step in (0, 5, 10)]
     assert shares == pytest.approx([0.0, 0.5, 1.0])
 
 
 def test_each_stage_lights_up_when_it_is_reached():
-    chronicle = made_up([0, 1, 1, 2, 3])
-    lit = [count(slate(chronicle, frame(step), 480), GREEN) for step in range(5)]
+    rollout = made_rollout([0, 1, 1, 2, 3])
+    lit = [count(slate(rollout, frame(step), 480), GREEN) for step in range(5)]
     assert lit[0] == 0
     assert lit[1] == lit[2] > 0
     assert lit[3] == 2 * lit[1]
     assert lit[4] == 3 * lit[1]
 
 
-def test_success_turns_the_bar_green_and_stays():
-    chronicle = made_up([0, 1, 2, 3, 3], success=3)
-    colors = [bar(slate(chronicle, frame(step), 480))[1] for step in (1, 2, 3, 4)]
-    assert colors == [INK, INK, GREEN, GREEN]
-    lapsed = replace(
-        chronicle, outcomes=(*chronicle.outcomes[:4], replace(chronicle.outcomes[4], success=False))
-    )
-    assert bar(slate(lapsed, frame(4), 480))[1] == GREEN
+def test_success_turns_the_bar_green_for_as_long_as_it_holds():
+    rollout = made_rollout([0, 1, 2, 3, 3], success=[3])
+    drawn = [slate(rollout, frame(step), 480) for step in range(1, 5)]
+    assert [bar(each)[1] for each in drawn] == [INK, INK, GREEN, RED]
+    assert count(drawn[2][4:], GREEN) > count(drawn[1][4:], GREEN)  # it says so
+    assert count(drawn[3][4:], RED) > 20
 
 
-def test_failure_turns_it_red():
-    chronicle = made_up([0, 0, 0])
-    lost = replace(
-        chronicle, outcomes=(*chronicle.outcomes[:2], replace(chronicle.outcomes[2], failure=True))
-    )
-    drawn = slate(lost, frame(2), 480)
-    assert bar(drawn)[1] == RED
-    assert count(drawn[4:], RED) > 20  # it says so
+def test_failure_turns_it_red_and_success_afterwards_counts_no_more():
+    rollout = made_rollout([0, 0, 0, 0], failure=[2], success=[3])
+    assert bar(slate(rollout, frame(1), 480))[1] == INK
+    for step in (2, 3):
+        drawn = slate(rollout, frame(step), 480)
+        assert bar(drawn)[1] == RED
+        assert count(drawn[4:], RED) > 20
 
 
 @pytest.mark.parametrize(("names", "lines"), [(2, 1), (9, 3), (0, 1)])
 def test_stages_take_as_many_lines_as_they_need(names, lines):
-    chronicle = made_up([names], names=("quite long",) * names)
-    drawn = slate(chronicle, frame(), 480)
+    rollout = made_rollout([names], stages=("quite long",) * names)
+    drawn = slate(rollout, frame(), 480)
     assert drawn.shape == (4 + 28 * lines, 480, 3)
 
 
 def test_it_fits_below_a_picture_of_any_width():
     for width in (16, 33, 2048):
-        assert slate(made_up([0, 3], success=1), frame(1), width).shape[1] == width
+        assert slate(made_rollout([0, 3], success=[1]), frame(1), width).shape[1] == width
 
 
 def test_pictures_stand_side_by_side_with_their_names():
@@ -80,7 +75,7 @@ def test_pictures_stand_side_by_side_with_their_names():
         "one": np.full((40, 100, 3), 10, dtype=np.uint8),
         "two": np.full((30, 60, 3), 20, dtype=np.uint8),
     }
-    whole = compose(frame(pictures=pictures), made_up([0], names=()))
+    whole = compose(frame(pictures=pictures), made_rollout([0], stages=()))
     assert whole.shape == (40 + 32, 100 + 8 + 60, 3)
     assert whole[35, 50].tolist() == [10] * 3
     assert whole[25, 150].tolist() == [20] * 3
@@ -90,12 +85,12 @@ def test_pictures_stand_side_by_side_with_their_names():
 
 def test_a_single_picture_needs_no_name():
     picture = np.full((40, 100, 3), 10, dtype=np.uint8)
-    whole = compose(frame(pictures={"one": picture}), made_up([0]))
+    whole = compose(frame(pictures={"one": picture}), made_rollout([0]))
     assert (whole[:40] == 10).all()
 
 
 @pytest.mark.parametrize("shape", [(41, 101), (40, 101), (41, 100)])
 def test_a_composed_frame_has_even_sides_as_video_wants_them(shape):
     picture = np.zeros((*shape, 3), dtype=np.uint8)
-    height, width = compose(frame(pictures={"one": picture}), made_up([0])).shape[:2]
+    height, width = compose(frame(pictures={"one": picture}), made_rollout([0])).shape[:2]
     assert (height % 2, width % 2) == (0, 0)

@@ -14,10 +14,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.learn import zoo
 from taskbuilder.learn.policy import Network, Policy, folded
-from taskbuilder.learn.store import StoreError, read_arrays, write_arrays
 from taskbuilder.learn.zoo import load_policy, save_policy, zoo_names
 
 ABOUT = {"kind": "test", "words": "ä"}

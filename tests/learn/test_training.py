@@ -14,17 +14,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from taskbuilder import arrays as store
 from taskbuilder import files
+from taskbuilder.arrays import StoreError, read_arrays
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.expert.player import Expert
-from taskbuilder.learn import store
 from taskbuilder.learn.checkpoints import FOLDER
-from taskbuilder.learn.expertise import Recorded, save_episodes
+from taskbuilder.learn.expertise import EXPERT_FILE
 from taskbuilder.learn.judging import Evaluation
 from taskbuilder.learn.plan import Plan
-from taskbuilder.learn.store import StoreError, read_arrays
 from taskbuilder.learn.training import train
 from taskbuilder.learn.zoo import load_policy
+from taskbuilder.rollout import save_rollouts
 from taskbuilder.task import load_task
 
 TINY = {"hidden": [8, 8], "batch": 16, "warm_up": 20, "cloning": 5, "judging": 5}
@@ -205,8 +206,7 @@ def test_a_kill_in_the_middle_of_a_save_is_survived(number, whole, tmp_path):
 @pytest.fixture(scope="module")
 def expert_episodes():
     with closing(parallel_env("handover", frame="base", rotation="matrix")) as env:
-        played = [Expert(env).play(seed) for seed in (1, 2)]
-    return [Recorded(demo.seed, dict(demo.actions), demo.first_success or -1) for demo in played]
+        return [Expert(env).play(seed) for seed in (1, 2)]
 
 
 @pytest.mark.parametrize("change", [{"demos": 2}, {"starts": 0.5}])
@@ -215,7 +215,7 @@ def test_runs_with_expert_episodes_go_on_exactly_too(change, expert_episodes, tm
     folders = tmp_path / "whole", tmp_path / "stopped"
     for folder in folders:
         folder.mkdir()
-        save_episodes(folder, expert_episodes)
+        save_rollouts(folder / EXPERT_FILE, expert_episodes)
     run(folders[0], plan)
     run(folders[1], plan, stop_at=150)
     assert same(run(folders[1], plan), folders[0], step=220)

@@ -9,8 +9,9 @@ import pytest
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.learn.evaluation import options_of, play
+from taskbuilder.learn.evaluation import options_of
 from taskbuilder.learn.zoo import ZOO, load_policy, zoo_names
+from taskbuilder.rollout import play
 
 NAMES = zoo_names()
 

@@ -144,6 +144,7 @@ def test_a_scene_without_anything_of_a_kind_says_so():
         ("robot", ["left", "right"]),
         ("object", ["tray", "cabinet"]),
         ("body", ["tray", "tray.handle", "cabinet.drawer", "broken.anything"]),
+        ("solid", ["left", "tray", "tray.handle", "cabinet.drawer", "broken.anything"]),
         ("surface", ["tray", "tray.floor"]),
         ("site", ["goal", "meeting"]),
         ("frame", ["tray", "goal", "left.tcp", "right.base", "tray.rim", "tray.floor", "broken.x"]),

@@ -9,7 +9,7 @@ from scripted import Script
 from taskbuilder.geometry import NO_TURN, Pose, subtract
 
 ABOVE = (0.0, 0.0, 0.1)
-CLOSING, OPENING = 3, 2  # control steps
+CLOSING, OPENING, KEEPING = 3, 2, 11  # control steps
 
 
 def handover(script: Script) -> None:
@@ -31,7 +31,7 @@ def handover(script: Script) -> None:
     goal = Pose(world.position("goal"), world.pose("stick").quaternion)
     behind = Pose(meeting.position, script.commanded["left"].quaternion)
     script.go({"left": behind, "right": script.carrying("right", "stick", goal)})
-    script.wait(1)
+    script.wait(KEEPING)
 
 
 def pick_push_place(script: Script) -> None:
@@ -51,7 +51,7 @@ def pick_push_place(script: Script) -> None:
     script.go({"left": above})
     script.go({"left": above.moved((0.0, 0.0, -0.07))})
     script.grip("left", opening=1.0, steps=OPENING)
-    script.wait(1)
+    script.wait(KEEPING)
 
 
 def collaborative_lift(script: Script) -> None:
@@ -60,7 +60,7 @@ def collaborative_lift(script: Script) -> None:
     take(script, left="tray.left_handle_top", right="tray.right_handle_top")
     way = subtract(world.position("goal"), world.position("cube"))
     script.go({name: script.commanded[name].moved(way) for name in world.robot_names})
-    script.wait(1)
+    script.wait(KEEPING)
 
 
 def take(script: Script, **grasps: str) -> None:

@@ -40,8 +40,9 @@ class Script:
 
     def __init__(self, task: Task, world: World, seed: int) -> None:
         self.world = world
-        world.reset(seed)
         self.referee = Referee(task.description, world.robot_names)
+        world.watch_forces(self.referee.force_pairs)
+        world.reset(seed)
         self.outcomes = [self.referee.start(world)]
         self.commanded = {name: world.pose(f"{name}.tcp") for name in world.robot_names}
 

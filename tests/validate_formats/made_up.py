@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
+from made_rollouts import made_rollout
 
-from taskbuilder.expert.demonstration import Demonstration, Trouble
+from taskbuilder.rollout import Rollout, ScriptLog, Trouble
 
 NASTY = "<script>&\"'\x1b[31m\udc80"
 """What would be markup, or what no document can hold."""
 
 
-def played(seed: int, *, success: bool, trouble: Trouble | None = None) -> Demonstration:
+def played(seed: int, *, success: bool, trouble: Trouble | None = None) -> Rollout:
     """An episode of the handover in which everyone holds still."""
-    still = np.zeros((4, 5), dtype=np.float32)
-    return Demonstration(
-        "handover",
-        seed,
-        0,
-        {"left": still, "right": still},
-        np.zeros(4),
-        {},
-        success,
-        3 if success else None,
-        "",
-        (1, 2) if success else (),
-        trouble,
+    return made_rollout(
+        seed=seed,
+        task="handover",
+        stages=(),
+        agents=("left", "right"),
+        success=(3, 4) if success else (),
+        log=ScriptLog((1, 2) if success else (), trouble),
     )

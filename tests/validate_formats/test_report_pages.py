@@ -9,7 +9,7 @@ import pytest
 from made_up import NASTY, played
 
 from taskbuilder import load_task
-from taskbuilder.expert.demonstration import Trouble
+from taskbuilder.rollout import Trouble
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.validate.formats.page import Page, index_page, task_page
 from taskbuilder.validate.formats.pages import make_page, write_index, write_page
@@ -68,13 +68,13 @@ def full(passed, probes):
         (),
         (),
         "1/3",
-        demonstrations=(
+        rollouts=(
             played(0, success=True),
             played(7, success=False, trouble=trouble),
             played(8, success=False),
         ),
     )
-    needs = FamilyResult("needs", (), (), "", demonstrations=(played(9, success=True),))
+    needs = FamilyResult("needs", (), (), "", rollouts=(played(9, success=True),))
     pays = FamilyResult("pays", (), (), "", probes=probes)
     return replace(passed, families=(*passed.families, solvable, needs, pays))
 
@@ -130,7 +130,7 @@ def test_the_expert_is_shown_stage_by_stage(task, full):
 
 def test_episodes_that_went_wrong_are_shown_at_the_moment_that_decided(task, full):
     pictures = take_pictures(task, full)
-    shown = [(f.family, f.demonstration.seed, f.moment.step) for f in pictures.failures]
+    shown = [(f.family, f.rollout.seed, f.moment.step) for f in pictures.failures]
     assert shown == [("solvable", 7, 2), ("solvable", 8, 4), ("needs", 9, 3)]
     text = Parsed(task_page(Page(full, task, pictures))).text
     assert "left: bring stick to meeting: no way" in text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 
-from taskbuilder.expert.demonstration import Demonstration
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait
 from taskbuilder.validate.formats.markup import Content, Html, element
 from taskbuilder.validate.formats.pictures import Failure, Moment, Picture, Pictures
@@ -95,7 +95,7 @@ def failures(listed: Sequence[Failure]) -> Html:
 
 
 def _failure(failure: Failure) -> Html:
-    demo, moment = failure.demonstration, failure.moment
+    demo, moment = failure.rollout, failure.moment
     seed = f"seed {demo.seed}" + (f", variation {demo.variation}" if demo.variation else "")
     words = [
         element("p", element("b", seed), element("span", failure.family), class_="which"),
@@ -108,7 +108,7 @@ def _failure(failure: Failure) -> Html:
     return element("li", image(moment.picture, f"The episode {time}"), caption)
 
 
-def _reasons(demo: Demonstration) -> Iterator[Html]:
+def _reasons(demo: Rollout) -> Iterator[Html]:
     if demo.success:
         yield element("p", "Solved, though it should not have been.")
     if demo.trouble:
@@ -119,5 +119,7 @@ def _reasons(demo: Demonstration) -> Iterator[Html]:
         )
         yield element("p", f"{demo.trouble.message}.", class_="quiet")
     elif not demo.success:
-        reached = f"“{demo.milestone}” was reached" if demo.milestone else "nothing was reached"
+        reached = (
+            f"“{demo.furthest_stage}” was reached" if demo.furthest_stage else "nothing was reached"
+        )
         yield element("p", f"Every stage was played, yet the task was not solved; {reached}.")

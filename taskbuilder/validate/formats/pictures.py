@@ -10,9 +10,10 @@ from itertools import chain, repeat
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import TaskbuilderError
-from taskbuilder.expert.demonstration import Demonstration, replay
 from taskbuilder.film.shooting import take_picture
 from taskbuilder.render import Pixels, take_still
+from taskbuilder.rollout.play import replay
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
 from taskbuilder.validate.places import failure_of_description
 from taskbuilder.validate.report import TaskReport
@@ -69,12 +70,12 @@ class Failure:
 
     Attributes:
         family: The family of checks that played it.
-        demonstration: The episode.
+        rollout: The episode.
         moment: When the expert stopped, or the end; None where that cannot be shown.
     """
 
     family: str
-    demonstration: Demonstration
+    rollout: Rollout
     moment: Moment | None
 
 
@@ -92,7 +93,7 @@ class Pictures:
 
     scene: tuple[Picture, ...] = ()
     strip: tuple[Moment, ...] = ()
-    shown: Demonstration | None = None
+    shown: Rollout | None = None
     failures: tuple[Failure, ...] = ()
     trouble: str = ""
 
@@ -123,7 +124,7 @@ def _scene(task: Task) -> tuple[Picture, ...]:
 
 
 def _episodes(task: Task, report: TaskReport, scene: tuple[Picture, ...]) -> Pictures:
-    played = [(family.name, demo) for family in report.families for demo in family.demonstrations]
+    played = [(family.name, demo) for family in report.families for demo in family.rollouts]
     shown = next((demo for name, demo in played if name == SOLVED_BY and demo.success), None)
     others = [(name, demo) for name, demo in played if demo is not shown and _wrong(name, demo)]
     return Pictures(
@@ -137,19 +138,19 @@ def _episodes(task: Task, report: TaskReport, scene: tuple[Picture, ...]) -> Pic
     )
 
 
-def _wrong(family: str, demo: Demonstration) -> bool:
+def _wrong(family: str, demo: Rollout) -> bool:
     """Whether an episode did not go as it should: only the expert's may succeed."""
     return demo.success != (family == SOLVED_BY)
 
 
-def _end(demo: Demonstration) -> int:
+def _end(demo: Rollout) -> int:
     """When an episode was decided."""
     if demo.first_success is not None:
         return demo.first_success
     return min(demo.trouble.step, demo.steps) if demo.trouble else demo.steps
 
 
-def _ends_of_stages(demo: Demonstration) -> Mapping[int, tuple[int, ...]]:
+def _ends_of_stages(demo: Rollout) -> Mapping[int, tuple[int, ...]]:
     """The steps worth a picture, and the stages of the expert that ended with each."""
     ends: dict[int, tuple[int, ...]] = {0: ()}
     for stage, step in enumerate(demo.stage_ends, 1):
@@ -164,10 +165,10 @@ def _ends_of_stages(demo: Demonstration) -> Mapping[int, tuple[int, ...]]:
 
 
 def _moments(
-    task: Task, demo: Demonstration, wanted: Mapping[int, tuple[int, ...]]
+    task: Task, demo: Rollout, wanted: Mapping[int, tuple[int, ...]]
 ) -> tuple[Moment, ...]:
     """Play an episode again, and take a picture of it after some of its control steps."""
-    env = parallel_env(task, variation=demo.variation, horizon=max(demo.steps, 1))
+    env = parallel_env(task, variation=demo.variation, horizon=max(demo.horizon, 1))
     taken: list[Moment] = []
 
     def watch(env: TaskEnv) -> None:

@@ -1,4 +1,4 @@
-"""Players beside the expert: at random, nothing at all, and any function of what is seen."""
+"""Policies beside the expert: random actions, holding still, and any function."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import pytest
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
-from taskbuilder.expert.demonstration import replay
-from taskbuilder.expert.policies import PLAYERS, Acting, Nothing, Random, player_named
+from taskbuilder.expert.named import POLICIES, policy_named
+from taskbuilder.expert.player import Expert
+from taskbuilder.rollout import HoldStill, RandomActions, play, replay
 
 
 @pytest.fixture(params=[True, False], ids=["normalized", "physical"])
@@ -19,7 +20,7 @@ def env(request):
 
 
 def test_random_actions_are_spread_within_their_bounds(env):
-    episode = Random(env).play(0)
+    episode = play(env, RandomActions(), 0)
     for agent, actions in episode.actions.items():
         space = env.action_space(agent)
         assert actions.dtype == np.float32
@@ -30,7 +31,7 @@ def test_random_actions_are_spread_within_their_bounds(env):
 
 
 def test_the_seed_decides_what_is_drawn(env):
-    first, again, other = (Random(env).play(seed) for seed in (1, 1, 2))
+    first, again, other = (play(env, RandomActions(), seed) for seed in (1, 1, 2))
     assert np.array_equal(first.actions["left"], again.actions["left"])
     assert not np.array_equal(first.actions["left"], other.actions["left"])
     assert not np.array_equal(first.actions["left"], first.actions["right"])
@@ -43,7 +44,7 @@ def test_doing_nothing_leaves_everything_where_it_is(env):
         robots = played.episode.world.robots.values()
         joints.append([robot.arm_state()[0] for robot in robots])
 
-    episode = Nothing(env).play(0, watch=note)
+    episode = play(env, HoldStill(), 0, watch=note)
     assert episode.steps == 8
     assert len(joints) == 9
     assert abs(np.array(joints) - joints[0]).max() < 1e-3
@@ -60,9 +61,7 @@ def test_a_function_acts_by_what_is_seen_at_each_step(env):
             for agent, values in observations.items()
         }
 
-    player = Acting(env, act)
-    episode = player.play(3)
-    player.close()
+    episode = play(env, act, 3)
     assert len(seen) == episode.steps == 8
     shown, _ = env.reset(seed=3)
     for step, expected in enumerate(seen):
@@ -74,22 +73,23 @@ def test_a_function_acts_by_what_is_seen_at_each_step(env):
 
 @pytest.mark.parametrize("name", ["random", "nothing"])
 def test_what_was_played_can_be_played_again(name, env):
-    player = player_named(name)(env)
-    episode = player.play(3)
+    episode = play(env, policy_named(name)(env), 3)
     rewards = []
-    replay(env, episode, lambda played: rewards.append(played.team_reward()))
+    again = replay(env, episode, lambda played: rewards.append(played.team_reward()))
     assert rewards[1:] == episode.rewards.tolist()
-    player.close()
+    assert again.equals(episode)
 
 
-def test_players_have_names():
-    assert list(PLAYERS) == ["expert", "random", "nothing"]
+def test_policies_have_names():
+    assert list(POLICIES) == ["expert", "random", "nothing"]
     with pytest.raises(UnknownNameError, match='no policy "rnadom"; did you mean "random"'):
-        player_named("rnadom")
+        policy_named("rnadom")
 
 
-def test_an_environment_that_draws_its_variation_is_refused():
-    env = parallel_env("handover", variation="random")
-    with pytest.raises(UsageError, match="a demonstration is of one variation"):
-        Random(env).play(0)
+def test_an_environment_that_draws_its_variation_has_no_expert_but_its_episodes_say_which(tmp_path):
+    env = parallel_env("handover", variation="random", horizon=2)
+    with pytest.raises(UsageError, match="an expert plans for one variation"):
+        Expert(env)
+    drawn = {play(env, HoldStill(), seed).variation for seed in range(12)}
     env.close()
+    assert drawn == {0, 1, 2}

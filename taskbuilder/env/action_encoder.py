@@ -1,4 +1,4 @@
-"""Actions that command arms to joints and open grippers, in whatever mode the task chose."""
+"""Actions that command arms and grippers, in whatever action mode the task chose."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 
 Actions = dict[str, NDArray[np.float32]]
+"""A flat action for every agent, as `TaskEnv.step` takes them."""
 
 
-class Driver:
-    """Speaks to an environment in its own actions.
+class ActionEncoder:
+    """Encodes commands to arms and grippers as an environment's own actions.
 
     Args:
         env: Any environment whose actions are flat.
@@ -25,7 +26,7 @@ class Driver:
 
     def __init__(self, env: TaskEnv) -> None:
         if not env.options.flat:
-            raise UsageError("experts act by flat actions; make the environment with flat=True")
+            raise UsageError("flat actions are needed; make the environment with flat=True")
         self.env = env
 
     def hold(self) -> Actions:

@@ -1,0 +1,30 @@
+"""Policies that have names: the expert, and two to compare it with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.expert.player import Expert
+from taskbuilder.rollout.play import Policy
+from taskbuilder.rollout.players import HoldStill, RandomActions
+from taskbuilder.wording import suggestion
+
+POLICIES: Mapping[str, Callable[[TaskEnv], Policy]] = {
+    "expert": Expert,
+    "random": lambda _: RandomActions(),
+    "nothing": lambda _: HoldStill(),
+}
+"""What makes each of them for an environment."""
+
+
+def policy_named(name: str) -> Callable[[TaskEnv], Policy]:
+    """What makes a policy for an environment.
+
+    Raises:
+        UnknownNameError: There is none of that name.
+    """
+    if name not in POLICIES:
+        raise UnknownNameError(f'no policy "{name}"; {suggestion(name, POLICIES, what="one of")}')
+    return POLICIES[name]

@@ -1,0 +1,31 @@
+"""Episodes that were played: the record of one, and how to play, resume and replay it.
+
+env = taskbuilder.parallel_env("handover")
+rollout = play(env, RandomActions(), seed=0)
+rollout.success, rollout.team_return, rollout.actions["left"].shape
+"""
+
+from taskbuilder.env.action_encoder import Actions
+from taskbuilder.rollout.files import load_rollouts, save_rollouts
+from taskbuilder.rollout.play import Act, Policy, play, replay, replaying, resume
+from taskbuilder.rollout.players import Function, HoldStill, RandomActions, RecordedActions
+from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
+
+__all__ = [
+    "Act",
+    "Actions",
+    "Function",
+    "HoldStill",
+    "Policy",
+    "RandomActions",
+    "RecordedActions",
+    "Rollout",
+    "ScriptLog",
+    "Trouble",
+    "load_rollouts",
+    "play",
+    "replay",
+    "replaying",
+    "resume",
+    "save_rollouts",
+]

@@ -1,0 +1,230 @@
+"""The record of a played episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.env.options import Options
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Why a stage of an expert could not be done.
+
+    Attributes:
+        stage: Number of the stage, from 1, in the order of the task file.
+        order: What was to be done, as ``right: grasp stick.right_end``.
+        robot: Who could not do it; "" where it was none in particular.
+        cause: One of `CAUSES`.
+        message: Which robot, which pose and why, in a sentence.
+        step: Control steps that had passed.
+    """
+
+    stage: int
+    order: str
+    robot: str
+    cause: str
+    message: str
+    step: int
+
+
+CAUSES = (
+    "out of reach",
+    "in collision",
+    "no way",
+    "grasp missed",
+    "lost on the way",
+    "not arrived",
+    "still held",
+    "waited in vain",
+    "no time left",
+    "physics diverged",
+)
+"""What keeps experts from doing a stage."""
+
+
+@dataclass(frozen=True)
+class ScriptLog:
+    """How the stages of an expert's script went.
+
+    Attributes:
+        stage_ends: Control steps that had passed when each stage was done.
+        trouble: The first stage that could not be done, or None.
+        planning_s: Wall time that planning took, in seconds.
+    """
+
+    stage_ends: tuple[int, ...] = ()
+    trouble: Trouble | None = None
+    planning_s: float = 0.0
+
+
+BY_STEP = ("actions", "rewards", "agent_rewards", "terms")
+"""Fields of a `Rollout` with a row for every control step."""
+
+BY_STATE = ("conditions", "stage", "progress", "succeeded")
+"""Fields with a row for every state: after reset, and after each control step."""
+
+ON_REQUEST = ("observations", "pictures")
+"""Fields with a row for every state, kept only where they are asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """A played episode: what was done, what it earned, and how the task stood throughout.
+
+    Some arrays have a row for every control step (``steps``), others for every state (``steps`` +
+    1): the one after reset, and the one after each control step. Where the physics diverged, the
+    last state repeats the one before.
+
+    Attributes:
+        task: The task's name.
+        seed: Of the reset.
+        variation: Which scene of the task was played, 0 being the plain one.
+        options: Of the environment.
+        control_hz: Control steps a second.
+        horizon: Control steps of a whole episode.
+        stages: The description's stages, in order.
+        actions: (steps, n) float32 by agent, as `TaskEnv.step` takes them.
+        rewards: (steps,) the team's reward.
+        agent_rewards: (steps,) by agent: what the environment rewarded it with.
+        terms: (steps,) by label: each term of the reward.
+        conditions: (steps + 1,) bool by name: success, failure, stages and all others.
+        stage: (steps + 1,) number of the furthest stage reached so far; 0 for none.
+        progress: (steps + 1,) the description's progress.
+        succeeded: (steps + 1,) bool: success has been reached, and failure had not been before.
+        exploded: The physics diverged, which ended the episode.
+        observations: (steps + 1, ...) by agent, or by agent and channel; empty unless asked for.
+        pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless asked for.
+        log: How the stages of the expert went, or None if no expert played.
+    """
+
+    task: str
+    seed: int
+    variation: int
+    options: Options
+    control_hz: int
+    horizon: int
+    stages: tuple[str, ...]
+    actions: Mapping[str, NDArray[np.float32]]
+    rewards: NDArray[np.float64]
+    agent_rewards: Mapping[str, NDArray[np.float64]]
+    terms: Mapping[str, NDArray[np.float64]]
+    conditions: Mapping[str, NDArray[np.bool_]]
+    stage: NDArray[np.int64]
+    progress: NDArray[np.float64]
+    succeeded: NDArray[np.bool_]
+    exploded: bool = False
+    observations: Mapping[str, Any] = field(default_factory=dict)
+    pictures: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
+    log: ScriptLog | None = None
+
+    @property
+    def steps(self) -> int:
+        """Control steps of the episode."""
+        return len(self.rewards)
+
+    def seconds(self, step: int) -> float:
+        """Seconds from the reset to a control step."""
+        return step / self.control_hz
+
+    # --- success
+
+    @property
+    def success(self) -> bool:
+        """Success was reached at some control step, and failure had not been before."""
+        return bool(self.succeeded[-1])
+
+    @property
+    def first_success(self) -> int | None:
+        """The control step, counted from 1, with which success was reached, or None."""
+        return int(np.argmax(self.succeeded)) if self.success else None
+
+    @property
+    def success_at_end(self) -> bool:
+        """Success was reached and holds after the last control step."""
+        return self.success and not self.exploded and bool(self.conditions["success"][-1])
+
+    @property
+    def success_held_s(self) -> float:
+        """Seconds, from the control step that reached success on, in which it held."""
+        if self.first_success is None:
+            return 0.0
+        return float(self.conditions["success"][self.first_success :].sum()) / self.control_hz
+
+    # --- stages
+
+    @property
+    def reached(self) -> Mapping[str, int]:
+        """Control steps that had passed when each stage was first passed, in order of stages."""
+        return {
+            name: int(np.argmax(self.stage >= number))
+            for number, name in enumerate(self.stages, start=1)
+            if self.stage[-1] >= number
+        }
+
+    @property
+    def furthest_stage(self) -> str:
+        """The last of the description's stages that was reached, or ""."""
+        return self.stages[self.stage[-1] - 1] if self.stage[-1] else ""
+
+    @property
+    def stage_ends(self) -> tuple[int, ...]:
+        """Control steps that had passed when each stage of the expert was done."""
+        return self.log.stage_ends if self.log else ()
+
+    @property
+    def trouble(self) -> Trouble | None:
+        """Why a stage of the expert could not be done, or None."""
+        return self.log.trouble if self.log else None
+
+    # --- returns
+
+    @property
+    def team_return(self) -> float:
+        """The sum of the team's rewards."""
+        return float(self.rewards.sum())
+
+    def discounted(self, discount: float) -> float:
+        """The team's return, each reward weighted by the discount to the power of its step."""
+        return float(self.rewards @ discount ** np.arange(self.steps))
+
+    @property
+    def term_returns(self) -> Mapping[str, float]:
+        """The sum of each term of the reward, by label."""
+        return {label: float(values.sum()) for label, values in self.terms.items()}
+
+    # --- comparison and parts
+
+    def equals(self, other: Rollout) -> bool:
+        """Whether two records are equal to the bit, but for the time that planning took."""
+
+        def same(one: Any, two: Any) -> bool:
+            if isinstance(one, Mapping):
+                return list(one) == list(two) and all(same(one[key], two[key]) for key in one)
+            if isinstance(one, np.ndarray):
+                return bool(one.dtype == two.dtype) and one.tobytes() == two.tobytes()
+            if isinstance(one, ScriptLog):
+                return isinstance(two, ScriptLog) and replace(one, planning_s=two.planning_s) == two
+            return bool(one == two)
+
+        return all(same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+
+    def until(self, step: int) -> Rollout:
+        """The first control steps of the episode, as a record of their own."""
+
+        def cut(values: Any, rows: int) -> Any:
+            if isinstance(values, Mapping):
+                return {name: cut(part, rows) for name, part in values.items()}
+            return values[:rows]
+
+        return replace(
+            self,
+            exploded=self.exploded and step >= self.steps,
+            **{name: cut(getattr(self, name), step) for name in BY_STEP},
+            **{name: cut(getattr(self, name), step + 1) for name in (*BY_STATE, *ON_REQUEST)},
+        )

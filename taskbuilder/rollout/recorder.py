@@ -1,0 +1,174 @@
+"""Recording an episode while it is played."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.description.description import Outcome
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError
+from taskbuilder.rollout.record import BY_STATE, BY_STEP, Rollout, ScriptLog
+from taskbuilder.sim.cameras import STUDIO, capture
+
+
+class Recorder:
+    """Keeps what happens in an episode of an environment that others step.
+
+    Args:
+        env: The environment.
+        observations: Keep what every agent observes.
+        cameras: Cameras of the scene whose pictures are kept.
+        size: Width and height of the pictures; by default each camera's own.
+
+    Attributes:
+        env: The environment.
+        latest: What every agent observes now.
+
+    Raises:
+        UsageError: Its actions are dictionaries.
+    """
+
+    def __init__(
+        self,
+        env: TaskEnv,
+        *,
+        observations: bool = False,
+        cameras: Sequence[str] = (),
+        size: tuple[int, int] | None = None,
+    ) -> None:
+        if not env.options.flat:
+            raise UsageError("rollouts have flat actions; make the environment with flat=True")
+        self.env = env
+        self.latest: Mapping[str, Any] = {}
+        self._cameras, self._size, self._observing = tuple(cameras), size, observations
+        self._seed = 0
+        self._before: Rollout | None = None
+        self._actions: list[Mapping[str, Any]] = []
+        self._rewards: list[Mapping[str, float]] = []
+        self._team: list[float] = []
+        self._outcomes: list[Outcome] = []
+        self._succeeded: list[bool] = []
+        self._observations: list[Mapping[str, Any]] = []
+        self._pictures: list[Mapping[str, Any]] = []
+
+    def begin(self, seed: int, observations: Mapping[str, Any]) -> None:
+        """Note the state after reset."""
+        self._seed = seed
+        self._note_state(observations)
+
+    def take_over(self, before: Rollout, observations: Mapping[str, Any]) -> None:
+        """Go on with the record of an episode whose end the environment stands at."""
+        self._before = before
+        self.begin(before.seed, observations)
+
+    def add(
+        self,
+        actions: Mapping[str, Any],
+        observations: Mapping[str, Any],
+        rewards: Mapping[str, float],
+    ) -> None:
+        """Note a control step and the state after it."""
+        self._actions.append(actions)
+        self._rewards.append(rewards)
+        self._team.append(self.env.team_reward())
+        self._note_state(observations)
+
+    def _note_state(self, observations: Mapping[str, Any]) -> None:
+        self.latest = observations
+        self._outcomes.append(self.env.episode.outcome)
+        self._succeeded.append(self.env.episode.succeeded)
+        if self._observing:
+            self._observations.append(observations)
+        if self._cameras and not self.env.episode.exploded:
+            self._pictures.append({name: self._picture(name) for name in self._cameras})
+
+    def _picture(self, camera: str) -> Any:
+        world = self.env.episode.world
+        world.move_markers()
+        view = world.camera(camera, self._size)
+        return capture(world.client, view, shadow=True, backdrop=STUDIO).rgb
+
+    def rollout(self, log: ScriptLog | None = None) -> Rollout:
+        """The record of the episode so far.
+
+        Args:
+            log: How the stages of the expert went, if one played.
+        """
+        env, task = self.env, self.env.task
+        episode = env.episode
+        outcomes = self._outcomes
+        if episode.exploded:  # which rewards nothing, and leaves nothing to judge
+            outcomes = [*outcomes[:-1], _without_rewards(outcomes[-1])]
+        after = outcomes[1:]
+        found = Rollout(
+            task=task.name,
+            seed=self._seed,
+            variation=episode.variation,
+            options=env.options,
+            control_hz=env.options.control_hz or task.file.spec.timing.control_hz,
+            horizon=episode.horizon,
+            stages=tuple(task.description.stages),
+            actions={agent: self._actions_of(agent) for agent in env.possible_agents},
+            rewards=np.array(self._team, dtype=np.float64),
+            agent_rewards={
+                agent: np.array([rewards[agent] for rewards in self._rewards], dtype=np.float64)
+                for agent in env.possible_agents
+            },
+            terms={
+                label: np.array([outcome.terms[label] for outcome in after], dtype=np.float64)
+                for label in outcomes[0].terms
+            },
+            conditions={
+                name: np.array([outcome.conditions[name] for outcome in outcomes], dtype=np.bool_)
+                for name in outcomes[0].conditions
+            },
+            stage=np.array([outcome.stage for outcome in outcomes], dtype=np.int64),
+            progress=np.array([outcome.progress for outcome in outcomes], dtype=np.float64),
+            succeeded=np.array(self._succeeded, dtype=np.bool_),
+            exploded=episode.exploded,
+            observations=_stacked(self._observations),
+            pictures=_stacked(self._pictures),
+            log=log,
+        )
+        return found if self._before is None else _joined(self._before, found)
+
+    def _actions_of(self, agent: str) -> NDArray[np.float32]:
+        size = self.env.episode.actions[agent].size
+        chosen = [actions[agent] for actions in self._actions]
+        return np.array(chosen, dtype=np.float32).reshape(-1, size)
+
+
+def _without_rewards(outcome: Outcome) -> Outcome:
+    return replace(outcome, terms=dict.fromkeys(outcome.terms, 0.0))
+
+
+def _stacked(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """One array of many, for every key; keys may lead to more keys."""
+    if not parts:
+        return {}
+    return {
+        key: _stacked([part[key] for part in parts])
+        if isinstance(first, Mapping)
+        else np.stack([part[key] for part in parts])
+        for key, first in parts[0].items()
+    }
+
+
+def _joined(before: Rollout, rest: Rollout) -> Rollout:
+    """An episode of its beginning and of what followed, whose first state ends the beginning."""
+
+    def join(one: Any, other: Any, first: int) -> Any:
+        if isinstance(one, Mapping):
+            return {name: join(one[name], other[name], first) for name in one}
+        return np.concatenate([one, other[first:]])
+
+    return replace(
+        rest,
+        **{name: join(getattr(before, name), getattr(rest, name), 0) for name in BY_STEP},
+        **{name: join(getattr(before, name), getattr(rest, name), 1) for name in BY_STATE},
+    )
