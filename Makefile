@@ -13,11 +13,13 @@ lint:
 
 types:
 	mypy
+	cd tests/typing && mypy uses.py # as users do: from elsewhere, with what is installed
 
 tests:
 	pytest -n 2 --dist worksteal
 
 docs:
+	cd docs && python -m generators # writes anew what pages show of the library
 	sphinx-build -q -W -b html docs docs/_build/html
 
 benchmarks:

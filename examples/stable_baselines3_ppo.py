@@ -4,7 +4,9 @@ import gymnasium
 import torch
 from stable_baselines3 import PPO
 
-import taskbuilder  # noqa: F401  # registers the tasks
+import taskbuilder.gym
+
+gymnasium.register_envs(taskbuilder.gym)
 
 
 def main(steps: int = 100_000) -> PPO:

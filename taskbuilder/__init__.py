@@ -8,7 +8,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from taskbuilder._gymnasium import register_when_imported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
@@ -52,10 +51,12 @@ _HOMES = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'taskbuilder' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+if not TYPE_CHECKING:  # to a type checker, a name that is not listed above is a mistake
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'taskbuilder' has no attribute {name!r}")
+        return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:
@@ -74,6 +75,3 @@ def catalogue(*folders: str) -> Catalogue:
     from taskbuilder.spec.catalogue import Catalogue
 
     return Catalogue.discover(folders)
-
-
-register_when_imported()

@@ -14,6 +14,7 @@ import time
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from taskbuilder.env.options import Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.render import take_still
 from taskbuilder.rollout.play import play, replay, replaying
@@ -103,7 +104,7 @@ def measure_resets(task: Task, *, resets: int = 200, **options: Any) -> float:
     return statistics.median(times) * 1000.0
 
 
-def measure_images(task: Task, renderer: str) -> dict[str, float]:
+def measure_images(task: Task, renderer: Renderer) -> dict[str, float]:
     """Images a second of the scene's first camera, by size; stills a second as well."""
     env = parallel_env(task, renderer=renderer)
     env.reset(seed=0)
@@ -118,7 +119,7 @@ def measure_images(task: Task, renderer: str) -> dict[str, float]:
     return rates
 
 
-def renderers() -> tuple[str, ...]:
+def renderers() -> tuple[Renderer, ...]:
     """The renderers that work on this machine."""
     return ("tiny", "egl") if probe_egl().works else ("tiny",)
 

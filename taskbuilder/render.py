@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import cv2
 import numpy as np
@@ -15,6 +17,9 @@ from numpy.typing import NDArray
 from taskbuilder.files import write_whole
 from taskbuilder.sim.cameras import LARGEST_SIDE, STUDIO, Image, capture
 from taskbuilder.world.world import World
+
+if TYPE_CHECKING:
+    from PIL.ImageFont import FreeTypeFont
 
 Modality = Literal["rgb", "depth", "mask"]
 MODALITIES: tuple[Modality, ...] = ("rgb", "depth", "mask")
@@ -27,6 +32,7 @@ Pixels = NDArray[np.uint8]
 INK, GRAY, PAPER = (43, 40, 38), (122, 116, 110), (252, 251, 250)
 MARGIN = 24
 _TITLE, _CAPTION = 78, 30
+_FONT_SCALE = 0.95  # DejaVu Sans runs wide
 
 
 @dataclass(frozen=True)
@@ -166,7 +172,14 @@ def write_text(
     picture: Pixels, text: str, at: tuple[int, int], size: int, color: Iterable[int], weight: int
 ) -> None:
     """Put a line of letters on a picture; it begins `at` a column, on a row."""
-    cv2.putText(picture, text, at, tuple(color), cv2.FontFace("sans"), size, weight)
+    letters = _letters(text, size, weight)
+    left, top = at[0], at[1] - _ascent(size, weight)
+    rows = slice(max(top, 0), max(top + letters.shape[0], 0))
+    columns = slice(max(left, 0), max(left + letters.shape[1], 0))
+    under = picture[rows, columns]  # what of it lies on the picture
+    ink = letters[rows.start - top :, columns.start - left :][: under.shape[0], : under.shape[1]]
+    ink = ink[..., None]
+    picture[rows, columns] = np.rint(under * (1.0 - ink) + np.array([*color]) * ink)
 
 
 def _shortened(text: str, width: int) -> str:
@@ -180,8 +193,36 @@ def _shortened(text: str, width: int) -> str:
 
 def text_width(text: str, size: int, weight: int) -> int:
     """How many columns `write_text` takes for a text."""
-    box = cv2.getTextSize((0, 0), text, (0, 0), cv2.FontFace("sans"), size, weight)
-    return int(box[2])
+    return round(_font(size, weight).getlength(text))
+
+
+@lru_cache(maxsize=512)
+def _letters(text: str, size: int, weight: int) -> NDArray[np.float64]:
+    """How much of each pixel is ink, from 0 to 1."""
+    from PIL import Image as Paper
+    from PIL import ImageDraw
+
+    font = _font(size, weight)
+    extent = (text_width(text, size, weight) + size, sum(font.getmetrics()))
+    page = Paper.new("L", extent)
+    ImageDraw.Draw(page).text((0, _ascent(size, weight)), text, 255, font, anchor="ls")
+    return np.asarray(page) / 255.0
+
+
+def _ascent(size: int, weight: int) -> int:
+    return int(_font(size, weight).getmetrics()[0])
+
+
+@cache
+def _font(size: int, weight: int) -> FreeTypeFont:
+    """DejaVu Sans, which comes with matplotlib; OpenCV's own letters are plain before version 5."""
+    from PIL import ImageFont
+
+    found = find_spec("matplotlib")  # which takes a second to import
+    (home,) = (found and found.submodule_search_locations) or [""]
+    face = "DejaVuSans-Bold.ttf" if weight > 500 else "DejaVuSans.ttf"
+    file = Path(home, "mpl-data", "fonts", "ttf", face)
+    return ImageFont.truetype(file, round(_FONT_SCALE * size))
 
 
 def save_image(path: Path, pixels: NDArray[Any]) -> None:

@@ -13,9 +13,9 @@ from taskbuilder.description.load import load_description, try_import
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.spec.catalogue import Catalogue, Entry
 from taskbuilder.spec.expert import waits
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile, TaskFileError, read_task
 from taskbuilder.spec.source import dotted
+from taskbuilder.wording import suggestion
 
 
 @dataclass(frozen=True)

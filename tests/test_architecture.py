@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals")
+FOUNDATION = ("errors", "geometry", "intervals", "wording")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -22,7 +22,7 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         *("validate", "bench", "learn", "data", "film", "expert", "portrait", "render", "rollout"),
-        *("env", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
+        *("env", "reference", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
     ),
     "validate": (
         *("bench", "film", "expert", "render", "rollout", "env"),
@@ -37,6 +37,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "render": ("files", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
     "env": SIMULATED,
+    "reference": ("codes", "description", *FILES),
     "codes": (),
     "curves": ("charts",),
     "charts": (),
@@ -47,11 +48,13 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "world": ("sim", *FILES),
     "sim": ("assets", *FOUNDATION),
     "description": FILES,
-    "spec": ("assets", *FOUNDATION),
+    "spec": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
     "geometry": (),
     "intervals": (),
     "errors": (),
+    "wording": (),
+    "_library": (),
     "_version": (),
 }
 
@@ -59,7 +62,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/chatter.py"),
-    "pydantic": ("taskbuilder/spec/",),
+    "pydantic": ("taskbuilder/spec/", "taskbuilder/reference/"),
     "pydantic_core": ("taskbuilder/spec/",),
     "yaml": ("taskbuilder/spec/",),
     "argparse": ("taskbuilder/cli/",),
@@ -69,13 +72,20 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     ),
     "matplotlib": ("taskbuilder/charts.py", "taskbuilder/curves.py"),
     "ompl": ("taskbuilder/expert/",),
+    "PIL": (
+        *("taskbuilder/render.py", "taskbuilder/film/files.py"),
+        "taskbuilder/validate/formats/pictures.py",
+    ),
 }
 
 # Checking files takes no numpy, so that it takes no time.
-WITHOUT_NUMPY = {"codes", *TASKS_LOADED}
+WITHOUT_NUMPY = {"codes", "reference", *TASKS_LOADED}
 
 # These stand above the layers: they hand out, by name, what is below.
-ABOVE = tuple(f"taskbuilder/{name}.py" for name in ("__init__", "__main__", "_gymnasium"))
+ABOVE = tuple(
+    f"taskbuilder/{name}.py"
+    for name in ("__init__", "__main__", "gym", "tasks/__init__", "robots/__init__")
+)
 
 MOST_LINES = 400
 

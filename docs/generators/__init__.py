@@ -1,20 +1,25 @@
-"""A Sphinx extension: parts of pages that are made from the library itself, at build time.
+"""Parts of pages that are made from the library itself.
 
-A line ``% generated: NAME ARGUMENT`` in a page is replaced by what the generator of that name
-returns, as MyST Markdown. So tables of keys, help texts and task pages cannot go stale.
+A page has them between two comments::
+
+    <!-- generated: keys ObjectSpec -->
+    …
+    <!-- end -->
+
+``make docs`` writes them anew, in place, so that the pages are whole wherever they are read; a
+test keeps them true.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from pathlib import Path
 
-from sphinx.application import Sphinx
-from sphinx.environment import BuildEnvironment
-from sphinx.errors import ExtensionError
+from generators import api, commands, results, robots, tasks
+from taskbuilder.reference import codes, keys, vocabulary
 
-from generators import api, codes, commands, keys, results, robots, tasks, vocabulary
+DOCS = Path(__file__).resolve().parents[1]
 
 GENERATORS: Mapping[str, Callable[[str], str]] = {
     "api": api.names,
@@ -23,6 +28,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "colours": keys.colours,
     "commands": commands.helps,
     "experts": results.experts,
+    "file": tasks.shown_file,
     "gallery": tasks.gallery,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
@@ -38,48 +44,26 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "zoo": results.zoo,
 }
 
-_MARK = re.compile(r"^% generated: (\w+)(?: (.*))?$", re.MULTILINE)
+_BLOCK = re.compile(
+    r"^<!-- generated: (\w+)(?: ([^\n]+?))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL
+)
 
 
-def fill(page: str, text: str) -> str:
-    """The text of a page with every mark replaced by what it asks for.
+def pages() -> list[Path]:
+    """Every page of the documentation."""
+    return sorted(page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
+
+
+def fill(text: str) -> str:
+    """The text of a page with every generated part made anew.
 
     Raises:
-        ExtensionError: There is no such generator, or it found the page out of step.
+        LookupError: There is no such generator, or it was asked for what does not exist.
+        ValueError: A generator found the page out of step with the library.
     """
 
-    def made(mark: re.Match[str]) -> str:
-        try:
-            return GENERATORS[mark[1]](mark[2] or "")
-        except (LookupError, ValueError) as error:
-            raise ExtensionError(f'{page}: "{mark[0]}": {error!r}') from error
+    def made(block: re.Match[str]) -> str:
+        opening = block[0].partition("\n")[0]
+        return f"{opening}\n\n{GENERATORS[block[1]](block[2] or '')}\n\n<!-- end -->"
 
-    return _MARK.sub(made, text)
-
-
-def _on_source(_: Sphinx, page: str, source: list[str]) -> None:
-    source[0] = fill(page, source[0])
-
-
-def _all_pages(
-    _: Sphinx, env: BuildEnvironment, *__: Any
-) -> list[str]:  # what they are made from is not among the files that Sphinx watches
-    return sorted(env.found_docs)
-
-
-def _escape_bars(_: Sphinx, *args: Any) -> None:
-    """Let ``|a - b|`` in the prose of a docstring be a length, not a substitution."""
-    lines: list[str] = args[-1]
-    for index, line in enumerate(lines):
-        if not line.startswith("    "):
-            parts = re.split(r"(``.*?``)", line)
-            parts[::2] = [part.replace("|", "\\|") for part in parts[::2]]
-            lines[index] = "".join(parts)
-
-
-def setup(app: Sphinx) -> dict[str, Any]:
-    """Called by Sphinx."""
-    app.connect("source-read", _on_source)
-    app.connect("env-get-outdated", _all_pages)
-    app.connect("autodoc-process-docstring", _escape_bars)
-    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
+    return _BLOCK.sub(made, text)

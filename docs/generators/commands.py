@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from unittest import mock
 
-from generators.markdown import fence
 from taskbuilder.cli import main
 from taskbuilder.cli.arguments import make_parser
+from taskbuilder.reference.markdown import fence
 
 
 def helps(_: str) -> str:

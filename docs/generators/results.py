@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from generators.markdown import table
 from taskbuilder.learn.zoo import load_policy, zoo_names
+from taskbuilder.reference.markdown import table
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 

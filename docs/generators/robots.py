@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from generators.markdown import number, table
+from taskbuilder.reference.markdown import number, side_by_side, table
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.spec.robots import load_robot
 
@@ -24,10 +24,8 @@ def library(_: str) -> str:
         for robot in robots
     ]
     figures = [
-        f"```{{figure}} images/robot-{robot.name}.png\n:alt: {robot.spec.summary}\n\n"
-        f"{robot.name}\n```"
+        f"![{robot.spec.summary}](images/robot-{robot.name}.png)\n\n`{robot.name}`"
         for robot in robots
         if (IMAGES / f"robot-{robot.name}.png").is_file()
     ]
-    gallery = "\n\n".join(("::::{container} gallery", *figures, "::::")) if figures else ""
-    return f"{table(['robot', 'joints', 'opens', 'what it is'], rows)}\n\n{gallery}"
+    return f"{table(['robot', 'joints', 'opens', 'what it is'], rows)}\n\n{side_by_side(figures)}"

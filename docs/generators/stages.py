@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from generators.markdown import code, number
+from taskbuilder.reference.markdown import code, number
 from taskbuilder.spec.expert import NOTHING, ExpertStage, Order, Repeat, Together, Wait
 
 

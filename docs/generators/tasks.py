@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from generators.expressions import expression
-from generators.markdown import code, number, table
 from generators.stages import numbered
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
+from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.spec.load import fill
 from taskbuilder.spec.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
@@ -59,10 +59,10 @@ def gallery(folder: str) -> str:
         caption = f"[{title(name)}]({page}.md)" if known else title(name)
         to_images = "images" if folder else "../images"
         cards.append(
-            f"```{{figure}} {to_images}/{name}.png\n:alt: {task.file.spec.summary}\n\n"
-            f"{caption}: {task.file.spec.summary}\n```"
+            f"![{task.file.spec.summary}]({to_images}/{name}.png)\n\n"
+            f"{caption}: {task.file.spec.summary}"
         )
-    return "\n\n".join(("::::{container} gallery", *cards, "::::"))
+    return side_by_side(cards)
 
 
 def page(name: str) -> str:
@@ -71,10 +71,17 @@ def page(name: str) -> str:
     return "\n\n".join(_sections(task))
 
 
+def shown_file(path: str) -> str:
+    """A file of the repository, whole."""
+    text = (DOCS.parent / path).read_text(encoding="utf-8")
+    language = {"py": "python"}.get(path.rpartition(".")[2], "yaml")
+    return f"`{path}`:\n\n{fence(language, text)}"
+
+
 def _sections(task: Task) -> Iterator[str]:
     spec, name = task.file.spec, task.name
     timing = spec.timing
-    yield f"```{{figure}} ../images/{name}.gif\n:alt: {spec.summary}\n```"
+    yield f"![{spec.summary}](../images/{name}.gif)"
     yield spec.summary
     yield from (f"> {fill(text, spec.scene)}" for text in spec.instructions)
     seconds = number(timing.episode_steps / timing.control_hz)
@@ -128,14 +135,11 @@ def _sections(task: Task) -> Iterator[str]:
     if spec.expert:
         yield "## Expert"
         yield numbered(spec.expert)
-        yield f"```{{figure}} ../images/{name}-strip.png\n:alt: The stages as it plays them\n```"
-        yield f"```{{figure}} ../images/{name}-rewards.png\n:alt: The reward as it plays\n```"
+        yield f"![The stages as it plays them](../images/{name}-strip.png)"
+        yield f"![The reward as it plays](../images/{name}-rewards.png)"
     yield "## Files"
-    for ending, language in (("yaml", "yaml"), ("py", "python")):
-        yield (
-            f"```{{literalinclude}} ../../tasks/{name}.{ending}\n:language: {language}\n"
-            f":caption: tasks/{name}.{ending}\n```"
-        )
+    for ending in ("yaml", "py"):
+        yield shown_file(f"tasks/{name}.{ending}")
 
 
 def _pairs(things: Mapping[str, Any]) -> tuple[list[str], list[Any]]:

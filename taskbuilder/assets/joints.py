@@ -12,6 +12,7 @@ from taskbuilder.assets.model import JointType, UrdfJoint, UrdfMimic
 from taskbuilder.assets.report import Report
 from taskbuilder.assets.schema import number, numbers
 from taskbuilder.geometry import Vec3, norm, unit
+from taskbuilder.wording import quoted
 
 _TYPES: tuple[str, ...] = get_args(JointType)
 _LIMITED = ("revolute", "prismatic")
@@ -58,7 +59,7 @@ def check_mimics(elements: Sequence[Element], report: Report) -> None:
         mimic, name = element.first("mimic"), element.get("name")
         mimicked = mimic.get("joint") if mimic else None
         if mimic and mimicked and (mimicked not in moving or mimicked == name):
-            message = f"mimics {mimicked!r}, which is no other moving joint; name one"
+            message = f"mimics {quoted(mimicked)}, which is no other moving joint; name one"
             report.error(codes.JOINT, mimic, f"joint {name}", message)
 
 
@@ -75,7 +76,7 @@ def _type(element: Element, subject: str, report: Report) -> JointType | None:
     kind = element.get("type")
     if kind in _TYPES:
         return cast(JointType, kind)
-    said = f"the type {kind!r} is not supported" if kind else "has no type"
+    said = f"the type {quoted(kind)} is not supported" if kind else "has no type"
     report.error(codes.JOINT, element, subject, f"{said}; use one of {', '.join(_TYPES)}")
     return None
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Literal
 
 from taskbuilder.assets.markup import Element
-from taskbuilder.assets.wording import did_you_mean
 from taskbuilder.errors import Finding, UnknownNameError
 from taskbuilder.geometry import Pose, Vec3
+from taskbuilder.wording import quoted, suggestion
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
 ShapeKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
@@ -152,5 +152,5 @@ class Urdf:
 
 
 def _no_such(kind: str, name: str, urdf: Urdf, names: list[str]) -> str:
-    right = did_you_mean(name, names, "it has " + ", ".join(names))
-    return f"{urdf.path.name} has no {kind} {name!r}; {right}"
+    right = suggestion(name, names, what="it has")
+    return f"{urdf.path.name} has no {kind} {quoted(name)}; {right}"

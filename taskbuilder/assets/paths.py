@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from taskbuilder.assets import codes
-from taskbuilder.assets.wording import did_you_mean
 from taskbuilder.errors import Finding, Location, Severity, TaskbuilderError
+from taskbuilder.wording import quoted, suggestion
 
 MAX_BYTES = 64 * 2**20
 
@@ -71,13 +71,14 @@ def resolve(reference: str, folder: Path, roots: Sequence[Path]) -> Path:
         actual = wanted.resolve()
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a name too long
         raise AssetError(
-            codes.NOT_READABLE, f"{reference!r} cannot be followed ({error}); name a plain file"
+            codes.NOT_READABLE,
+            f"{quoted(reference)} cannot be followed ({error}); name a plain file",
         ) from error
     # Before anything about the file is told, not even whether it exists.
     if not _inside(actual, allowed):
         raise AssetError(
             codes.OUTSIDE,
-            f"{reference!r} lies outside the allowed folders; "
+            f"{quoted(reference)} lies outside the allowed folders; "
             "copy the file beside the one that names it",
         )
     require_readable(actual, reference)
@@ -95,18 +96,25 @@ def require_readable(path: Path, reference: str, max_bytes: int = MAX_BYTES) -> 
         readable = plain and os.access(path, os.R_OK)
         size = path.stat().st_size if readable else 0
     except (OSError, ValueError) as error:
-        raise AssetError(codes.NOT_READABLE, f"{reference!r} cannot be read: {error}") from error
+        raise AssetError(
+            codes.NOT_READABLE, f"{quoted(reference)} cannot be read: {error}"
+        ) from error
     if not exists:
-        raise AssetError(codes.MISSING, f"there is no file {reference!r}; {_suggestion(path)}")
+        raise AssetError(
+            codes.MISSING, f"there is no file {quoted(reference)}; {_suggestion(path)}"
+        )
     if not plain:
         kind = "a folder" if path.is_dir() else "not a plain file"
-        raise AssetError(codes.NOT_READABLE, f"{reference!r} is {kind}; name a file")
+        raise AssetError(codes.NOT_READABLE, f"{quoted(reference)} is {kind}; name a file")
     if not readable:
-        raise AssetError(codes.NOT_READABLE, f"{reference!r} may not be read; allow it with chmod")
+        raise AssetError(
+            codes.NOT_READABLE, f"{quoted(reference)} may not be read; allow it with chmod"
+        )
     if size > max_bytes:
         raise AssetError(
             codes.NOT_READABLE,
-            f"{reference!r} has {size / 2**20:.1f} MB; at most {max_bytes // 2**20} MB are read",
+            f"{quoted(reference)} has {size / 2**20:.1f} MB; "
+            f"at most {max_bytes // 2**20} MB are read",
         )
 
 
@@ -126,7 +134,7 @@ def _located(reference: str, folder: Path, allowed: Sequence[Path]) -> Path:
         raise AssetError(codes.MISSING, "the file name is empty; name a file")
     if "\\" in reference or not reference.isprintable():
         raise AssetError(
-            codes.OUTSIDE, f"{reference!r} is not a portable path; separate folders with '/'"
+            codes.OUTSIDE, f'{quoted(reference)} is not a portable path; separate folders with "/"'
         )
     if reference.startswith(PACKAGE):
         name, _, rest = reference.removeprefix(PACKAGE).partition("/")
@@ -134,7 +142,7 @@ def _located(reference: str, folder: Path, allowed: Sequence[Path]) -> Path:
     if _SCHEME.match(reference) or reference.startswith(("/", "~")):
         raise AssetError(
             codes.OUTSIDE,
-            f"{reference!r} works on one machine only; write it relative to the file",
+            f"{quoted(reference)} works on one machine only; write it relative to the file",
         )
     return folder / reference
 
@@ -143,14 +151,15 @@ def _package(name: str, reference: str, folder: Path, allowed: Sequence[Path]) -
     """The folder that ``package://NAME`` means."""
     if name in ("", ".", ".."):
         raise AssetError(
-            codes.MISSING, f"{reference!r} names no package; write package://NAME/path"
+            codes.MISSING, f"{quoted(reference)} names no package; write package://NAME/path"
         )
     if name == "pybullet_data":
         packaged = pybullet_data_folder()
         if packaged is None:
             raise AssetError(
                 codes.MISSING,
-                f"{reference!r} needs the package pybullet_data; install pybullet, which has it",
+                f"{quoted(reference)} needs the package pybullet_data; "
+                "install pybullet, which has it",
             )
         return packaged
     for candidate in _package_candidates(name, folder.resolve(), allowed):
@@ -158,7 +167,7 @@ def _package(name: str, reference: str, folder: Path, allowed: Sequence[Path]) -
             return candidate
     raise AssetError(
         codes.MISSING,
-        f"no folder {name!r} for {reference!r} beside the file or above it; "
+        f"no folder {quoted(name)} for {quoted(reference)} beside the file or above it; "
         "write the path relative to the file",
     )
 
@@ -178,5 +187,5 @@ def _suggestion(path: Path) -> str:
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        return f"there is no folder {folder.name!r} either"
-    return did_you_mean(path.name, names, f"put it in the folder {folder.name!r}")
+        return f"there is no folder {quoted(folder.name)} either"
+    return suggestion(path.name, names, otherwise=f"put it in the folder {quoted(folder.name)}")

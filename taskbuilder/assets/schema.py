@@ -8,7 +8,7 @@ import re
 from taskbuilder.assets import codes
 from taskbuilder.assets.markup import Element
 from taskbuilder.assets.report import Report
-from taskbuilder.assets.wording import did_you_mean
+from taskbuilder.wording import suggestion
 
 _CONTACT = (
     "lateral_friction",
@@ -117,7 +117,7 @@ def _is_known(child: Element, parent: Element, report: Report, subject: str) -> 
         report.error(codes.XML, child, subject, message)
     elif child.tag not in _FOREIGN and (parent.tag, child.tag) != ("collision", "material"):
         allowed = f"it may hold {', '.join(known)}" if known else "delete it"
-        right = did_you_mean(child.tag, known, allowed)
+        right = suggestion(child.tag, known, otherwise=allowed)
         code, note = codes.IGNORED, report.warning
         if parent.tag == "geometry":
             code, note = codes.GEOMETRY, report.error

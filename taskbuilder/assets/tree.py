@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from taskbuilder.assets import codes
 from taskbuilder.assets.markup import Element
 from taskbuilder.assets.report import Report
-from taskbuilder.assets.wording import did_you_mean
+from taskbuilder.wording import quoted, suggestion
 
 _LONGEST_NAME = 128
 
@@ -47,7 +47,7 @@ def check_tree(
     elif not roots:
         report.error(codes.TREE, robot, "", "every link has a parent; one link must have none")
     for extra in roots[1:]:
-        message = f"has no parent, as {roots[0]!r} has none; connect the two by a joint"
+        message = f"has no parent, as {quoted(roots[0])} has none; connect the two by a joint"
         report.error(codes.TREE, links[extra], f"link {extra}", message)
     _check_loops(links, above, report)
     return roots[0] if roots else ""
@@ -61,7 +61,9 @@ def _links_above(
     for joint in joints:
         parent, child = (_end(joint, tag, links, report) for tag in ("parent", "child"))
         if child in above:
-            message = f"{child!r} hangs on {above[child]!r} already; a link has one parent"
+            message = (
+                f"{quoted(child)} hangs on {quoted(above[child])} already; a link has one parent"
+            )
             report.error(codes.TREE, joint, f"joint {joint.get('name')}", message)
         elif child:
             above[child] = parent
@@ -74,8 +76,8 @@ def _end(joint: Element, tag: str, links: Mapping[str, Element], report: Report)
     name = (end.get("link") if end else None) or ""
     if end is None or not name or name in links:
         return name
-    right = did_you_mean(name, links, "name one of the file's links")
-    message = f"the {tag} {name!r} does not exist; {right}"
+    right = suggestion(name, links, otherwise="name one of the file's links")
+    message = f"the {tag} {quoted(name)} does not exist; {right}"
     report.error(codes.JOINT, end, f"joint {joint.get('name')}", message)
     return name if tag == "child" else ""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import re
 import sys
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from taskbuilder._version import __version__
 from taskbuilder.cli.kinds import whole
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
+from taskbuilder.wording import suggestion
 
 _COMMANDS = (
     "list",
@@ -28,6 +28,7 @@ _COMMANDS = (
     "plot",
     "bench",
     "robots",
+    "explain",
     "schema",
 )
 
@@ -69,9 +70,7 @@ _BETTER = (
 
 
 def _no_such(what: str, word: str, choices: list[str]) -> str:
-    near = difflib.get_close_matches(word, choices, n=1)
-    meant = f'did you mean "{near[0]}"?' if near else f"one of {', '.join(choices)}"
-    return f"there is no {what}; {meant}"
+    return f"there is no {what}; {suggestion(word, choices, what='one of')}"
 
 
 def parse(words: Sequence[str]) -> argparse.Namespace:
@@ -106,7 +105,11 @@ def make_parser() -> Parser:
         help="also look for tasks and robots in this folder (may be repeated)",
     )
     commands = parser.add_subparsers(
-        dest="command", metavar="COMMAND", required=True, parser_class=Parser
+        prog=parser.prog,  # or argparse formats a usage to find it, which takes its time
+        dest="command",
+        metavar="COMMAND",
+        required=True,
+        parser_class=Parser,
     )
     for name in _COMMANDS:
         _ADDERS[name](Adder(commands, common, name))
@@ -297,6 +300,15 @@ def _add_bench(adder: Adder) -> None:
     add_json(parser)
 
 
+def _add_explain(adder: Adder) -> None:
+    parser = adder.command(
+        "print what the reference says of a code, a condition, a verb, a channel or a key",
+        "objects.place",
+    )
+    parser.add_argument("name", metavar="NAME", help="such as TB511, Held, grasp or objects.place")
+    add_json(parser)
+
+
 def _add_schema(adder: Adder) -> None:
     parser = adder.command(
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
@@ -318,5 +330,6 @@ _ADDERS = {
     "plot": add_plot,
     "bench": _add_bench,
     "robots": _add_robots,
+    "explain": _add_explain,
     "schema": _add_schema,
 }

@@ -7,9 +7,9 @@ from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, print_table
 from taskbuilder.cli.tasks import catalogue_of
-from taskbuilder.errors import FileError, display_path
+from taskbuilder.errors import display_path
 from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.load import read_task
+from taskbuilder.spec.summaries import summarize
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -31,14 +31,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _describe(entry: Entry, catalogue: Catalogue) -> dict[str, Any]:
-    known: dict[str, Any] = {"name": entry.name, "path": display_path(entry.file)}
-    try:
-        spec = read_task(entry, catalogue).spec
-    except FileError:
-        return {**known, "robots": {}, "episode_steps": None, "summary": "(has errors)"}
+    summary = summarize(entry, catalogue)
     return {
-        **known,
-        "robots": {name: robot.model for name, robot in spec.scene.robots.items()},
-        "episode_steps": spec.timing.episode_steps,
-        "summary": spec.summary,
+        "name": entry.name,
+        "path": display_path(entry.file),
+        "robots": summary.robots,
+        "episode_steps": summary.episode_steps,
+        "summary": summary.summary,
     }

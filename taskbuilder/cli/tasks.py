@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:
     from taskbuilder.task import Task

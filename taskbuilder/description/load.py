@@ -24,7 +24,7 @@ from taskbuilder.description.aside import printing_aside
 from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.spec.catalogue import Entry
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 
 TRIAL_LIMIT_S = 10.0
 _FINISHED = 73  # exit status of the child process; one that nothing else is likely to use

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -12,6 +12,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.env.errors import ActionError
+from taskbuilder.env.options import EnvOptions, RenderMode
 from taskbuilder.env.parallel import EnvState, TaskEnv, parallel_env
 from taskbuilder.env.spaces import read_action
 from taskbuilder.task import Task
@@ -37,7 +38,11 @@ class JointEnv(gymnasium.Env[Any, Any]):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  # Gymnasium's
 
     def __init__(
-        self, task: str | Path | Task, *, render_mode: str | None = None, **options: Any
+        self,
+        task: str | Path | Task,
+        *,
+        render_mode: RenderMode | None = None,
+        **options: Unpack[EnvOptions],
     ) -> None:
         self.parallel: TaskEnv = parallel_env(task, render_mode=render_mode, **options)
         self.metadata = {**self.metadata, "render_fps": self.parallel.metadata["render_fps"]}

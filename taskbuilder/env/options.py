@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from typing import Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.errors import UsageError
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile
 from taskbuilder.spec.scene import RobotEntry, SceneSpec
 from taskbuilder.spec.values import frozen
 from taskbuilder.task import Task
+from taskbuilder.wording import suggestion
 
 RewardSharing = Literal["team", "local"]
+Variation = int | Literal["random"]
+Renderer = Literal["auto", "tiny", "egl"]
+RenderMode = Literal["rgb_array"]
 Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
 Rotation = Literal["quaternion", "matrix"]
@@ -78,7 +81,7 @@ class Options:
     normalize: bool = True
     horizon: int | None = None
     control_hz: int | None = None
-    variation: int | Literal["random"] = 0
+    variation: Variation = 0
     randomize: bool = False
     observe: Seen = "task"
     frame: Frame = "task"
@@ -89,7 +92,7 @@ class Options:
     opening_share: float = 0.0
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
-    renderer: Literal["auto", "tiny", "egl"] = "tiny"
+    renderer: Renderer = "tiny"
     render_camera: str | None = None
 
     def applied(self, task: Task) -> TaskFile:
@@ -162,7 +165,30 @@ def _paced(scene: SceneSpec, share: float) -> SceneSpec:
     return scene.model_copy(update={"robots": frozen(robots)})
 
 
-def make_options(**options: Any) -> Options:
+class EnvOptions(TypedDict, total=False):
+    """The fields of `Options` as keywords, by which type checkers find a wrong one."""
+
+    reward: RewardSharing
+    flat: bool
+    normalize: bool
+    horizon: int | None
+    control_hz: int | None
+    variation: Variation
+    randomize: bool
+    observe: Seen
+    frame: Frame
+    rotation: Rotation
+    end_on_setback: bool
+    patience: float | None
+    openings: tuple[Opening, ...]
+    opening_share: float
+    cameras: tuple[str, ...]
+    camera_size: tuple[int, int] | None
+    renderer: Renderer
+    render_camera: str | None
+
+
+def make_options(**options: Unpack[EnvOptions]) -> Options:
     """Options by name.
 
     Raises:

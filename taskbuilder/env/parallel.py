@@ -8,7 +8,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 from weakref import finalize
 
 import numpy as np
@@ -20,7 +20,7 @@ from taskbuilder.env.episode import Episode, EpisodeState
 from taskbuilder.env.errors import AgentError, EpisodeOverError
 from taskbuilder.env.infos import make_info
 from taskbuilder.env.observing import Observer
-from taskbuilder.env.options import Options, make_options
+from taskbuilder.env.options import EnvOptions, Options, RenderMode, make_options
 from taskbuilder.env.spaces import action_space, read_action
 from taskbuilder.errors import SimulationError, UsageError
 from taskbuilder.sim.cameras import STUDIO, capture
@@ -265,7 +265,10 @@ def _forget(world: World, state: WorldState) -> None:
 
 
 def parallel_env(
-    task: str | Path | Task, *, render_mode: str | None = None, **options: Any
+    task: str | Path | Task,
+    *,
+    render_mode: RenderMode | None = None,
+    **options: Unpack[EnvOptions],
 ) -> TaskEnv:
     """Make a task into a PettingZoo ParallelEnv.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium import spaces
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.batch import read_actions, read_seeds
 from taskbuilder.env.crew import Alone, Crew, Workers
 from taskbuilder.env.errors import EpisodeOverError
-from taskbuilder.env.options import Options, make_options
+from taskbuilder.env.options import EnvOptions, Options, make_options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.shared import Arena, Form, Moment, copied, row_of
 from taskbuilder.env.worker import Orders
@@ -280,7 +280,7 @@ def make_vec(
     autoreset: AutoresetMode | str = AutoresetMode.SAME_STEP,
     timeout_s: float = 60.0,
     retries: int = 3,
-    **options: Any,
+    **options: Unpack[EnvOptions],
 ) -> TaskVectorEnv:
     """Make many environments of a task, to be stepped at once.
 

@@ -9,7 +9,7 @@ from taskbuilder.errors import UnknownNameError
 from taskbuilder.expert.player import Expert
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill, RandomActions
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 
 POLICIES: Mapping[str, Callable[[TaskEnv], Policy]] = {
     "expert": Expert,

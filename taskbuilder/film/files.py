@@ -11,7 +11,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image
 
 from taskbuilder.files import write_whole
 from taskbuilder.render import Pixels
@@ -129,6 +128,8 @@ def save_gif(
     Raises:
         OSError: It cannot be written.
     """
+    from PIL import Image  # films without a GIF do without it
+
     # GIF counts hundredths of a second: each time is rounded, not each pause, so that none adds up.
     ticks = [round(100 * time) for time in (*times_s, times_s[-1] + hold_s)]
     pauses = [10 * (end - start) for start, end in pairwise(ticks)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
+from taskbuilder.wording import suggestion
 
 FORMAT = 1
 """Of a run's folder; another one is not understood."""
@@ -202,6 +202,5 @@ def digest(files: Sequence[Path]) -> str:
 
 def _choice(name: str, value: str, choices: Sequence[str]) -> None:
     if value not in choices:
-        near = difflib.get_close_matches(str(value), choices, n=1)
-        meant = f'did you mean "{near[0]}"?' if near else f"one of {', '.join(choices)}"
-        raise UsageError(f'no {name} "{value}"; {meant}')
+        help_ = suggestion(str(value), choices, what="one of")
+        raise UsageError(f'no {name} "{value}"; {help_}')

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.learn.policy import Policy
+from taskbuilder.wording import suggestion
 
 ZOO = Path(__file__).parent / "models"
 """A folder for each task, with a file for each policy."""
@@ -59,9 +59,8 @@ def zoo_names() -> tuple[str, ...]:
 def _zoo_file(name: str) -> Path:
     names = zoo_names()
     if name not in names:
-        near = difflib.get_close_matches(name, names, n=1)
-        meant = f'did you mean "{near[0]}"?' if near else f"the zoo has {', '.join(names)}"
-        raise UnknownNameError(f'no policy "{name}"; {meant}')
+        help_ = suggestion(name, names, what="the zoo has")
+        raise UnknownNameError(f'no policy "{name}"; {help_}')
     return ZOO / f"{name.removeprefix(_PREFIX)}.npz"
 
 

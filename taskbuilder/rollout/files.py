@@ -102,7 +102,7 @@ def _rollout(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> Rollout:
     if log is not None:
         trouble = Trouble(**log["trouble"]) if log["trouble"] else None
         log = ScriptLog(tuple(log["stage_ends"]), trouble, log["planning_s"])
-    options = {
+    options: Any = {
         name: tuple(value) if isinstance(value, list) else value
         for name, value in about["options"].items()
     }

@@ -8,16 +8,17 @@ from installed packages that declare the entry-point groups ``taskbuilder.tasks`
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
-from importlib.util import find_spec
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Literal
 
-from taskbuilder.assets.wording import closest
+from taskbuilder._library import folder as library_folder
 from taskbuilder.errors import FileError, Finding, Location, UnknownNameError, display_path
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import closest, suggestion
 
 Sort = Literal["task", "robot"]
 
@@ -134,12 +135,12 @@ class Catalogue:
         return Entry(actual.parent.name if sort == "robot" else actual.stem, actual)
 
     def _entries(self, sort: Sort) -> Iterator[Entry]:
-        yield from _packaged(sort, f"taskbuilder.{sort}s", "")
+        yield from _packaged(sort, f"taskbuilder.{sort}s", "", [library_folder(f"{sort}s")])
         for folder in self.folders:
             for name, file in _files(sort, folder):
                 yield Entry(name, file)
         for namespace, package in _plugins(f"taskbuilder.{sort}s"):
-            yield from _packaged(sort, package, f"{namespace}/")
+            yield from _packaged(sort, package, f"{namespace}/", _folders_of(package))
 
 
 def looks_like_path(reference: str) -> bool:
@@ -180,21 +181,40 @@ def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:
             yield name, file.resolve()
 
 
-def _packaged(sort: Sort, package: str, prefix: str) -> Iterator[Entry]:
+def _packaged(sort: Sort, package: str, prefix: str, folders: Iterable[Path]) -> Iterator[Entry]:
+    for folder in folders:
+        for name, file in _files(sort, folder):
+            yield Entry(f"{prefix}{name}", file, f"{package}.{name}", trusted=True)
+
+
+def _folders_of(package: str) -> list[Path]:
+    from importlib.util import find_spec
+
     try:
         spec = find_spec(package)
     except ImportError:  # an installed package that lost its tasks: the others are still there
         spec = None
-    for location in spec.submodule_search_locations or () if spec else ():
-        for name, file in _files(sort, Path(location)):
-            yield Entry(f"{prefix}{name}", file, f"{package}.{name}", trusted=True)
+    return [Path(place) for place in spec.submodule_search_locations or ()] if spec else []
 
 
 def _plugins(group: str) -> Iterator[tuple[str, str]]:
-    from importlib.metadata import entry_points  # reads every installed package
+    if not any(map(partial(_declares, group), sys.path)):
+        return
+    from importlib.metadata import entry_points  # slow to import, and reads every package
 
     for point in sorted(entry_points(group=group)):
         yield point.name, point.value
+
+
+def _declares(group: str, place: str) -> bool:
+    """Whether a package that is installed in a folder has entry points of a group."""
+    section = f"[{group}]".encode()
+    for pattern in ("*.dist-info/entry_points.txt", "*.egg-info/entry_points.txt"):
+        for file in Path(place or ".").glob(pattern):
+            with suppress(OSError):
+                if section in file.read_bytes():
+                    return True
+    return False
 
 
 def _unique(sort: Sort, entries: Iterable[Entry]) -> Mapping[str, Entry]:

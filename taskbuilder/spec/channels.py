@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.names import SceneNames
+from taskbuilder.wording import suggestion
 
 ROBOT_QUANTITIES = (
     "joints",

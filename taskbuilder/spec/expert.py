@@ -16,7 +16,6 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from taskbuilder.assets.wording import closest
 from taskbuilder.spec.values import (
     Coordinate,
     Extent,
@@ -30,6 +29,7 @@ from taskbuilder.spec.values import (
     exactly_one,
     frozen,
 )
+from taskbuilder.wording import closest
 
 VERBS = ("grasp", "reach", "bring", "retreat", "release", "close")
 

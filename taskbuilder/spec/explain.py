@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from taskbuilder.assets.wording import closest
 from taskbuilder.errors import Finding
 from taskbuilder.spec.source import Path_, Source, dotted
 from taskbuilder.spec.values import Model
+from taskbuilder.wording import closest, suggestion
 
 Spec = TypeVar("Spec", bound=Model)
 
@@ -50,14 +50,6 @@ def parse(model: type[Spec], source: Source) -> tuple[Spec | None, tuple[Finding
         shown = [d for d in details if d["type"] != "missing" or d["loc"] not in meant]
         shown = [d for d in shown if not _miscounted(d)]
         return None, tuple(_finding(detail, model, source) for detail in shown)
-
-
-def suggestion(wrong: str, known: Iterable[str], *, what: str = "known keys") -> str:
-    """What would be right in place of a wrong word."""
-    names = list(known)
-    if close := closest(wrong, names):
-        return f'did you mean "{close}"?'
-    return f"{what}: {', '.join(names)}" if names else "there are none"
 
 
 def _miscounted(detail: ErrorDetails) -> bool:

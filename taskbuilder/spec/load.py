@@ -13,7 +13,7 @@ from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
 from taskbuilder.spec.catalogue import Catalogue, Entry, looks_like_path
-from taskbuilder.spec.explain import parse, suggestion
+from taskbuilder.spec.explain import parse
 from taskbuilder.spec.names import ObjectNames, SceneNames
 from taskbuilder.spec.references import check_names, read_names
 from taskbuilder.spec.robots import RobotModel, check_joint_values, load_robot
@@ -22,6 +22,7 @@ from taskbuilder.spec.source import Path_, Source, dotted, read_source
 from taskbuilder.spec.task import TaskSpec
 from taskbuilder.spec.values import Model
 from taskbuilder.spec.variants import check_randomize, read_variations
+from taskbuilder.wording import suggestion
 
 
 @dataclass(frozen=True)

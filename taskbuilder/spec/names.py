@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 
 Kind = Literal[
     "robot",

@@ -19,10 +19,10 @@ from taskbuilder.errors import (
 )
 from taskbuilder.jobs import Map, workers
 from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.report import Check, FamilyResult, Progress, TaskReport
 from taskbuilder.validate.static import static_failure, static_family
+from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:  # a static validation loads no physics
     from taskbuilder.validate.running import Run

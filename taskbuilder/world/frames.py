@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, add, cross, subtract
 from taskbuilder.sim.body import BASE, LinkState
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.things import Site, Thing
 

@@ -11,7 +11,7 @@ from taskbuilder.geometry import ORIGIN, Vec3, add, dot, norm, scale, subtract
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import Contact, contacts
-from taskbuilder.spec.explain import suggestion
+from taskbuilder.wording import suggestion
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.things import Thing
 

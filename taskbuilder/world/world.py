@@ -15,9 +15,9 @@ from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import Contact, contacts
 from taskbuilder.sim.snapshots import Snapshot, release, restore, save
-from taskbuilder.spec.explain import suggestion
 from taskbuilder.spec.load import TaskFile
 from taskbuilder.spec.scene import SceneSpec
+from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, Pair, Reading
 from taskbuilder.world.frames import Frames
 from taskbuilder.world.placement import place_all

@@ -70,7 +70,7 @@ def test_refuses(folder: Path, reference: str, code: str) -> None:
 
 @pytest.mark.parametrize("reference", ["meshes/fingr.stl", "meshes/FINGER.STL"])
 def test_suggests_the_closest_name(folder: Path, reference: str) -> None:
-    with pytest.raises(AssetError, match=r"did you mean 'finger\.stl'"):
+    with pytest.raises(AssetError, match=r'did you mean "finger\.stl"'):
         resolve(reference, folder, [folder.parent])
 
 

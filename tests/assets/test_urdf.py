@@ -98,9 +98,9 @@ def test_reads_links_joints_and_files(read: Reader, tmp_path: Path) -> None:
 
 def test_looking_up_a_wrong_name_suggests_the_right_one(read: Reader) -> None:
     arm = read(ARM)
-    with pytest.raises(UnknownNameError, match="did you mean 'upper'"):
+    with pytest.raises(UnknownNameError, match='did you mean "upper"'):
         arm.link("uper")
-    with pytest.raises(UnknownNameError, match="did you mean 'wrist'"):
+    with pytest.raises(UnknownNameError, match='did you mean "wrist"'):
         arm.joint("Wrist")
 
 
@@ -242,7 +242,7 @@ def test_tells_everything_at_once_with_its_place(read: Reader) -> None:
     said = str(caught.value)
     assert "arm.urdf:8:7: error[TB413] link upper" in said
     assert "a point, not a comma" in said
-    assert "did you mean 'part.obj'?" in said
+    assert 'did you mean "part.obj"?' in said
 
 
 WARNED = {

@@ -20,9 +20,12 @@ MODULE = (sys.executable, "-m", "taskbuilder")
 _SAYS_WHAT_IT_IMPORTED = (
     "import sys; from taskbuilder.cli import main; status = main(sys.argv[1:]); "
     "names = {name.partition('.')[0] for name in sys.modules}; "
-    "heavy = {'pybullet', 'numpy', 'torch', 'cv2', 'pydantic', 'yaml', 'gymnasium'}; "
+    "heavy = {'pybullet', 'numpy', 'torch', 'cv2', 'pydantic', 'yaml', 'gymnasium', 'matplotlib'}; "
+    "heavy |= {'PIL', 'difflib', 'traceback'}; "
     "print(*sorted(names & heavy), file=sys.stderr); sys.exit(status)"
 )
+
+LIGHT = {"difflib", "traceback"}
 
 
 def imported_by(*words: str, cwd: Path) -> set[str]:
@@ -54,11 +57,16 @@ def test_help_imports_nothing_heavy(tmp_path):
 
 def test_a_static_check_needs_no_physics(good):
     imported = imported_by("validate", "good.yaml", "--level", "static", cwd=good.parent)
-    assert imported == {"pydantic", "yaml"}
+    assert imported - LIGHT == {"pydantic", "yaml"}
 
 
-def test_listing_needs_neither_physics_nor_numbers(tmp_path):
-    assert imported_by("list", cwd=tmp_path) == {"pydantic", "yaml"}
+@pytest.mark.parametrize("words", [("list",), ("list", "--json"), ("--version",)], ids=" ".join)
+def test_listing_and_the_version_import_nothing_that_takes_time(words, tmp_path):
+    assert imported_by(*words, cwd=tmp_path) == set()
+
+
+def test_listing_reads_the_tasks_that_no_index_has(good):
+    assert imported_by("list", "--task-path", ".", cwd=good.parent) >= {"pydantic", "yaml"}
 
 
 needs_proc = pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="no /proc here")

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 import textwrap
-from pathlib import Path
 
 import yaml
 from pydantic import TypeAdapter
+from written_pages import written
 
 from taskbuilder.rollout.record import CAUSES
 from taskbuilder.spec.expert import VERBS, ExpertStage
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "experts.md").read_text("utf-8")
+PAGE = written("experts.md")
 
 
 def blocks(language: str) -> list[str]:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from written_pages import written
 
 from taskbuilder import validate_task
 from taskbuilder.spec.catalogue import Catalogue
@@ -35,7 +36,7 @@ def descriptions() -> list[tuple[str, str]]:
     return [
         (page.name, block)
         for page in sorted(DOCS.glob("*.md"))
-        for block in re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.M | re.S)
+        for block in re.findall(r"^```python\n(.*?)^```$", written(page.name), re.M | re.S)
         if "(Description):" in block
     ]
 

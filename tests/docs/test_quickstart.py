@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import re
 import textwrap
-from pathlib import Path
+
+from written_pages import written
 
 from taskbuilder import validate_task
 from taskbuilder.cli import main
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "quickstart.md"
+PAGE = written("quickstart.md")
 
 
 def test_the_change_that_the_page_proposes_is_sound(tmp_path):
-    text = PAGE.read_text(encoding="utf-8")
     ((addition, expert), (success, _)) = (
-        re.findall(rf"^```{language}\n(.*?)^```$", text, re.M | re.S)
+        re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.M | re.S)
         for language in ("yaml", "python")
     )
     assert main(["new", "stack_cubes", "--dir", str(tmp_path)]) == 0
@@ -31,7 +31,7 @@ def test_the_change_that_the_page_proposes_is_sound(tmp_path):
 
 
 def test_the_loop_that_the_page_shows_runs(tmp_path, monkeypatch):
-    loop = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.M | re.S)[-1]
+    loop = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)[-1]
     assert main(["new", "stack_cubes", "--dir", str(tmp_path)]) == 0
     monkeypatch.chdir(tmp_path)
     scope: dict[str, object] = {}

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from env_tasks import digest, facing, moment, play, random_actions, still
 
+import taskbuilder.gym  # noqa: F401  # registers the tasks
 from taskbuilder.env.errors import ActionError, AgentError, EpisodeOverError
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError

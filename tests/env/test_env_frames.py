@@ -13,6 +13,7 @@ from env_tasks import LIBRARY, arm, digest, facing, near, physical, play, random
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import taskbuilder.gym  # noqa: F401  # registers the tasks
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.vector import make_vec
 from taskbuilder.geometry import Pose, Vec3, rotate

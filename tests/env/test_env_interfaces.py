@@ -21,6 +21,7 @@ from pettingzoo.test.state_test import test_state_space as check_state_space
 from pettingzoo.utils.conversions import parallel_to_aec
 
 import taskbuilder
+import taskbuilder.gym
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError
@@ -198,25 +199,53 @@ def test_gymnasium_runs_several_joint_views_at_once():
         envs.close()
 
 
-@pytest.mark.parametrize("order", ["gymnasium, taskbuilder", "taskbuilder, gymnasium"])
-def test_names_are_registered_whichever_is_imported_first(order):
-    code = f"""
-import warnings
-warnings.simplefilter("error")
-import {order}
-env = gymnasium.make("taskbuilder/PickPushPlace-v0")
+def printed(code: str) -> str:
+    code = f"import sys, warnings\nwarnings.simplefilter('error')\n{code}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert not done.returncode, done.stderr
+    return done.stdout
+
+
+NAMES = """
+import gymnasium
+{registered}
+env = gymnasium.make("{name}")
 env.reset(seed=0)
-print(env.action_space.shape)
-assert "taskbuilder/Handover-v0" in gymnasium.registry
+print(env.action_space.shape, "taskbuilder/Handover-v0" in gymnasium.registry)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.stdout == "(10,)\n", done.stderr
 
 
-def test_importing_taskbuilder_does_not_import_gymnasium():
-    code = "import sys, taskbuilder; print('gymnasium' in sys.modules, 'numpy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.stdout == "False False\n", done.stderr
+def test_registering_is_an_import():
+    registered = "import taskbuilder.gym; gymnasium.register_envs(taskbuilder.gym)"
+    code = NAMES.format(registered=registered, name="taskbuilder/PickPushPlace-v0")
+    assert printed(code) == "(10,) True\n"
+
+
+def test_a_name_can_say_what_registers_it():
+    code = NAMES.format(registered="", name="taskbuilder.gym:taskbuilder/PickPushPlace-v0")
+    assert printed(code) == "(10,) True\n"
+
+
+def test_importing_taskbuilder_imports_nothing_heavy_and_hooks_nothing():
+    code = """
+before = [*sys.meta_path], [*sys.path_hooks], [*sys.path]
+import taskbuilder
+print({"gymnasium", "numpy", "pydantic", "matplotlib"} & {*sys.modules})
+assert before == (sys.meta_path, sys.path_hooks, sys.path)
+import gymnasium
+print([name for name in gymnasium.registry if name.startswith("taskbuilder")])
+"""
+    assert printed(code) == "set()\n[]\n"
+
+
+def test_environments_and_learning_load_nothing_that_draws_on_paper():
+    code = """
+import taskbuilder.env.vector, taskbuilder.env.joint, taskbuilder.expert.named
+import taskbuilder.film.film
+import taskbuilder.learn.evaluation, taskbuilder.validate.run, taskbuilder.validate.formats.pages
+print({"matplotlib", "PIL"} & {*sys.modules})
+"""
+    assert printed(code) == "set()\n"
 
 
 def test_the_joint_view_is_the_multi_agent_one_side_by_side():

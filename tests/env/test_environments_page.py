@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import fields
-from pathlib import Path
 from typing import get_args
 
 import pytest
+from written_pages import written
 
 import taskbuilder
 from taskbuilder.env.options import Options
 from taskbuilder.spec.channels import CAMERA_QUANTITIES, OBJECT_QUANTITIES, ROBOT_QUANTITIES
 from taskbuilder.spec.scene import ActionSpec
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "environments.md").read_text("utf-8")
+PAGE = written("environments.md")
 BLOCKS = re.findall(r"^## ([^\n]+)$(?:(?!^## ).)*?^```python\n(.*?)^```$", PAGE, re.M | re.S)
 
 

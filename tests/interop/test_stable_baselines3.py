@@ -8,8 +8,9 @@ from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.env_util import make_vec_env
 
-import taskbuilder  # noqa: F401  # registers the tasks
+import taskbuilder.gym
 
+gymnasium.register_envs(taskbuilder.gym)
 TASKS = ("CollaborativeLift", "Handover", "PickPushPlace")
 
 

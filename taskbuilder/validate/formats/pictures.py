@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, repeat
 
-from PIL import Image
-
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.film.shooting import take_picture
@@ -204,6 +202,8 @@ def _size(world: World, camera: str, side: int) -> tuple[int, int]:
 
 
 def _picture(name: str, pixels: Pixels) -> Picture:
+    from PIL import Image  # a report without pictures does without it
+
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "JPEG", quality=90, subsampling=0, optimize=True)
     height, width = pixels.shape[:2]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 
-from generators.markdown import fence
 from taskbuilder.assets.codes import CODES as ASSET_CODES
 from taskbuilder.codes import CODES, Code, Example
+from taskbuilder.reference.markdown import fence
 
 _GROUPS = {
     "TB0": "Files and YAML",
@@ -27,32 +27,33 @@ _PLACES = {
 }
 
 
+def known() -> Mapping[str, Code]:
+    """Every code with what it means, in order."""
+    assets = {code: Code(*text) for code, text in ASSET_CODES.items()}
+    return dict(sorted({**CODES, **assets}.items()))
+
+
 def entries(_: str) -> str:
     """A section a group, with a subsection a code."""
-    return "\n\n".join(_sections())
-
-
-def _sections() -> Iterator[str]:
-    known = {**CODES, **{code: Code(*text) for code, text in ASSET_CODES.items()}}
+    sections = []
     for prefix, title in _GROUPS.items():
-        yield f"## {prefix}xx: {title}"
-        for code, entry in sorted(known.items()):
-            if code.startswith(prefix):
-                yield f"({code.lower()})=\n### {code}: {entry.title}"
-                yield entry.meaning
-                if entry.example:
-                    yield _shown(entry.example)
+        codes = (code for code in known() if code.startswith(prefix))
+        parts = (f"### {code}\n\n{entry(code)}" for code in codes)
+        sections += [f"## {prefix}xx: {title}", *parts]
+    return "\n\n".join(sections)
+
+
+def entry(code: str) -> str:
+    """What a code means, with an example."""
+    about = known()[code]
+    parts = [f"**{about.title[:1].upper()}{about.title[1:]}.** {about.meaning}"]
+    if about.example:
+        parts.append(_shown(about.example))
+    return "\n\n".join(parts)
 
 
 def _shown(example: Example) -> str:
     language = _LANGUAGES.get(example.where, "yaml")
     under = f", under `{example.under}`" if example.under else ""
     bad, good = (fence(language, text) for text in (example.bad, example.good))
-    return "\n\n".join(
-        (
-            ":::::{container} versus",
-            f"::::{{container}} wrong\n{_PLACES[example.where]}{under}:\n\n{bad}\n::::",
-            f"::::{{container}} right\nRight is:\n\n{good}\n::::",
-            ":::::",
-        )
-    )
+    return f"{_PLACES[example.where]}{under}:\n\n{bad}\n\nRight is:\n\n{good}"

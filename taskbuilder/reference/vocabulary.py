@@ -6,13 +6,13 @@ import inspect
 from collections.abc import Iterator, Mapping
 from typing import Annotated, get_args, get_origin
 
-from generators.markdown import code, first_sentences, table
 from taskbuilder import description
 from taskbuilder.description import Condition, Measure, Term, WorldView
 from taskbuilder.description.node import Refers
+from taskbuilder.reference.markdown import code, first_sentences, table
 from taskbuilder.spec import channels as spec_channels
 
-_BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
+BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
 _FUNCTIONS = {"Level": "Condition"}
 """Public functions that make what reads like a class."""
 
@@ -56,7 +56,7 @@ def nodes(base: str) -> str:
     rows = [
         [code(_call(name, thing)), first_sentences(thing.__doc__)]
         for name, thing in _public()
-        if _is_a(name, thing, base)
+        if is_a(name, thing, base)
     ]
     if not rows:
         raise ValueError(f"no {base} is public")
@@ -91,6 +91,16 @@ def channels(_: str) -> str:
     Raises:
         LookupError: One has no explanation.
     """
+    rows = []
+    last = ""
+    for subject, quantity, meaning in quantities():
+        rows.append([subject if subject != last else "", code(quantity), meaning])
+        last = subject
+    return table(["subject", "quantity", "what it is"], rows)
+
+
+def quantities() -> Iterator[tuple[str, str, str]]:
+    """Subject, quantity and meaning of every channel."""
     groups = (
         ("a robot: `self`, `left`", spec_channels.ROBOT_QUANTITIES),
         ("an object or a part", spec_channels.OBJECT_QUANTITIES),
@@ -98,26 +108,19 @@ def channels(_: str) -> str:
         ("a camera", spec_channels.CAMERA_QUANTITIES),
         ("none", spec_channels.EPISODE_QUANTITIES),
     )
-    rows = [
-        [subject if first else "", code(quantity), _CHANNELS[quantity]]
-        for subject, quantities in groups
-        for first, quantity in _firsts(quantities)
-    ]
-    return table(["subject", "quantity", "what it is"], rows)
-
-
-def _firsts(items: tuple[str, ...]) -> Iterator[tuple[bool, str]]:
-    return ((index == 0, item) for index, item in enumerate(items))
+    for subject, named in groups:
+        yield from ((subject, quantity, _CHANNELS[quantity]) for quantity in named)
 
 
 def _public() -> Iterator[tuple[str, object]]:
     return ((name, getattr(description, name)) for name in description.__all__)
 
 
-def _is_a(name: str, thing: object, base: str) -> bool:
+def is_a(name: str, thing: object, base: str) -> bool:
+    """Whether a public name is a kind of Condition, Measure or Term."""
     if name in _FUNCTIONS:
         return _FUNCTIONS[name] == base
-    wanted = _BASES[base]
+    wanted = BASES[base]
     return isinstance(thing, type) and issubclass(thing, wanted) and thing is not wanted
 
 

@@ -26,6 +26,12 @@ def number(value: float) -> str:
     return f"{value:g}".replace("-", "−")
 
 
+def side_by_side(cards: Iterable[str]) -> str:
+    """Cards in a row where a page has room, below each other where it has no style."""
+    inner = "\n\n".join(f"<div>\n\n{card}\n\n</div>" for card in cards)
+    return f'<div class="gallery">\n\n{inner}\n\n</div>'
+
+
 def first_sentences(doc: str | None) -> str:
     """The first paragraph of a docstring, on one line, its code marked for Markdown."""
     paragraph = (doc or "").strip().split("\n\n")[0]

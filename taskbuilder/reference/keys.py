@@ -10,9 +10,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from generators.markdown import code, number
-from generators.markdown import table as as_table
-from generators.meanings import MEANINGS, SECTIONS, VALUES
+from taskbuilder.reference.markdown import code, number
+from taskbuilder.reference.markdown import table as as_table
+from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.spec import expert, robot, scene, task, values
 from taskbuilder.spec.expert import ONLY_WITH, VERBS
 from taskbuilder.spec.values import PALETTE, Shorthand, rgb
@@ -46,6 +46,8 @@ _ALIASES: tuple[tuple[Any, str], ...] = (
     (expert.Seconds, "s"),
     (robot.LinkName, "name in the URDF"),
 )
+HEAD = ("key", "value", "default", "meaning")
+
 _UNITS = {"_deg": "degrees", "_hz": "Hz"}
 _METRES = {"max_step", "stroke"}
 _UNBOUNDED = (values.Name, values.Reference, values.Text, expert.Condition, robot.LinkName)
@@ -57,10 +59,19 @@ def table(name: str) -> str:
     Raises:
         ValueError: A key has no meaning, or a meaning has no key.
     """
+    return as_table(HEAD, rows(name))
+
+
+def rows(name: str) -> list[list[str]]:
+    """The lines of that table.
+
+    Raises:
+        ValueError: A key has no meaning, or a meaning has no key.
+    """
     model, given = MODELS[name], MEANINGS[name]
     if gone := set(given) - {field.alias or key for key, field in model.model_fields.items()}:
         raise ValueError(f"meanings.py speaks of {name}.{', '.join(gone)}, which does not exist")
-    return as_table(["key", "value", "default", "meaning"], _rows(name, [*model.model_fields]))
+    return _rows(name, [*model.model_fields])
 
 
 def verbs(_: str) -> str:

@@ -1,0 +1,50 @@
+"""What setup.cfg cannot say: a wheel has the library's tasks and robots inside the package.
+
+In a checkout they are two folders beside it. Were they mapped there by ``package_dir``, an editable
+install would find the package through an import hook, which type checkers do not follow. Without
+a mapping it is one line in a .pth file, which they do.
+"""
+
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+LIBRARY = (
+    "tasks/*.py",
+    "tasks/*.yaml",
+    "tasks/index.json",
+    "robots/*/robot.yaml",
+    "robots/*/*.urdf",
+    "robots/*/meshes/*.obj",
+    "robots/*/LICENSE",
+)
+
+
+class BuildWithLibrary(build_py):
+    """Copies the library's files into the package that a wheel is made of."""
+
+    def run(self) -> None:
+        """Build as always; then, for a wheel, add the library."""
+        super().run()
+        if not self.editable_mode:
+            for source, target in self._library():
+                self.mkpath(str(Path(target).parent))
+                self.copy_file(source, target)
+
+    def get_source_files(self) -> list[str]:
+        """What an sdist must have, the library included."""
+        return [*super().get_source_files(), *(source for source, _ in self._library())]
+
+    def get_outputs(self, include_bytecode: bool = True) -> list[str]:
+        """What is built, the library included."""
+        built: list[str] = super().get_outputs(include_bytecode)
+        return built if self.editable_mode else [*built, *(to for _, to in self._library())]
+
+    def _library(self) -> list[tuple[str, str]]:
+        """Every file of the library, and where it goes."""
+        files = sorted(file for pattern in LIBRARY for file in Path().glob(pattern))
+        return [(str(file), str(Path(self.build_lib, "taskbuilder", file))) for file in files]
+
+
+setup(cmdclass={"build_py": BuildWithLibrary})

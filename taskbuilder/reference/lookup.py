@@ -1,0 +1,146 @@
+"""Everything that has a name in files, descriptions and findings, by that name."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, get_args, get_type_hints
+
+from pydantic import BaseModel
+
+from taskbuilder import description
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.reference import codes, keys, vocabulary
+from taskbuilder.reference.python import prose, signature
+from taskbuilder.spec.expert import VERBS
+from taskbuilder.wording import suggestion
+
+_STAGES = ("Order", "Together", "Wait", "Repeat")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What the reference says under a name.
+
+    Attributes:
+        name: The whole name, such as ``scene.objects.NAME.place``.
+        kind: What it is, such as ``key of task files``.
+        text: Markdown.
+        keys: Of a key that holds others: a line each, as `taskbuilder.reference.keys.HEAD`.
+    """
+
+    name: str
+    kind: str
+    text: str
+    keys: Sequence[Sequence[str]] = ()
+
+
+def explain(name: str) -> tuple[Entry, ...]:
+    """What the reference says of a name: of a path of keys, its end will do.
+
+    Raises:
+        UnknownNameError: It says nothing.
+    """
+    wanted = _plain(name)
+    found = tuple(
+        entry for short, entry in _entries() if f".{_plain(short)}".endswith(f".{wanted}")
+    )
+    if not found:
+        known = [short.replace(".NAME", "").removeprefix("scene.") for short, _ in _entries()]
+        known += [short.rpartition(".")[2] for short, _ in _entries()]
+        sorts = "name a finding's code, a condition, a verb, a channel, or a path of keys"
+        raise UnknownNameError(f'no entry "{name}"; {suggestion(name, known, otherwise=sorts)}')
+    return found
+
+
+def _plain(name: str) -> str:
+    """Names of things and upper case do not count."""
+    return name.replace(".NAME", "").lower()
+
+
+@cache
+def _entries() -> tuple[tuple[str, Entry], ...]:
+    every = (*_codes(), *_public(), *_orders(), *_channels(), *_files())
+    return tuple((entry.name, entry) for entry in every)
+
+
+def _codes() -> Iterator[Entry]:
+    for code in codes.known():
+        yield Entry(code, "finding", codes.entry(code))
+
+
+def _public() -> Iterator[Entry]:
+    for name in description.__all__:
+        thing = getattr(description, name)
+        if callable(thing):
+            text = f"`{name}{signature(thing)}`\n\n{prose(inspect.getdoc(thing) or '')}"
+            yield Entry(name, _kind(name, thing), text)
+
+
+def _kind(name: str, thing: object) -> str:
+    bases = (base for base in vocabulary.BASES if vocabulary.is_a(name, thing, base))
+    return f"{next(bases, 'name').lower()} of descriptions"
+
+
+def _orders() -> Iterator[Entry]:
+    for model in _STAGES:
+        for key, value, default, meaning in keys.rows(model):
+            verb = key.strip("`") in VERBS
+            kind = "verb of an expert's orders" if verb else f"key of an expert's {model.lower()}"
+            yield Entry(
+                f"expert.{key.strip('`')}", kind, _told(value, "" if verb else default, meaning)
+            )
+
+
+def _channels() -> Iterator[Entry]:
+    for subject, quantity, meaning in vocabulary.quantities():
+        whole = quantity if subject == "none" else f"SUBJECT.{quantity}"
+        of = "" if subject == "none" else f" of {subject}"
+        yield Entry(whole, "observation channel", f"{meaning[:1].upper()}{meaning[1:]}{of}.")
+
+
+def _files() -> Iterator[Entry]:
+    yield from _keys("TaskSpec", "", "key of task files")
+    yield from _keys("RobotSpec", "", "key of robot.yaml")
+
+
+def _keys(model: str, prefix: str, kind: str) -> Iterator[Entry]:
+    hints = get_type_hints(keys.MODELS[model], include_extras=True)
+    fields = keys.MODELS[model].model_fields
+    for (name, field), row in zip(fields.items(), keys.rows(model), strict=True):
+        _, value, default, meaning = row
+        path = f"{prefix}{field.alias or name}"
+        inner = [] if path in ("expert", "variations") else list(_models(hints[name]))
+        lines = [line for part in inner for line in keys.rows(part)]
+        yield Entry(path, kind, _told(value, default, meaning), lines)
+        below = f"{path}.NAME." if "→" in value else f"{path}."
+        for part in inner:
+            yield from _keys(part, below, kind)
+
+
+def _models(hint: Any) -> Iterator[str]:
+    """The models that values of an annotation are, or hold."""
+    if isinstance(hint, type) and issubclass(hint, BaseModel):
+        if hint.__name__ in keys.MODELS:
+            yield hint.__name__
+        return
+    for inner in get_args(hint):
+        yield from _models(inner)
+
+
+def _told(value: str, default: str, meaning: str) -> str:
+    given = {"": "", "required": "; required", "none": ""}.get(default, f"; by default {default}")
+    return f"{meaning}\n\nValue: {_without_links(value)}{given}."
+
+
+def _without_links(text: str) -> str:
+    return re.sub(r"\[([^]]*)\]\(#[^)]*\)", r"\1", text)
+
+
+def as_data(entry: Entry) -> Mapping[str, Any]:
+    """An entry as plain data."""
+    lines = [dict(zip(keys.HEAD, map(_without_links, line), strict=True)) for line in entry.keys]
+    return {"name": entry.name, "kind": entry.kind, "text": entry.text, "keys": lines}

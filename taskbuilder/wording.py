@@ -1,0 +1,43 @@
+"""How messages name what is wrong, and what was probably meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that another is most like, if any is.
+
+    Upper and lower case count as the same: the commonest slip is FINGER.STL for finger.stl.
+    """
+    from difflib import get_close_matches  # slow to import, and needed only to explain a failure
+
+    by_lower = {candidate.lower(): candidate for candidate in known}
+    close = get_close_matches(name.lower(), by_lower, n=1)
+    return by_lower[close[0]] if close else None
+
+
+def suggestion(
+    wrong: str, known: Iterable[str], *, what: str = "known keys", otherwise: str = ""
+) -> str:
+    """What would be right in place of a wrong word.
+
+    Args:
+        wrong: The word.
+        known: The words that would be right.
+        what: What these are, before a list of them, where none is close.
+        otherwise: Advice in place of that list.
+    """
+    names = list(known)
+    if close := closest(wrong, names):
+        return f'did you mean "{close}"?'
+    if otherwise:
+        return otherwise
+    return f"{what}: {', '.join(names)}" if names else "there are none"
+
+
+def quoted(text: str) -> str:
+    """A name as messages show it: in double quotes, with what cannot be seen escaped."""
+    import json  # `list` and `--version` start without it
+
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,59 @@
+"""`taskbuilder explain`: the reference at the shell."""
+
+from __future__ import annotations
+
+import pytest
+
+from taskbuilder import description
+from taskbuilder.reference.codes import known
+from taskbuilder.reference.lookup import explain
+from taskbuilder.spec.expert import VERBS
+
+
+@pytest.mark.parametrize(
+    ("name", "whole", "says"),
+    [
+        ("TB511", "TB511", "cannot reach"),
+        ("tb101", "TB101", "missing"),
+        ("Held", "Held", "Held(body: BodyName"),
+        ("grasp", "expert.grasp", "Grasp point to take"),
+        ("objects.place", "scene.objects.NAME.place", "yaw_deg: 2 × degrees"),
+        ("objects.place.size", "scene.objects.NAME.place.size", "Full edge lengths"),
+        ("control_hz", "timing.control_hz", "Value: Hz, 1 to 1000; by default `10`."),
+        ("tcp_velocity", "SUBJECT.tcp_velocity", "angular velocity"),
+        ("gripper.stroke", "gripper.stroke", "robot.yaml"),
+    ],
+)
+def test_it_prints_what_a_name_means(name, whole, says, run):
+    ran = run("explain", name)
+    assert (ran.status, ran.err) == (0, "")
+    assert ran.out.startswith(f"{whole}  ")
+    assert says in ran.out
+
+
+def test_a_name_of_several_things_is_told_for_each(run):
+    entries = run("explain", "tcp", "--json").data["entries"]
+    kinds = [entry["kind"] for entry in entries]
+    assert kinds == ["observation channel", "key of task files", "key of robot.yaml"]
+    assert entries[1]["keys"][0]["key"] == "`position`"
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("helt", "Held"), ("objects.plac", "objects.place"), ("releese", "release")]
+)
+def test_an_unknown_name_is_met_with_what_was_meant(name, meant, run):
+    ran = run("explain", name)
+    assert (ran.status, ran.out) == (2, "")
+    assert f'no entry "{name}"; did you mean "{meant}' in ran.err
+
+
+def test_a_name_like_no_other(run):
+    assert "name a finding's code" in run("explain", "zzzzzz").err
+
+
+def test_all_that_people_write_is_there():
+    names = [*known(), *VERBS, *(name for name in description.__all__ if name[0].isupper())]
+    kinds = [name for name in names if not callable(getattr(description, name, len))]
+    for name in names:
+        if name not in kinds:
+            assert explain(name), name
