@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry")
+FOUNDATION = ("errors", "geometry", "processes")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -36,7 +36,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "codes": (),
     "curves": ("charts",),
     "charts": (),
-    "jobs": (),
+    "jobs": ("processes",),
     "files": (),
     "task": ("description", *FILES),
     "world": ("sim", *FILES),
@@ -46,6 +46,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "assets": FOUNDATION,
     "geometry": (),
     "errors": (),
+    "processes": (),
     "_version": (),
 }
 
