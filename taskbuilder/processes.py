@@ -1,4 +1,6 @@
-"""Starting other interpreters, which never look for modules in the working directory.
+"""Other processes: starting interpreters, and noticing that this one was forked off.
+
+Interpreters that are started here never look for modules in the working directory.
 
 Python puts the working directory before its own library where it is started with ``-c`` or ``-m``,
 so that a file ``random.py`` beside a task would be run in place of the library's.
@@ -54,3 +56,18 @@ def safe_path() -> Iterator[None]:
             del os.environ[_SAFE]
         else:
             os.environ[_SAFE] = before
+
+
+class Lineage:
+    """Counts the forks that led to this process; unlike asking for its id, reading it is free."""
+
+    forks = 0
+
+    @classmethod
+    def grow(cls) -> None:
+        """Note a fork, in the process that came of it."""
+        cls.forks += 1
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=Lineage.grow)
