@@ -214,7 +214,12 @@ def _write(
     stem = _folder(arguments) / _stem(data["task"], arguments.policy)
     if arguments.out:
         result = stem.with_name(f"{stem.name}.json")
-        write_whole(result, (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode())
+        write_whole(
+            result,
+            (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode(
+                errors="backslashreplace"
+            ),
+        )
         files.append(result)
     if arguments.video:
         with closing(place(renderer=arguments.renderer)) as env:
