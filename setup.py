@@ -1,10 +1,14 @@
-"""What setup.cfg cannot say: a wheel has the library's tasks and robots inside the package.
+"""What setup.cfg cannot say: where the library goes in a wheel, and what package indexes show.
 
-In a checkout they are two folders beside it. Were they mapped there by ``package_dir``, an editable
-install would find the package through an import hook, which type checkers do not follow. Without
-a mapping it is one line in a .pth file, which they do.
+In a checkout the tasks and robots are two folders beside the package. Were they mapped there by
+``package_dir``, an editable install would find the package through an import hook, which type
+checkers do not follow. Without a mapping it is one line in a .pth file, which they do.
+
+Package indexes show the README. They have no pictures and no files of this repository, so pictures
+become their own words, and links to files become plain text.
 """
 
+import re
 from pathlib import Path
 
 from setuptools import setup
@@ -47,4 +51,21 @@ class BuildWithLibrary(build_py):
         return [(str(file), str(Path(self.build_lib, "taskbuilder", file))) for file in files]
 
 
-setup(cmdclass={"build_py": BuildWithLibrary})
+_PICTURE = re.compile(r"!\[([^\]]*)\]\((?!\w+:)[^)]*\)")
+_LINK = re.compile(r"\[([^\]]*)\]\((?!\w+:|#)[^)]*\)")
+
+
+def long_description() -> str:
+    """The README without what leads into the repository."""
+    text = Path(__file__).with_name("README.md").read_text(encoding="utf-8")
+    return _LINK.sub(
+        r"\1", _PICTURE.sub(r"*(In the repository there is a picture here: \1.)*", text)
+    )
+
+
+if __name__ == "__main__":
+    setup(
+        cmdclass={"build_py": BuildWithLibrary},
+        long_description=long_description(),
+        long_description_content_type="text/markdown",
+    )

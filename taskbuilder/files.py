@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 
 def write_whole(path: Path, content: bytes, *, sync: bool = False) -> None:
@@ -21,21 +25,61 @@ def write_whole(path: Path, content: bytes, *, sync: bool = False) -> None:
     """
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder; name a file", str(path))
+    with kept_aside(path, f".{path.name}") as aside, aside.open("wb") as file:
+        file.write(content)
+        if sync:
+            file.flush()
+            os.fsync(file.fileno())
+    if sync:
+        _sync_folder(path.parent)
+
+
+@contextmanager
+def kept_aside(path: Path, stem: str, suffix: str = "") -> Iterator[Path]:
+    """A file to write aside, which takes a path's place once the block has ended well.
+
+    What processes left aside that were killed while they wrote the same is swept up first.
+
+    Args:
+        path: The place.
+        stem: How its name aside begins.
+        suffix: How it ends.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    _sweep(path.parent, re.compile(rf"{re.escape(stem)}\.[0-9a-f]{{8}}{re.escape(suffix)}"))
     # Named before it is there, so that nothing can come between making it and minding it.
-    aside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    aside = path.with_name(f"{stem}.{secrets.token_hex(4)}{suffix}")
     try:
         with aside.open("xb") as file:
-            file.write(content)
-            if sync:
-                file.flush()
-                os.fsync(file.fileno())
-        aside.chmod(0o644)
-        aside.replace(path)
+            _claim(file)
+            yield aside
+            aside.chmod(0o644)
+            aside.replace(path)
     except BaseException:
         aside.unlink(missing_ok=True)
         raise
-    if sync:
-        _sync_folder(path.parent)
+
+
+def _sweep(folder: Path, name: re.Pattern[str]) -> None:
+    """Remove files of a name that nobody writes any more: their locks went with their owners."""
+    with suppress(OSError):  # what cannot be swept is no reason not to write
+        for left in [file for file in folder.iterdir() if name.fullmatch(file.name)]:
+            with left.open("rb") as file:
+                if _claim(file):
+                    left.unlink(missing_ok=True)
+
+
+def _claim(file: IO[bytes]) -> bool:
+    """Lock a file for as long as it is open, unless another process has."""
+    try:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (ImportError, OSError):
+        return False
+    return True
 
 
 def _sync_folder(folder: Path) -> None:

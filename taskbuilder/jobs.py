@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from multiprocessing import get_context
 from typing import Any, TypeVar
 
+from taskbuilder.processes import safe_path
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -35,15 +37,16 @@ def workers(count: int) -> Iterator[Map]:
         yield map
         return
     # Spawned, not forked: a renderer or torch may have threads by now.
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_begin)
-    try:
-        yield pool.map
-    except BaseException:
-        for process in list(getattr(pool, "_processes", {}).values()):
-            process.terminate()
-        pool.shutdown(wait=True, cancel_futures=True)
-        raise
-    pool.shutdown(wait=True)
+    with safe_path():
+        pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_begin)
+        try:
+            yield pool.map
+        except BaseException:
+            for process in list(getattr(pool, "_processes", {}).values()):
+                process.terminate()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+        pool.shutdown(wait=True)
 
 
 def _begin() -> None:

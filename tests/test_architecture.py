@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals", "wording")
+FOUNDATION = ("errors", "geometry", "intervals", "processes", "wording")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -41,7 +41,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "codes": (),
     "curves": ("charts",),
     "charts": (),
-    "jobs": (),
+    "jobs": ("processes",),
     "arrays": ("files", *FOUNDATION),
     "files": (),
     "task": ("description", *FILES),
@@ -54,6 +54,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "intervals": (),
     "errors": (),
     "wording": (),
+    "processes": (),
     "_library": (),
     "_version": (),
 }

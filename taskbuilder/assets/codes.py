@@ -20,6 +20,7 @@ LIMIT = "TB417"
 GEOMETRY = "TB418"
 TREE = "TB419"
 IGNORED = "TB420"
+TOO_MANY = "TB421"
 
 CODES: dict[str, tuple[str, str]] = {
     MISSING: (
@@ -112,5 +113,10 @@ CODES: dict[str, tuple[str, str]] = {
     IGNORED: (
         "Element is ignored",
         "The element is not one that is passed to the physics engine. It may be misspelt.",
+    ),
+    TOO_MANY: (
+        "Too many links",
+        "The physics engine has room for 128 links of a URDF, and writes past its end with more. "
+        "Join links that do not move against each other.",
     ),
 }

@@ -17,6 +17,9 @@ from taskbuilder.assets.schema import cleaned
 from taskbuilder.assets.tree import check_names, check_tree
 from taskbuilder.errors import FileError, Location
 
+MOST_LINKS = 128
+"""Of the physics engine, which ends the process on more."""
+
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
 
 
@@ -38,6 +41,10 @@ def read_urdf(path: Path, roots: Sequence[Path], *, trusted: bool = False) -> Ur
     robot = cleaned(robot, report)
     files = Files(path.resolve().parent, roots, trusted=trusted, report=report)
     name = _robot_name(robot, report)
+    count = len(list(robot.all("link")))
+    if count > MOST_LINKS:
+        message = f"the robot has {count} links; at most {MOST_LINKS}, so join fixed ones"
+        report.error(codes.TOO_MANY, robot, "", message)
     named_links = check_names(robot.all("link"), report)
     check_names(robot.all("joint"), report)
     root = check_tree(robot, named_links, list(robot.all("joint")), report)

@@ -8,9 +8,11 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 
 from taskbuilder.cli.arguments import parse
 from taskbuilder.cli.interrupts import forget_interrupt, interrupts_heeded
+from taskbuilder.cli.output import ready_streams, results_alone
 from taskbuilder.errors import (
     FileError,
     PlacementError,
@@ -33,6 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status: 0 fine, 1 findings, 2 usage, 70 a defect, 130 interrupted.
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    ready_streams()
     try:
         with interrupts_heeded():
             status = _run(words)
@@ -57,7 +60,9 @@ def _run(words: Sequence[str]) -> int:
         arguments = parse(words)
     except SystemExit as stop:  # argparse has said why, or has shown what was asked for
         return stop.code if isinstance(stop.code, int) else USAGE
-    status: int = arguments.run(arguments)
+    machine = getattr(arguments, "json", False) or getattr(arguments, "format", "text") != "text"
+    with results_alone() if machine else nullcontext():
+        status: int = arguments.run(arguments)
     return status
 
 

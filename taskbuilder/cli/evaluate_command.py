@@ -13,7 +13,7 @@ from typing import Any
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import Place, origin, task_of
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.film.film import save_film
 from taskbuilder.film.shooting import Frame
@@ -64,12 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _placed(policy: Policy, arguments: argparse.Namespace) -> tuple[Task, Place]:
     """The policy's task and where it plays; refuses what cannot be before anything is played."""
     name, catalogue = arguments.policy, catalogue_of(arguments)
-    options, reference = options_of(policy), task_of(arguments.policy, policy)
-    try:
-        task = load_task(reference, catalogue=catalogue)
-    except UnknownNameError as error:
-        hint = "name the folder of its files by --task-path"
-        raise UsageError(f"{name} is for a task that is not here ({error}); {hint}") from None
+    options, reference = options_of(policy), str(task_of(name, policy, catalogue))
+    task = load_task(reference, catalogue=catalogue)
     if arguments.variation is not None:
         options["variation"] = arguments.variation
     filmed = argparse.Namespace(variation=options.get("variation", 0), camera=arguments.camera)
@@ -218,7 +214,12 @@ def _write(
     stem = _folder(arguments) / _stem(data["task"], arguments.policy)
     if arguments.out:
         result = stem.with_name(f"{stem.name}.json")
-        write_whole(result, (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode())
+        write_whole(
+            result,
+            (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode(
+                errors="backslashreplace"
+            ),
+        )
         files.append(result)
     if arguments.video:
         with closing(place(renderer=arguments.renderer)) as env:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TextIO, TypeVar
 
 from taskbuilder.errors import Finding
@@ -23,9 +25,56 @@ def paint(text: str, color: str, stream: TextIO | None = None) -> str:
     return f"\x1b[{_CODES[color]}m{text}\x1b[0m"
 
 
+_result: list[TextIO] = []
+"""Where results go while standard output is kept for them alone; the last counts."""
+
+
+@contextmanager
+def results_alone() -> Iterator[None]:
+    """Nothing gets to standard output but what `emit` prints, not even from C.
+
+    What descriptions and the physics engine print meanwhile goes to standard error.
+    """
+    from taskbuilder.description.aside import printing_aside  # loads what a command loads anyway
+
+    sys.stdout.flush()
+    encoding = sys.stdout.encoding
+    # errors: a path may hold bytes that are no text; in JSON this is how they are written
+    with open(os.dup(1), "w", encoding=encoding, errors="backslashreplace") as stream:  # noqa: PTH123
+        _result.append(stream)
+        try:
+            with printing_aside():
+                yield
+        finally:
+            _result.pop()
+
+
+def emit(text: str) -> None:
+    """Print a part of the result."""
+    print(text, file=_result[-1] if _result else sys.stdout, flush=bool(_result))
+
+
 def print_json(data: Any) -> None:
     """One JSON document on standard output."""
-    print(json.dumps(data, indent=2, ensure_ascii=False))
+    stream = _result[-1] if _result else sys.stdout
+    unicode = (stream.encoding or "").lower().replace("-", "").startswith("utf")
+    emit(json.dumps(data, indent=2, ensure_ascii=not unicode))
+
+
+def ready_streams() -> None:
+    """Make standard output and error take anything, closed ones and narrow encodings too."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:  # else the next file to be opened would get what is printed
+            os.open(os.devnull, os.O_RDWR)
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        stream = getattr(sys, name)
+        if stream is None:
+            stream = open(descriptor, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+            setattr(sys, name, stream)
+        if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def print_table(rows: Sequence[Sequence[str]], indent: str = "") -> None:

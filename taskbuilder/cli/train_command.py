@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from taskbuilder._version import __version__
 from taskbuilder.cli.output import paint, progress, say
 from taskbuilder.cli.tasks import catalogue_of, make_folder
+from taskbuilder.cli.trained import task_of_run
 from taskbuilder.env.actions import HYSTERESIS
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError, display_path
@@ -52,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         _check_alone(arguments)
         folder = arguments.resume
         plan, about = load_plan(folder)
-        task = _same_task(plan, about, catalogue)
+        task = _same_task(folder, about, catalogue)
     else:
         plan, task = _planned(arguments, catalogue)
         folder = arguments.out or Path("runs") / f"{task.name}-{plan.track}-{plan.seed}"
@@ -84,6 +85,8 @@ def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan,
     task = load_task(arguments.task, catalogue=catalogue)
     names = {field.name for field in fields(Plan)} - {"settings"}
     given = {name: value for name, value in vars(arguments).items() if name in names}
+    entry = task.file.entry  # of an installed task the name; another is found by its whole path
+    given["task"] = entry.name if entry.module else str(entry.file)
     plan = Plan(**{name: value for name, value in given.items() if value is not None})
     plan.check()
     chosen = read_settings(settings_of(plan.algorithm), arguments.set or ())
@@ -97,13 +100,13 @@ def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan,
     return plan, task
 
 
-def _same_task(plan: Plan, about: dict[str, Any], catalogue: Catalogue) -> Task:
+def _same_task(folder: Path, about: dict[str, Any], catalogue: Catalogue) -> Task:
     """The task of a run, if it is still the same.
 
     Raises:
-        UsageError: Its files have changed.
+        UsageError: Its files have changed, or are nowhere that the user has named.
     """
-    task = load_task(plan.task, catalogue=catalogue)
+    task = load_task(task_of_run(folder, catalogue), catalogue=catalogue)
     if about.get("digest") != _digest(task):
         raise UsageError(
             f"{task.name} has changed since this run began; train anew, or put its files back"

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.expert.named import POLICIES
 from taskbuilder.learn.plan import RUN_FILE, load_plan
 from taskbuilder.learn.policy import Policy
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.catalogue import Catalogue, looks_like_path
 from taskbuilder.task import load_task
 
 _SAW = {
@@ -30,7 +31,7 @@ class Place:
     """Where a policy plays, in a form that other processes can be told.
 
     Attributes:
-        task: Name or path of the task.
+        task: Name or path of the task, as its user gave it.
         catalogue: Where it is looked up.
         options: Of the environment, by name.
     """
@@ -52,16 +53,53 @@ def is_trained(name: str) -> bool:
     return name.startswith("zoo:") or "/" in name or Path(name).exists()
 
 
-def task_of(name: str, policy: Policy) -> str:
-    """What a policy's task is to be loaded by; a run remembers the path of one by its path.
+def task_of(name: str, policy: Policy, catalogue: Catalogue) -> Path:
+    """The file of the task that a policy is for; nothing is imported to find it.
 
     Args:
         name: Of the policy.
         policy: The same.
+        catalogue: Where its task is looked up.
+
+    Raises:
+        UsageError: It is nowhere that the user has named.
     """
     if (Path(name) / RUN_FILE).is_file():
-        return load_plan(Path(name))[0].task
-    return str(policy.about.get("task"))
+        return task_of_run(Path(name), catalogue)
+    return _named(name, policy.about.get("task"), catalogue)
+
+
+def task_of_run(folder: Path, catalogue: Catalogue) -> Path:
+    """The file of the task that is trained in a run's folder; nothing is imported to find it.
+
+    Whoever names the folder says by it that they trained there, so the path of the task that
+    training wrote down holds. One that leads into the folder does not, nor one from wherever the
+    command happens to be called: a folder from somebody else would bring its own code with it.
+
+    Args:
+        folder: Of the run.
+        catalogue: Where its task is looked up by name, and by the name of its file.
+
+    Raises:
+        UsageError: It is nowhere that the user has named.
+    """
+    task = load_plan(folder)[0].task
+    if task not in catalogue.tasks:
+        path = Path(task)
+        within = path.resolve().is_relative_to(folder.resolve())
+        if path.is_absolute() and path.is_file() and not within:
+            return path
+        if looks_like_path(task):
+            task = path.stem
+    return _named(display_path(folder), task, catalogue)
+
+
+def _named(name: str, task: object, catalogue: Catalogue) -> Path:
+    try:
+        return catalogue.named_task(task).file
+    except UnknownNameError as error:
+        hint = "name the folder of its files by --task-path"
+        raise UsageError(f"{name} is for a task that is not here ({error}); {hint}") from None
 
 
 def origin(about: Mapping[str, Any]) -> list[list[str]]:

@@ -10,7 +10,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from taskbuilder.cli.output import paint, print_json, print_table, progress, show_finding
+from taskbuilder.cli.output import emit, paint, print_json, print_table, progress, show_finding
 from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
@@ -101,7 +101,7 @@ def _print_task(report: TaskReport, form: str) -> None:
             print()
     elif form == "github":
         for command in workflow_commands(report):
-            print(command)
+            emit(command)
     sys.stdout.flush()
 
 
@@ -116,13 +116,13 @@ def _print_end(reports: Sequence[TaskReport], form: str, seconds: float, page: s
     if form in ("text", "github"):
         word, rest = closing(reports, seconds)
         colored = paint(word, "green" if word == "ok" else "red")
-        print(" · ".join(filter(None, (f"{colored}{rest}", named))))
+        emit(" · ".join(filter(None, (f"{colored}{rest}", named))))
         return
     if form == "json":
         print_json(as_data(reports))
     elif form == "junit":
         from taskbuilder.validate.formats.junit import junit_xml
 
-        print(junit_xml(reports))
+        emit(junit_xml(reports))
     if named:
         print(named, file=sys.stderr)

@@ -120,7 +120,7 @@ ENTRIES = {
     ),
     "TB400": Code(
         "Assets are there and sound",
-        "The check that gathers the codes of meshes and URDFs, TB401 to TB420.",
+        "The check that gathers the codes of meshes and URDFs, TB401 to TB421.",
     ),
 }
 """Code -> what it stands for."""

@@ -13,6 +13,9 @@ from taskbuilder.description.rewards import Term
 from taskbuilder.errors import Finding, Location
 from taskbuilder.spec.names import SceneNames
 
+DEEPEST = 100
+"""How deep expressions may be nested in each other: Python goes some hundred calls deep."""
+
 
 def check_description(
     description: type[Description], names: SceneNames, file: Location
@@ -24,12 +27,17 @@ def check_description(
         names: The names of the scene.
         file: Where the class is written, for findings that belong to no expression in it.
     """
+    roots = tuple(_expressions(description))
+    if deep := [node for node in roots if _depth(node) > DEEPEST]:
+        message = (
+            f"is nested more than {DEEPEST} deep; write it flatter, or as a condition of its own"
+        )
+        return [Finding("TB212", message, type(deep[0]).__name__, _origin(deep[0], file))]
     findings = [
         *_check_attributes(description, file),
         *_check_reward(description, file),
         *_check_stages(description, file),
     ]
-    roots = tuple(_expressions(description))
     for node in _written(roots):
         findings += _check_node(node, names, file)
     findings += _check_labels(tuple(node for node in roots if isinstance(node, Term)), file)
@@ -101,6 +109,22 @@ def _expressions(description: type[Description]) -> Iterator[Node]:
         *(reward if isinstance(reward, tuple) else ()),
     )
     yield from (value for value in candidates if isinstance(value, Node))
+
+
+def _depth(root: Node) -> int:
+    """How deep expressions are nested in each other, found without going as deep."""
+    depths: dict[int, int] = {}
+    waiting = [root]
+    while waiting:
+        node = waiting[-1]
+        parts = [part for part in node.parts if isinstance(part, Node)]
+        unknown = [part for part in parts if id(part) not in depths]
+        if unknown:
+            waiting += unknown
+        else:
+            depths[id(node)] = 1 + max((depths[id(part)] for part in parts), default=0)
+            waiting.pop()
+    return depths[id(root)]
 
 
 def _written(roots: tuple[Node, ...]) -> Iterator[Node]:

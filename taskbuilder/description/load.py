@@ -23,6 +23,7 @@ from types import ModuleType
 from taskbuilder.description.aside import printing_aside
 from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError, Finding, Location
+from taskbuilder.processes import interpreter
 from taskbuilder.spec.catalogue import Entry
 from taskbuilder.wording import suggestion
 
@@ -68,7 +69,7 @@ def try_import(entry: Entry, limit_s: float = TRIAL_LIMIT_S) -> None:
     file = entry.description_file
     if not file.is_file():
         return
-    command = [sys.executable, "-m", "taskbuilder.description.load", str(file)]
+    command = interpreter("from taskbuilder.description.load import main; main()", str(file))
     # No pipes, and a session of its own: nothing that it starts can outlive or hold up the trial.
     child = subprocess.Popen(
         command,
@@ -172,7 +173,8 @@ def _strange_argument(said: str) -> str | None:
     return f'{found[1]} has no argument "{found[2]}"; {help_}'
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """What the child process of a trial runs."""
     with contextlib.suppress(Exception, SystemExit):
         _import_path(Path(sys.argv[1]))
     sys.exit(_FINISHED)

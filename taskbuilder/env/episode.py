@@ -16,11 +16,15 @@ from taskbuilder.description.description import Outcome, Referee
 from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
+from taskbuilder.processes import Lineage
+from taskbuilder.sim.single import Single
 from taskbuilder.spec.scene import ActionSpec
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.world import World, WorldState
+
+Actions = Mapping[str, NDArray[np.float64]]
 
 LEAST_RISE = 0.05
 """What progress must rise by, above where it last did, to count as rising."""
@@ -63,7 +67,7 @@ class EpisodeState:
     noise: Mapping[str, Any]
 
 
-class Episode:
+class Episode(Single):
     """Runs a task: reset, step, judge, save, go back.
 
     Attributes:
@@ -79,6 +83,8 @@ class Episode:
         failed: Failure has held at some control step of this episode, or after its reset.
         exploded: The physics diverged; the episode is over and its world given up.
         over: No further step is possible before a reset.
+        begun: A reset has gone well.
+        taken: What all agents did since the reset; None where that does not lead to here.
         noise_rng: For noise on observations.
     """
 
@@ -89,13 +95,15 @@ class Episode:
         self.agents = task.agents
         self._worlds: dict[int, World] = {}
         self._closed = False
+        self._forks = Lineage.forks
         self._variation = 0 if options.variation == "random" else options.variation
         self._referee = Referee(task.description, self.agents)
         self.seed = 0
         self.steps = 0
         self.succeeded = self.failed = self.exploded = False
         self.over = True
-        self._begun = False
+        self.begun = False
+        self.taken: list[Actions] | None = []
         self.noise_rng = np.random.default_rng(0)
         self.actions = self._make_actions()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
@@ -111,8 +119,7 @@ class Episode:
         Raises:
             UsageError: The environment was closed.
         """
-        if self._closed:
-            raise UsageError("this environment is closed; make another")
+        self.check_usable()
         if self._variation not in self._worlds:
             world = build_world(
                 self._file, variation=self._variation, renderer=self.options.renderer
@@ -120,6 +127,18 @@ class Episode:
             world.watch_forces(self._referee.force_pairs)
             self._worlds[self._variation] = world
         return self._worlds[self._variation]
+
+    def check_usable(self) -> None:
+        """Refuse what is closed, and what belongs to the process that this one was forked from.
+
+        Raises:
+            UsageError: It cannot be used here.
+        """
+        if self._closed:
+            raise UsageError("this environment is closed; make another")
+        if Lineage.forks != self._forks:
+            what = "this environment is used in another process than the one that made it"
+            raise UsageError(f"{what}; make one there")
 
     @property
     def variation(self) -> int:
@@ -161,8 +180,10 @@ class Episode:
             PlacementError: The objects do not fit.
             ExplosionError: The physics diverged at once.
         """
+        self.check_usable()
         randomness = EpisodeRandomness(seed)
-        self.over, self._begun = True, False  # until this has gone well
+        self.over, self.begun = True, False  # until this has gone well
+        self.taken = []
         if self.options.variation == "random":
             count = len(self._file.scenes)
             before = self._variation
@@ -182,7 +203,7 @@ class Episode:
         self.outcome = self._referee.start(self.world)
         self.failed = self.outcome.failure
         self.idleness = Idleness(self.outcome.progress)
-        self.over, self._begun = False, True
+        self.over, self.begun = False, True
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
         """Let every agent act for one control step, and judge.
@@ -191,6 +212,7 @@ class Episode:
             actions: Each agent's numbers, checked to be finite and of the right size; from -1 to
                 1 or in physical units, as the options say.
         """
+        self.check_usable()
         targets: dict[str, Sequence[float]] = {}
         for agent, values in actions.items():
             mode = self.actions[agent]
@@ -200,6 +222,8 @@ class Episode:
             if target is not None:
                 targets[agent] = target
         self._previous = dict(actions)
+        if self.taken is not None:
+            self.taken.append(self._previous)
         self.steps += 1
         try:
             self.world.step(targets)
@@ -275,7 +299,7 @@ class Episode:
         Raises:
             UsageError: There is none: no reset yet, or the physics diverged.
         """
-        if self._closed or self.exploded or not self._begun:
+        if self._closed or self.exploded or not self.begun:
             raise UsageError("there is no state to save; reset first")
         return EpisodeState(
             self.seed,
@@ -298,8 +322,7 @@ class Episode:
         Raises:
             UsageError: The world that the state belongs to is gone.
         """
-        if self._closed:
-            raise UsageError("this environment is closed; make another")
+        self.check_usable()
         world = self._worlds.get(state.variation)
         if world is None or state.world.snapshot.client is not world.client:
             raise UsageError("the state belongs to another environment, or to a world given up")
@@ -312,6 +335,6 @@ class Episode:
         self.steps, self.outcome, self.idleness = state.steps, state.outcome, state.idleness
         self.succeeded, self.failed = state.succeeded, state.failed
         self.over, self.exploded = state.over, False
-        self._begun = True
+        self.begun, self.taken = True, None
         self._previous = dict(state.previous)
         self.noise_rng.bit_generator.state = state.noise

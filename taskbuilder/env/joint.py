@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, Self, Unpack
 
 import gymnasium
 import numpy as np
@@ -57,6 +58,9 @@ class JointEnv(gymnasium.Env[Any, Any]):
         self.action_space = _joined(acted) if self._flat else spaces.Dict(acted)
         sizes = [actions.size for actions in self.parallel.episode.actions.values()]
         self._cuts = np.cumsum(sizes)[:-1]
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # a copy has a physics of its own
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

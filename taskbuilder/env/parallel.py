@@ -16,6 +16,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from taskbuilder.env.copying import Copyable
 from taskbuilder.env.episode import Episode, EpisodeState
 from taskbuilder.env.errors import AgentError, EpisodeOverError
 from taskbuilder.env.infos import make_info
@@ -42,12 +43,15 @@ class EnvState:
     noise: Mapping[str, Any]
 
 
-class TaskEnv(ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
+class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
     """Any task as a multi-agent environment.
 
     Each agent sees the channels that the task file lists for it under ``observe``, and nothing
     else; `state` is for centralised critics. All agents act at once and all end at once. Infos
     are numbers with the same keys for every agent, at every step and reset.
+
+    Copies, pickled ones too, have a physics of their own: they build it anew and play the actions
+    of the episode again.
 
     Args:
         task: The task.

@@ -6,11 +6,12 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO
+
+from taskbuilder.processes import interpreter
 
 _MAIN = "from taskbuilder.env.worker import main; main()"
 
@@ -76,7 +77,7 @@ class WorkerProcess:
             numbers = (*passed, self.rows.start, self.rows.stop)
             try:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-c", _MAIN, *map(str, numbers)],
+                    interpreter(_MAIN, *map(str, numbers)),
                     stdin=told,
                     stdout=subprocess.DEVNULL,
                     stderr=self._words,
@@ -147,10 +148,9 @@ class WorkerProcess:
 
 
 def _environment() -> dict[str, str]:
-    """A worker's environment: this process's, its import path, and one thread a library."""
-    paths = [path or os.getcwd() for path in sys.path]  # noqa: PTH109  # as text
+    """A worker's environment: this process's, and one thread a library."""
     threads = {f"{library}_NUM_THREADS": "1" for library in _THREADS}
-    return {**os.environ, **threads, "PYTHONPATH": os.pathsep.join(paths)}
+    return {**os.environ, **threads}
 
 
 def _tail(file: IO[bytes]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
@@ -12,7 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from taskbuilder.files import write_whole
+from taskbuilder.files import kept_aside, write_whole
 from taskbuilder.render import Pixels
 from taskbuilder.sim.chatter import captured
 
@@ -42,17 +41,13 @@ def mp4(path: Path, *, fps: int) -> Iterator[Callable[[Pixels], None]]:
         OSError: It cannot be written, or no codec is there.
         ValueError: There was no frame, or one of another size.
     """
-    aside = path.with_name(f".{path.stem}.{secrets.token_hex(4)}.mp4")
-    reel = _Reel(aside, fps)
-    try:
-        aside.touch(exist_ok=False)  # where nothing can be written, that is said at once
-        yield reel.add
-        reel.finish()
-        aside.chmod(0o644)
-        aside.replace(path)
-    finally:
-        reel.stop()
-        aside.unlink(missing_ok=True)
+    with kept_aside(path, f".{path.stem}", ".mp4") as aside:
+        reel = _Reel(aside, fps)
+        try:
+            yield reel.add
+            reel.finish()
+        finally:
+            reel.stop()
 
 
 class _Reel:

@@ -79,9 +79,12 @@ class Policy:
 
         Raises:
             KeyError: Some are missing.
+            ValueError: Some are none of a network's.
         """
         agents: dict[str, set[int]] = {}
-        for name in arrays:
+        for name, array in arrays.items():
+            if array.dtype.kind != "f":
+                raise ValueError(f"{name} has numbers of another kind")
             agent, number, _ = name.rsplit("/", 2)
             agents.setdefault(agent, set()).add(int(number))
         return cls(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.learn.policy import Policy
@@ -14,6 +16,9 @@ ZOO = Path(__file__).parent / "models"
 
 POLICY_FILE = "policy.npz"
 """The policy of a training run, in its folder."""
+
+LARGEST = 64 << 20
+"""Bytes that a policy's file may have: hundreds of times what those of the zoo have."""
 
 _KIND = "policy"
 _PREFIX = "zoo:"
@@ -39,10 +44,13 @@ def load_policy(name: str) -> Policy:
     Raises:
         UnknownNameError: The zoo has none of that name.
         UsageError: There is no such folder or file, or no policy in it yet.
-        StoreError: The file is damaged or none of a policy.
+        StoreError: The file is damaged or none of a policy, or holds what is no number.
     """
     path = _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
-    arrays, about = read_arrays(path, _KIND)
+    arrays, about = read_arrays(path, _KIND, largest=LARGEST)
+    for part, array in arrays.items():
+        if not np.isfinite(array).all():
+            raise StoreError(f"{display_path(path)}: {part} has numbers that are not finite")
     try:
         norms = bool(about.get("norms", False))  # files from before there were any do not say
         return Policy.of(arrays, about, squash=bool(about["squash"]), norms=norms)

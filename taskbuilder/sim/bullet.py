@@ -11,13 +11,14 @@ from typing import Any
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.sim.chatter import import_pybullet
+from taskbuilder.sim.single import Single
 
 __all__ = ["Calls", "p"]
 
 p = import_pybullet()
 
 
-class Calls:
+class Calls(Single):
     """Pybullet's functions, called on one client.
 
     ``calls.getBodyInfo(3)`` is ``pybullet.getBodyInfo(3, physicsClientId=…)``, and what pybullet

@@ -11,6 +11,7 @@ from taskbuilder.geometry import Vec3
 from taskbuilder.sim.bullet import Calls, p
 from taskbuilder.sim.chatter import captured
 from taskbuilder.sim.renderers import Renderer, load_egl
+from taskbuilder.sim.single import Single
 
 # Thirty let a held stick slip by 16 mm where 60 do by half a millimetre; a hundred take a fifth
 # more time while something is held, and gain nothing.
@@ -20,7 +21,7 @@ SOLVER_ITERATIONS = 60
 RESIDUAL = 1e-6
 
 
-class Client:
+class Client(Single):
     """A Bullet world without a window.
 
     Any number can live in one process; each takes about 29 MB. Use it as a context manager or

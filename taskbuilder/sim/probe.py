@@ -7,7 +7,6 @@ imports pybullet except in the child process.
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import re
 import signal
@@ -21,6 +20,7 @@ from typing import Any, Literal
 
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError, require_readable
+from taskbuilder.processes import interpreter
 from taskbuilder.sim.chatter import captured, import_pybullet, warnings
 
 Kind = Literal["urdf", "mesh"]
@@ -32,12 +32,7 @@ _LOADED = "loaded"
 _REFUSED = 3
 # All that a child needs to find its libraries and its home.
 _ENVIRONMENT = ("PATH", "HOME", "LD_LIBRARY_PATH", "SYSTEMROOT")
-# The child runs isolated, without PYTHON… variables, user site or working directory on its path,
-# so it is told the path of this process, by which it finds the same pybullet.
-_START = (
-    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from taskbuilder.sim.probe import main; sys.exit(main(sys.argv[2:]))"
-)
+_START = "from taskbuilder.sim.probe import main; sys.exit(main(sys.argv[1:]))"
 _FILE_NAME = re.compile(rb"filename\s*=\s*[\"']([^\"']*)[\"']")
 _MATERIAL_FILE = re.compile(rb"^\s*mtllib\s+(\S+)", re.MULTILINE)
 
@@ -98,7 +93,7 @@ def _try_out(path: Path, kind: Kind, timeout_s: float) -> None:
     """
     try:
         child = subprocess.run(
-            [sys.executable, "-I", "-c", _START, json.dumps(_import_path()), kind, str(path)],
+            interpreter(_START, kind, str(path), isolated=True),
             env={name: os.environ[name] for name in _ENVIRONMENT if name in os.environ},
             cwd=path.parent,
             stdin=subprocess.DEVNULL,
@@ -133,12 +128,6 @@ def _signal_name(number: int) -> str:
         return signal.Signals(number).name
     except ValueError:
         return f"signal {number}"
-
-
-def _import_path() -> list[str]:
-    """The folders from which this process imports, none of them relative."""
-    package_parent = Path(__file__).resolve().parents[2]
-    return [str(package_parent), *(entry for entry in sys.path if Path(entry).is_absolute())]
 
 
 def _load(bullet: Any, path: Path, kind: str) -> None:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 import subprocess
-import sys
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from typing import Literal
 
 from taskbuilder.errors import SimulationError
+from taskbuilder.processes import interpreter
 from taskbuilder.sim.bullet import Calls
 from taskbuilder.sim.chatter import captured
 
@@ -24,8 +24,7 @@ PROBE_SECONDS = 30.0
 # OpenGL on the CPU: slower than Bullet's own renderer for all but large images.
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software rasterizer")
 
-_PROBE = """
-import importlib.util, pybullet as p
+_PROBE = """import importlib.util, pybullet as p
 p.connect(p.DIRECT)
 if p.loadPlugin(importlib.util.find_spec("eglRenderer").origin, "_eglRendererPlugin") < 0:
     raise SystemExit("the plugin does not load")
@@ -63,7 +62,7 @@ def probe_egl() -> EglProbe:
         return EglProbe("", "this build of pybullet has no EGL plugin")
     try:
         child = subprocess.run(
-            [sys.executable, "-c", _PROBE],
+            interpreter(_PROBE),
             capture_output=True,
             text=True,
             errors="replace",

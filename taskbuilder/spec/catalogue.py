@@ -99,6 +99,18 @@ class Catalogue:
         """
         return self._find("task", reference, Path())
 
+    def named_task(self, name: object) -> Entry:
+        """The task of a name, which is never taken for a path: for names that others wrote.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+            FileError: Two tasks have one id.
+        """
+        if isinstance(name, str) and name in self.tasks:
+            return self.tasks[name]
+        help_ = suggestion(str(name), self.tasks, what="there are")
+        raise UnknownNameError(f'no task "{name}"; {help_}')
+
     def robot(self, reference: str, folder: Path) -> Entry:
         """The robot of a name, or of the path of its robot.yaml, relative to a folder.
 

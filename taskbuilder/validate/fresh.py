@@ -1,7 +1,4 @@
-"""Work in fresh processes: interpreters that have done nothing before, each with hashes its own.
-
-Also what such a process runs: ``python -m taskbuilder.validate.fresh``.
-"""
+"""Work in fresh processes: interpreters that have done nothing before, each with hashes its own."""
 
 from __future__ import annotations
 
@@ -14,6 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from tempfile import TemporaryFile
 from typing import IO, Any
 
+from taskbuilder.processes import interpreter
 from taskbuilder.validate.studio import DescriptionError, Source, Studio, at_work
 
 Give = Callable[[Callable[[Studio, Any], Any], Source, Any], Callable[[], list[Any]]]
@@ -60,7 +58,7 @@ def fresh_processes(count: int) -> Iterator[Give]:
 
 def _begin(number: int, said: IO[bytes]) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        [sys.executable, "-m", "taskbuilder.validate.fresh"],
+        interpreter("from taskbuilder.validate.fresh import main; main()"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=said,
@@ -91,8 +89,11 @@ def _result(child: subprocess.Popen[bytes], said: IO[bytes]) -> Any:
     return value
 
 
-def _work() -> None:
-    """Do the work that is written to standard input; nothing else is written to standard output."""
+def main() -> None:
+    """Do the work that is written to standard input, in a fresh process.
+
+    Nothing but its result is written to standard output.
+    """
     result = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # of what is printed, from C too
     function, source, item = pickle.load(sys.stdin.buffer)  # noqa: S301  # our owner wrote it
@@ -102,7 +103,3 @@ def _work() -> None:
         told = (False, error)
     with result:
         pickle.dump(told, result)
-
-
-if __name__ == "__main__":
-    _work()

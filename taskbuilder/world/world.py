@@ -14,6 +14,7 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import Contact, contacts
+from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Snapshot, release, restore, save
 from taskbuilder.spec.load import TaskFile
 from taskbuilder.spec.scene import SceneSpec
@@ -51,7 +52,7 @@ class WorldState:
     forces: Mapping[Pair, Reading]
 
 
-class World:
+class World(Single):
     """Robots, objects and sites of a scene, by name, over one physics client.
 
     Values are read from the physics once and kept until the world moves on, so that everything

@@ -351,3 +351,18 @@ def test_importing_the_package_imports_neither_pybullet_nor_numpy() -> None:
         "sys.exit(not {'pybullet', 'numpy', 'urllib.request'}.isdisjoint(sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(("links", "right"), [(128, True), (129, False)])
+def test_more_links_than_the_engine_takes_are_refused_where_they_are_read(links, right, read):
+    chain = [JOINT.format(f"j{n}", f"l{n - 1}", f"l{n}") for n in range(1, links)]
+    text = "\n".join([*(LINK.format(f"l{n}") for n in range(links)), *chain])
+    text = f'<robot name="chain">{text}</robot>'
+    if right:
+        assert len(read(text).links) == links
+        return
+    with pytest.raises(FileError) as refused:
+        read(text)
+    (finding,) = refused.value.findings
+    assert (finding.code, finding.location.line) == (codes.TOO_MANY, 1)
+    assert "has 129 links; at most 128" in finding.message

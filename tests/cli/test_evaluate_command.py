@@ -111,7 +111,8 @@ def test_films_go_to_a_folder_of_their_own_and_each_episode_is_shown_once(run, p
 
 
 def test_a_run_is_measured_by_the_policy_in_its_folder(run, policy):
-    folder = write_run(Path("runs/sideways-scratch-3"), task="sideways.yaml", steps=400, every=100)
+    task = str(policy.with_name("sideways.yaml"))
+    folder = write_run(Path("runs/sideways-scratch-3"), task=task, steps=400, every=100)
     policy.rename(folder / "policy.npz")
     # The task is found where training found it, with no folder named.
     ran = run("evaluate", "runs/sideways-scratch-3", "--episodes", "1", "--jobs", "1", "--out", "o")

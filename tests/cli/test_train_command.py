@@ -106,3 +106,17 @@ def struck(words: tuple[str, ...], step: int, blow: signal.Signals) -> int:
         os.kill(child.pid, blow)
         child.communicate(timeout=60)
     return child.returncode
+
+
+def test_a_run_goes_on_from_any_folder(run, tmp_path, monkeypatch):
+    (tmp_path / "mine").mkdir()
+    write_task(tmp_path / "mine")
+    words = ("--reward", "team", "--steps", "60", *SHORT, *TINY)
+    assert run("train", "mine/sideways.yaml", *words, "--out", "by-path").status == 0
+    named = ("train", "sideways", "--task-path", "mine", *words)
+    assert run(*named, "--out", "by-name").status == 0
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    for name in ("by-path", "by-name"):
+        ran = run("train", "--resume", f"../{name}")
+        assert (ran.status, ran.err) == (0, "")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import cv2
 import numpy as np
 import pytest
@@ -141,3 +144,34 @@ def test_what_stands_still_takes_no_room_in_a_gif(tmp_path):
         save_gif(tmp_path / f"{count}.gif", frames, [n / 12 for n in range(count)], hold_s=1.0)
     one, twenty = ((tmp_path / f"{count}.gif").stat().st_size for count in (1, 20))
     assert twenty < 1.5 * one
+
+
+def test_what_a_killed_film_left_is_swept_up_by_the_next(tmp_path):
+    left = [tmp_path / name for name in (".film.0123abcd.mp4", ".film.gif.0123abcd")]
+    others = [tmp_path / name for name in (".film.mp4", ".movie.0123abcd.mp4", ".film.0123.mp4")]
+    for file in (*left, *others):
+        file.write_bytes(b"half")
+    write(tmp_path / "film.mp4", moving(2))
+    save_gif(tmp_path / "film.gif", moving(2), [0.0, 0.1], hold_s=0.1)
+    found = {file.name for file in tmp_path.iterdir()}
+    assert found == {"film.mp4", "film.gif", *(file.name for file in others)}
+
+
+def test_a_film_that_another_process_still_writes_is_left_alone(tmp_path):
+    with mp4(tmp_path / "film.mp4", fps=24) as add:
+        add(moving(1)[0])
+        write(tmp_path / "film.mp4", moving(2))  # locks are a file's, so this is as another process
+        assert len(list(tmp_path.glob(".film.*"))) == 1
+    assert frames_in(tmp_path / "film.mp4") == 1
+
+
+def test_a_process_that_is_killed_in_a_film_leaves_nothing_for_good(tmp_path):
+    code = (
+        "import os, sys; from pathlib import Path; from taskbuilder.film.files import mp4\n"
+        "with mp4(Path(sys.argv[1]), fps=24): os.kill(os.getpid(), 9)\n"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "film.mp4")]
+    assert subprocess.run(command, check=False).returncode == -9
+    assert len(list(tmp_path.glob(".film.*"))) == 1
+    write(tmp_path / "film.mp4", moving(2))
+    assert [file.name for file in tmp_path.iterdir()] == ["film.mp4"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Environments under Stable-Baselines3, TorchRL and RLlib, in a virtual environment of its own.
+# Environments under Stable-Baselines3, SuperSuit, TorchRL and RLlib, in a virtual environment of its own.
 # Its folder can be given, to be used again: tests/interop/run.sh FOLDER
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -13,7 +13,7 @@ venv=${1:-$scratch/venv}
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 . "$venv/bin/activate"
 # RLlib without its extra, which asks for gymnasium 1.2.2 exactly; what else the extra holds follows.
-pip install --quiet -e ".[test]" torch stable-baselines3 torchrl \
+pip install --quiet -e ".[test]" torch stable-baselines3 supersuit torchrl \
     ray dm-tree lz4 ormsgpack pandas pyarrow scipy tensorboardX \
     -c tests/interop/constraints.txt
 

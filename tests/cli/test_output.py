@@ -1,0 +1,103 @@
+"""What commands print, wherever it goes and whatever else is printed meanwhile."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+MODULE = (sys.executable, "-P", "-m", "taskbuilder")
+SMALL = ("--size", "32x24")
+NOISE = """
+import ctypes, os
+def noise():
+    print("words")
+    os.write(1, b"bytes")
+    ctypes.CDLL(None).puts(b"from C")
+noise()
+"""
+CUSTOM = """
+from taskbuilder.description import WorldView, condition
+@condition
+def loud(world: WorldView) -> bool:
+    noise()
+    return False
+"""
+COMMANDS = {
+    "list": ("list", "--task-path", "."),
+    "validate": ("validate", "good.yaml", "--level", "static"),
+    "render": ("render", "good.yaml", *SMALL),
+}
+PLAYED = {
+    "validate": ("validate", "good.yaml", "--quick", "--level", "build"),
+    "demo": ("demo", "good.yaml", "--policy", "random", "--jobs", "1", *SMALL),
+}
+
+
+def ran(words, cwd, **environment):
+    """A command as a process of its own, in bytes."""
+    env = {**os.environ, **environment}
+    return subprocess.run([*MODULE, *words], capture_output=True, cwd=cwd, env=env, check=False)
+
+
+@pytest.mark.parametrize("words", PLAYED.values(), ids=PLAYED)
+def test_json_is_alone_on_standard_output(words, good, tmp_path):
+    text = good.with_suffix(".py").read_text()
+    assert "success = Above" in text
+    loud = text.replace("success = Above", "failure = loud()\n    success = Above")
+    good.with_suffix(".py").write_text(NOISE + CUSTOM + loud)
+    done = ran((*words, "--json"), tmp_path)
+    assert done.returncode in (0, 1), done.stderr
+    assert json.loads(done.stdout)
+    assert b"fails to import" not in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("words", COMMANDS.values(), ids=COMMANDS)
+@pytest.mark.parametrize("form", [(), ("--json",)])
+def test_any_encoding_of_the_output_will_do(words, form, good, tmp_path):
+    done = ran((*words, *form), tmp_path, PYTHONIOENCODING="ascii")
+    assert done.returncode in (0, 1), done.stderr
+    assert done.stdout.isascii()
+    if form:
+        assert json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("words", COMMANDS.values(), ids=COMMANDS)
+@pytest.mark.parametrize("redirected", [">&-", "<&- >&- 2>&-"])
+def test_a_closed_output_is_no_defect(words, redirected, good, tmp_path):
+    command = ["sh", "-c", f'"$@" {redirected}', "sh", *MODULE, *words]
+    done = subprocess.run(command, capture_output=True, cwd=tmp_path, check=False)
+    assert done.returncode in (0, 1), done.stderr
+    assert b"defect" not in done.stderr
+
+
+@pytest.mark.parametrize("name", ["schön", b"\xff".decode(errors="surrogateescape")])
+@pytest.mark.parametrize("locale", [{}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0"}])
+def test_any_folder_will_do(name, locale, good, tmp_path):
+    folder = tmp_path / name
+    folder.mkdir()
+    for suffix in (".yaml", ".py"):
+        good.with_suffix(suffix).rename(folder / f"good{suffix}")
+    env = {**locale, "PYTHONUTF8": "0"} if locale else {}
+    for words in (
+        ("validate", f"{name}/good.yaml", "--level", "static", "--report", f"{name}/proof"),
+        ("render", f"{name}/good.yaml", *SMALL, "--out", f"{name}/out", "--json"),
+    ):
+        done = ran(words, tmp_path, **env)
+        assert done.returncode in (0, 1), done.stderr
+        assert b"defect" not in done.stderr
+
+
+@pytest.mark.parametrize("level", ["static", "full"])
+def test_a_condition_nested_too_deep_is_a_finding(level, good, tmp_path):
+    file = good.with_suffix(".py")
+    deep = 'deep = Above("cube", height=0.2)\nfor _ in range(900):\n    deep = ~(deep & ~deep)\n'
+    text = file.read_text().replace("class Good", f"{deep}\n\nclass Good")
+    file.write_text(text.replace('success = Above("cube", height=0.2)', "success = deep"))
+    done = ran(("validate", "good.yaml", "--quick", "--level", level), tmp_path)
+    assert done.returncode == 1, done.stderr
+    assert b"TB212" in done.stdout
+    assert b"is nested more than 100 deep" in done.stdout

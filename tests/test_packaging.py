@@ -1,0 +1,76 @@
+"""What is handed out: the archive of the sources, and the text of a package index."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tarfile
+from email import message_from_bytes
+from pathlib import Path
+
+import pytest
+import yaml
+
+from taskbuilder._version import __version__
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILD = "import sys; from setuptools import build_meta; print(build_meta.build_sdist(sys.argv[1]))"
+
+
+def own_files() -> list[str]:
+    """The files of a checkout, or of an unpacked archive."""
+    command = ["git", "ls-files", "-co", "--exclude-standard"]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if listed.returncode == 0:
+        return listed.stdout.splitlines()
+    parts = ("taskbuilder", "tasks", "robots", "tests", "docs", "examples", "benchmarks")
+    files = [file for part in parts for file in (ROOT / part).rglob("*")]
+    return [str(file.relative_to(ROOT)) for file in (*ROOT.glob("*"), *files)]
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of the archive of sources, by their paths in it."""
+    folder = tmp_path_factory.mktemp("built")
+    for name in own_files():
+        if (ROOT / name).is_file():
+            (folder / "src" / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / "src" / name).write_bytes((ROOT / name).read_bytes())
+    command = [sys.executable, "-c", BUILD, str(folder)]
+    subprocess.run(command, cwd=folder / "src", check=True, capture_output=True)
+    (archive,) = folder.glob("*.tar.gz")
+    with tarfile.open(archive) as file:
+        members = [member for member in file.getmembers() if member.isfile()]
+        return {
+            member.name.partition("/")[2]: file.extractfile(member).read()  # type: ignore[union-attr]
+            for member in members
+        }
+
+
+def test_the_archive_of_sources_is_whole(sources):
+    needed = {
+        *("constraints.txt", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE"),
+        *("Makefile", "docs/conf.py", "docs/quickstart.md", "docs/images/handover.gif"),
+        *("tests/conftest.py", "tests/made_runs.py", "tests/learn/test_maddpg.py"),
+        *("tests/interop/run.sh", "tasks/handover.yaml"),
+        *("robots/ur5e/robot.yaml", "taskbuilder/py.typed"),
+    }
+    assert needed <= set(sources)
+    assert not [name for name in sources if "__pycache__" in name or "_build/" in name]
+
+
+def test_the_text_of_a_package_index_leads_nowhere_that_an_index_has_not(sources):
+    metadata = message_from_bytes(sources["PKG-INFO"])
+    assert metadata["Description-Content-Type"] == "text/markdown"
+    text = metadata.get_payload()
+    assert "# taskbuilder" in text
+    assert "Two arms hand a stick over" in text
+    targets = re.findall(r"\]\(([^)]*)\)", text)
+    assert [target for target in targets if not re.match(r"https?://|#", target)] == []
+
+
+def test_the_citation_is_of_this_version():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert citation["version"] == __version__
+    assert {"cff-version", "message", "title", "authors"} <= citation.keys()
