@@ -85,6 +85,8 @@ FAMILIES = {
 """A code, or its first letters -> the families that it takes to find it."""
 TAKES_TRIAL = {"TB213"}
 """Takes an import on trial in another process, which lasts longer than most validations."""
+TAKES_PROCESS = {"TB315"}
+"""Would end the process that plays."""
 
 
 def families_for(code: str) -> tuple[str, ...] | None:
@@ -192,7 +194,8 @@ def findings(folder: Path, example: Example, snippet: str, code: str) -> tuple[F
     with pytest.MonkeyPatch.context() as patch:
         if code not in TAKES_TRIAL:
             patch.setattr("taskbuilder.task.try_import", lambda _: None)
-        return validate_task(folder / "example.yaml", **how).findings
+        apart = code in TAKES_PROCESS
+        return validate_task(folder / "example.yaml", apart=apart, **how).findings
 
 
 @pytest.mark.parametrize("code", sorted(set(WITH_EXAMPLE) - OF_FOLDERS))
