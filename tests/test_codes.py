@@ -69,12 +69,16 @@ ATTRIBUTES = """class Example(Description):
 # They have tests of their own, below.
 OF_FOLDERS = {"TB001", "TB008"}
 GATHERING = {"TB000", "TB100", "TB200", "TB300", "TB400"}
-OF_THE_ENVIRONMENT = {"TB521", "TB522", "TB524", "TB527"}
+OF_THE_ENVIRONMENT = {
+    *("TB521", "TB522", "TB524", "TB527"),
+    *("TB571", "TB572", "TB573", "TB575", "TB576"),
+}
 WITHOUT_A_VERDICT = {"TB561"}
 FAMILIES = {
     "TB50": ("repeat",),
     "TB51": ("reach",),
     "TB52": ("contract",),
+    "TB57": ("contract",),
     "TB53": ("solvable",),
     "TB534": (),
     "TB54": ("needs its robots",),
