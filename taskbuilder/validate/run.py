@@ -35,6 +35,7 @@ from taskbuilder.validate.apart import (
     watch,
 )
 from taskbuilder.validate.losses import finding_of_loss, lost_family
+from taskbuilder.validate.making import Stopwatch
 from taskbuilder.validate.report import Check, FamilyResult, Progress, TaskReport
 from taskbuilder.validate.static import static_failure, static_family
 
@@ -123,9 +124,12 @@ def validate_task(
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
     orders = Orders(str(reference), level, seeds, catalogue, jobs, wanted)
+    watched = Stopwatch()
     if apart:
-        return watch(_validated_apart, orders, progress)
-    return _validated(orders, Nobody(progress))
+        report = watch(_validated_apart, orders, progress)
+    else:
+        report = _validated(orders, Nobody(progress))
+    return replace(report, making=watched.making(level, seeds))
 
 
 def _validated_apart(orders: Orders) -> TaskReport:
