@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.spec.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
+    from taskbuilder.validate.environments import check_env
     from taskbuilder.validate.run import validate_task
     from taskbuilder.world.building import build_world
     from taskbuilder.world.world import World
@@ -30,6 +31,7 @@ __all__ = [
     "__version__",
     "build_world",
     "catalogue",
+    "check_env",
     "load_task",
     "make_vec",
     "parallel_env",
@@ -44,6 +46,7 @@ _HOMES = {
     "TaskVectorEnv": "taskbuilder.env.vector",
     "World": "taskbuilder.world.world",
     "build_world": "taskbuilder.world.building",
+    "check_env": "taskbuilder.validate.environments",
     "load_task": "taskbuilder.task",
     "make_vec": "taskbuilder.env.vector",
     "parallel_env": "taskbuilder.env.parallel",

@@ -1,73 +1,246 @@
-"""Other processes: starting interpreters, and noticing that this one was forked off.
+"""Child processes: started, watched, and asked why they died.
 
-Interpreters that are started here never look for modules in the working directory.
-
-Python puts the working directory before its own library where it is started with ``-c`` or ``-m``,
-so that a file ``random.py`` beside a task would be run in place of the library's.
+A child is a fresh interpreter. It ends when its owner does, leaves Ctrl-C to it, and keeps its last
+words, such as the line at which it hung or crashed, in a file that the owner reads.
 """
 
 from __future__ import annotations
 
-import json
+import faulthandler
+import fcntl
 import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
+import resource
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import IO, BinaryIO, NoReturn
 
-_SAFE = "PYTHONSAFEPATH"
-_BEGIN = "import json, sys; sys.path[:] = json.loads(sys.argv.pop(1)); "
+from taskbuilder.interpreters import interpreter
+
+_FAREWELL_S = 0.2  # for a child that hangs to say where
+_LONGEST = 20_000  # bytes of last words
+
+_THREADS = ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")
+
+_CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL}
 
 
-def interpreter(start: str, *words: str, isolated: bool = False) -> list[str]:
-    """The command of a child interpreter that imports what this one does, from where it does.
+@dataclass(frozen=True)
+class Fault:
+    """How a child was lost.
 
-    Args:
-        start: The Python code that it runs.
-        words: What the code finds in `sys.argv` after the first.
-        isolated: Without the variables PYTHON... and the user's own packages.
+    Attributes:
+        cause: What happened, after "worker 1 (environments 4 to 7)".
+        words: What it said last: a traceback, or "".
+        outside: Somebody else killed or stopped it, as far as can be told; doing its work again
+            may go well.
     """
-    flag = "-I" if isolated else "-P"
-    return [sys.executable, flag, "-c", _BEGIN + start, json.dumps(import_path()), *words]
+
+    cause: str
+    words: str
+    outside: bool = False
 
 
-def import_path() -> list[str]:
-    """The folders from which this process imports, none relative, the working directory last."""
-    package = str(Path(__file__).resolve().parents[1])
-    folders = [folder for folder in sys.path if Path(folder).is_absolute()]
-    if package not in folders:  # found by a relative path, or by a finder of its own
-        folders.append(package)
+class ChildProcess:
+    """A child, and the owner's ends of what connects to it.
+
+    Attributes:
+        connection: To the child, while there is one.
+    """
+
+    def __init__(self) -> None:
+        self.connection: socket.socket | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+        self._lifeline = -1
+        self._words: IO[bytes] | None = None
+
+    @property
+    def pid(self) -> int:
+        """The process, or -1."""
+        return self._process.pid if self._process else -1
+
+    def begin(
+        self,
+        code: str,
+        orders: bytes = b"",
+        *numbers: int,
+        passed: Sequence[int] = (),
+        silent: bool = True,
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
+        """Start a process, in place of the one that there was.
+
+        Args:
+            code: The Python that it runs. Its arguments are the descriptors of its end of the
+                connection, of its lifeline, of the file for its last words, and those that are
+                passed; then the numbers.
+            orders: What it reads from standard input.
+            numbers: Further arguments.
+            passed: Descriptors that it inherits.
+            silent: What it prints is kept with its last words; else it goes to standard error.
+            environment: Variables besides those of this process.
+        """
+        self.end()
+        self._words = tempfile.TemporaryFile()  # noqa: SIM115  # closed by end
+        self.connection, far = socket.socketpair()
+        near, self._lifeline = os.pipe()
+        with far, tempfile.TemporaryFile() as told:  # unlike a pipe, a file is never full
+            told.write(orders)
+            told.seek(0)
+            given = (far.fileno(), near, self._words.fileno(), *passed)
+            try:
+                self._process = subprocess.Popen(
+                    interpreter(code, *map(str, (*given, *numbers))),
+                    stdin=told,
+                    stdout=subprocess.DEVNULL if silent else _standard_error(),
+                    stderr=self._words if silent else _standard_error(),
+                    pass_fds=given,
+                    env=environment_of_children() | dict(environment or {}),
+                    process_group=0,  # Ctrl-C in a terminal is for the owner
+                )
+            finally:
+                os.close(near)
+
+    @property
+    def stopped(self) -> bool:
+        """It stands still, as after SIGSTOP; not known on every system."""
+        if self._process is None or not hasattr(os, "waitid"):
+            return False
+        how = os.WSTOPPED | os.WNOHANG | os.WNOWAIT
+        try:
+            state = os.waitid(os.P_PID, self._process.pid, how)
+        except ChildProcessError:
+            return False
+        return state is not None and state.si_code == os.CLD_STOPPED
+
+    def end(self) -> None:
+        """Kill the process, if there is one, and close what connects to it."""
+        if self._process:
+            self._process.kill()
+            self._process.wait()
+            self._process = None
+        if self.connection:
+            self.connection.close()
+            self.connection = None
+        if self._lifeline >= 0:
+            os.close(self._lifeline)
+            self._lifeline = -1
+        if self._words:
+            self._words.close()
+            self._words = None
+
+    def autopsy(self, cause: str = "", *, outside: bool = False) -> Fault:
+        """End it and find out what happened.
+
+        Args:
+            cause: What is known; "" for a process that ended by itself.
+            outside: What is known was somebody else's doing.
+        """
+        words = ""
+        if self._process and self._words:
+            if cause and not outside:
+                self._process.send_signal(signal.SIGABRT)  # makes it write where it hangs
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(_FAREWELL_S)
+            words = _tail(self._words)
+            if not cause:
+                status = self._process.poll()
+                cause, outside = _end_of(status, words), _by_others(status)
+        self.end()
+        return Fault(cause, words, outside)
+
+
+def _standard_error() -> int:
+    """A descriptor for what children print; standard error's, unless that is closed."""
     try:
-        here = str(Path.cwd())
-    except OSError:  # it was removed
-        return folders
-    return sorted(folders, key=lambda folder: folder == here)
+        os.fstat(2)
+    except OSError:
+        return subprocess.DEVNULL
+    return 2
 
 
-@contextmanager
-def safe_path() -> Iterator[None]:
-    """Have interpreters that others start meanwhile leave the working directory alone too."""
-    before = os.environ.get(_SAFE)
-    os.environ[_SAFE] = "1"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[_SAFE]
-        else:
-            os.environ[_SAFE] = before
+def environment_of_children() -> dict[str, str]:
+    """A child's environment: this process's, and one thread a library."""
+    return {**os.environ, **{f"{library}_NUM_THREADS": "1" for library in _THREADS}}
 
 
-class Lineage:
-    """Counts the forks that led to this process; unlike asking for its id, reading it is free."""
-
-    forks = 0
-
-    @classmethod
-    def grow(cls) -> None:
-        """Note a fork, in the process that came of it."""
-        cls.forks += 1
+def _tail(file: IO[bytes]) -> str:
+    end = file.seek(0, os.SEEK_END)
+    file.seek(max(0, end - _LONGEST))
+    return file.read().decode(errors="replace").strip()
 
 
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=Lineage.grow)
+def _end_of(status: int | None, words: str) -> str:
+    """How a process ended, in words."""
+    if status is None:
+        return "closed its connection"
+    if status < 0:
+        return f"was killed by {signal.Signals(-status).name}"
+    said = words.splitlines()
+    return f"failed: {said[-1]}" if "Traceback" in words else f"ended with status {status}"
+
+
+def _by_others(status: int | None) -> bool:
+    """Whether it takes another process to end one so, as far as can be told."""
+    return status is not None and status < 0 and -status not in _CRASHES
+
+
+# --- in the child
+
+_last_words: BinaryIO | None = None
+
+
+def owned() -> bool:
+    """Whether this process is a child that leaves Ctrl-C to its owner."""
+    return _last_words is not None
+
+
+def become_child(lifeline: int, last_words: BinaryIO) -> None:
+    """Do as a child does: end with the owner, leave Ctrl-C to it, and leave last words."""
+    global _last_words
+    _last_words = last_words
+    _die_with_owner(lifeline)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner decides
+    faulthandler.enable(last_words)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def tell_exits() -> Callable[[int], NoReturn]:
+    """Have whoever ends this process by `os._exit` leave last words.
+
+    Returns:
+        Ends it without a word.
+    """
+    leave = os._exit
+
+    def tell(status: int) -> NoReturn:
+        with suppress(OSError):
+            faulthandler.dump_traceback(_last_words or 2, all_threads=False)
+        leave(status)
+
+    os._exit = tell
+    return leave
+
+
+def _die_with_owner(lifeline: int) -> None:
+    """End this process when the other end of a pipe is closed, as it is when the owner dies.
+
+    On Linux the kernel sees to it, even while this process is stopped or hangs in C code.
+    """
+    if hasattr(fcntl, "F_SETSIG"):
+        fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(lifeline, fcntl.F_SETSIG, signal.SIGKILL)
+        flags = fcntl.fcntl(lifeline, fcntl.F_GETFL)
+        fcntl.fcntl(lifeline, fcntl.F_SETFL, flags | os.O_ASYNC)
+    else:
+        threading.Thread(target=_wait_for_end, args=(lifeline,), daemon=True).start()
+
+
+def _wait_for_end(lifeline: int) -> None:
+    os.read(lifeline, 1)
+    os._exit(1)

@@ -6,9 +6,16 @@ import os
 
 import pytest
 
+from taskbuilder.validate.formats.pages import make_page
+from taskbuilder.validate.run import validate_task
+
 # Tests are shared out over the cores already; with threads besides, they would wait for each other.
 for library in ("OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+# Validations play in the process of the test, which may have broken something on purpose there, and
+# which need not wait for another to start; what other processes are for is tested where it says so.
+validate_task.__kwdefaults__["apart"] = make_page.__kwdefaults__["apart"] = False
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

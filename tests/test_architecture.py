@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals", "processes", "wording")
+FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "wording")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -26,7 +26,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "validate": (
         *("bench", "film", "expert", "render", "rollout", "env"),
-        *("codes", "jobs", "files", *SIMULATED),
+        *("codes", "jobs", "files", "processes", *SIMULATED),
     ),
     "bench": ("expert", "render", "rollout", "env", *SIMULATED),
     "learn": ("rollout", "env", "task", "arrays", "files", *FOUNDATION),
@@ -36,25 +36,26 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "portrait": ("render", *SIMULATED),
     "render": ("files", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
-    "env": SIMULATED,
+    "env": ("processes", *SIMULATED),
     "reference": ("codes", "description", *FILES),
     "codes": (),
     "curves": ("charts",),
     "charts": (),
-    "jobs": ("processes",),
+    "jobs": ("processes", "errors"),
     "arrays": ("files", *FOUNDATION),
     "files": (),
     "task": ("description", *FILES),
     "world": ("sim", *FILES),
     "sim": ("assets", *FOUNDATION),
-    "description": FILES,
+    "description": ("processes", *FILES),
     "spec": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
+    "processes": ("interpreters",),
     "geometry": (),
     "intervals": (),
     "errors": (),
     "wording": (),
-    "processes": (),
+    "interpreters": (),
     "_library": (),
     "_version": (),
 }

@@ -69,12 +69,16 @@ ATTRIBUTES = """class Example(Description):
 # They have tests of their own, below.
 OF_FOLDERS = {"TB001", "TB008"}
 GATHERING = {"TB000", "TB100", "TB200", "TB300", "TB400"}
-OF_THE_ENVIRONMENT = {"TB521", "TB522", "TB524", "TB527"}
+OF_THE_ENVIRONMENT = {
+    *("TB521", "TB522", "TB524", "TB527"),
+    *("TB571", "TB572", "TB573", "TB575", "TB576"),
+}
 WITHOUT_A_VERDICT = {"TB561"}
 FAMILIES = {
     "TB50": ("repeat",),
     "TB51": ("reach",),
     "TB52": ("contract",),
+    "TB57": ("contract",),
     "TB53": ("solvable",),
     "TB534": (),
     "TB54": ("needs its robots",),
@@ -85,6 +89,8 @@ FAMILIES = {
 """A code, or its first letters -> the families that it takes to find it."""
 TAKES_TRIAL = {"TB213"}
 """Takes an import on trial in another process, which lasts longer than most validations."""
+TAKES_PROCESS = {"TB315"}
+"""Would end the process that plays."""
 
 
 def families_for(code: str) -> tuple[str, ...] | None:
@@ -192,7 +198,8 @@ def findings(folder: Path, example: Example, snippet: str, code: str) -> tuple[F
     with pytest.MonkeyPatch.context() as patch:
         if code not in TAKES_TRIAL:
             patch.setattr("taskbuilder.task.try_import", lambda _: None)
-        return validate_task(folder / "example.yaml", **how).findings
+        apart = code in TAKES_PROCESS
+        return validate_task(folder / "example.yaml", apart=apart, **how).findings
 
 
 @pytest.mark.parametrize("code", sorted(set(WITH_EXAMPLE) - OF_FOLDERS))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
-import time
 from collections.abc import Sequence
 from contextlib import redirect_stdout
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,11 +32,9 @@ def run(arguments: argparse.Namespace) -> int:
     names = asked_tasks(arguments, catalogue)
     for name in names:
         catalogue.task(name)  # one that is not there is refused before any takes its time
-    pages = _Pages(arguments.report, catalogue, several=len(names) > 1)
+    pages = _Pages(arguments.report, catalogue)
     reports: list[TaskReport] = []
-    seconds = 0.0
     for name in names:
-        started = time.perf_counter()
         with redirect_stdout(sys.stderr):  # what a description prints is no part of the result
             report = validate_task(
                 name,
@@ -45,12 +44,26 @@ def run(arguments: argparse.Namespace) -> int:
                 catalogue=catalogue,
                 progress=progress,
             )
-        seconds += time.perf_counter() - started
+        report = _with_command(report, name, arguments)
         reports.append(report)
         _print_task(report, arguments.format)
         pages.add(name, report)
+    seconds = sum(report.seconds for report in reports)
     _print_end(reports, arguments.format, seconds, pages.finish())
     return 0 if all(report.ok for report in reports) else 1
+
+
+def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) -> TaskReport:
+    """A report that says by which command it can be made again."""
+    if report.making is None:
+        return report
+    words = ["taskbuilder", "validate", name]
+    words += ["--level", arguments.level] if arguments.level != "full" else []
+    words += ["--quick"] if arguments.quick else []
+    words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
+    for folder in arguments.task_path or ():
+        words += ["--task-path", str(folder)]
+    return replace(report, making=replace(report.making, command=shlex.join(words)))
 
 
 class _Pages:
@@ -60,8 +73,8 @@ class _Pages:
         UsageError: There can be no such folder.
     """
 
-    def __init__(self, folder: Path | None, catalogue: Catalogue, *, several: bool) -> None:
-        self._folder, self._catalogue, self._several = folder, catalogue, several
+    def __init__(self, folder: Path | None, catalogue: Catalogue) -> None:
+        self._folder, self._catalogue = folder, catalogue
         self._written: list[tuple[str, Page]] = []
         if folder:
             make_folder(folder)
@@ -71,7 +84,7 @@ class _Pages:
         if self._folder:
             from taskbuilder.validate.formats.pages import INDEX, make_page, write_page
 
-            taken = [INDEX] * self._several + [file for file, _ in self._written]
+            taken = [INDEX, *(file for file, _ in self._written)]
             page = make_page(name, report, self._catalogue)
             self._written.append((write_page(self._folder, page, taken).name, page))
 
@@ -81,9 +94,9 @@ class _Pages:
             return ""
         from taskbuilder.validate.formats.pages import write_index
 
-        if self._several:
-            return display_path(write_index(self._folder, self._written))
-        return display_path(self._folder / self._written[0][0])
+        index = write_index(self._folder, self._written)
+        (first, _), *others = self._written
+        return display_path(index if others else self._folder / first)
 
 
 def _print_task(report: TaskReport, form: str) -> None:

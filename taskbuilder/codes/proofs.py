@@ -302,5 +302,37 @@ ENTRIES = {
         "Figures without a verdict: control steps a second, what a control step costs beyond its "
         "physics steps, and how long a reset and building the world take.",
     ),
+    "TB571": Code(
+        "Render gives no picture",
+        "`render` gives nothing, something other than (height, width, 3) of uint8, or a picture "
+        "of one colour alone." + _OURS,
+    ),
+    "TB572": Code(
+        "Resets keep memory",
+        "Each reset keeps saved states, or more than 100 KB, that no later one gives back: "
+        "training would run out of memory." + _OURS,
+    ),
+    "TB573": Code(
+        "An episode that does not end",
+        "After its last control step the episode still goes on." + _OURS,
+    ),
+    "TB574": Code(
+        "An agent sees nothing",
+        "An agent is given no observation, or an empty one: it cannot learn anything from looking.",
+        Example(
+            "task",
+            "observe: {left: [], right: [self.tcp, cube.position]}",
+            "observe: {left: [self.tcp], right: [self.tcp, cube.position]}",
+        ),
+    ),
+    "TB575": Code(
+        "The seed does not decide",
+        "In the same environment the same seed and actions gave another episode, or another "
+        "episode after it; or every seed gave the same, although things are placed anew." + _OURS,
+    ),
+    "TB576": Code(
+        "Reward that is no finite number",
+        "An agent was paid something that is not a number or infinite." + _OURS,
+    ),
 }
 """Code -> what it stands for."""

@@ -110,10 +110,25 @@ ENTRIES = {
     ),
     "TB314": Code(
         "The description fails when it is asked",
-        "A condition, measure or reward term raised an error; the finding shows its line.",
+        "A condition, measure or reward term raised an error, or gave what it cannot have: a "
+        "condition gives True or False, a measure and a term give a number. The finding shows the "
+        "line.",
         Example(
             "module",
             "@condition\ndef up(world):\n    return world.position('cube') > 0.6\n\n\n"
+            "class Example(Description):\n    ...\n    failure = up()",
+            "class Example(Description):\n    ...\n    failure = Above('cube', height=0.6)",
+        ),
+    ),
+    "TB315": Code(
+        "The process that plays is lost",
+        "Asked, the description ended or crashed the interpreter, or did not come back in time: "
+        "20 s and 0.8 s for each control step of an episode. The finding shows the line, where it "
+        "can be known. A process that is killed or stopped from outside is replaced, and what it "
+        "did is done again; where that happens twice in a row, memory may be short.",
+        Example(
+            "module",
+            "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
             "class Example(Description):\n    ...\n    failure = up()",
             "class Example(Description):\n    ...\n    failure = Above('cube', height=0.6)",
         ),

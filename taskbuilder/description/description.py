@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import partial
+from typing import Any, ClassVar, SupportsFloat
 
 from taskbuilder.description.logic import Never
 from taskbuilder.description.measures import Measure
-from taskbuilder.description.node import Condition, Memory, Node, walk
+from taskbuilder.description.node import (
+    Condition,
+    Memory,
+    Node,
+    Parts,
+    Step,
+    ValueOfNodeError,
+    is_ours,
+    walk,
+)
 from taskbuilder.description.rewards import Term
 from taskbuilder.description.view import WorldView
 
@@ -70,6 +80,21 @@ class Outcome:
     team: float
 
 
+def _looked_at(node: Node, world: WorldView, parts: Parts, memory: Memory) -> Step:
+    """A node's value and memory, the value being of the right sort."""
+    step = node.update(world, parts, memory)
+    if not isinstance(step, tuple) or len(step) != 2:
+        raise ValueOfNodeError(node, step, "update gives a value and a memory")
+    value, kept = step
+    if isinstance(node, Condition):
+        return node.truth(value), kept
+    if isinstance(node, Measure):
+        return node.number_of(value), kept
+    if isinstance(node, Term) and not isinstance(value, SupportsFloat):
+        raise ValueOfNodeError(node, value, "a reward term pays a number")
+    return value, kept
+
+
 class Referee:
     """Applies a description to a world; remembers what the description needs, in one value.
 
@@ -89,6 +114,11 @@ class Referee:
         stages = description.stages.values()
         roots: tuple[Node, ...] = (*named.values(), *stages, *description.reward, *progress)
         self._nodes = tuple(walk(roots))
+        # What a description's own nodes give in their own ways is looked at; ours cannot go wrong.
+        self._updates = tuple(
+            node.update if is_ours(type(node).update) else partial(_looked_at, node)
+            for node in self._nodes
+        )
         # Where in the list of nodes everything is, so that no node is hashed while judging.
         index = {node: position for position, node in enumerate(self._nodes)}
         self._parts = tuple(tuple(index[part] for part in node.parts) for node in self._nodes)
@@ -110,8 +140,8 @@ class Referee:
         memories, stage = self.memory
         values: list[Any] = []
         remembered = []
-        for node, parts, memory in zip(self._nodes, self._parts, memories, strict=True):
-            value, kept = node.update(world, tuple(values[part] for part in parts), memory)
+        for update, parts, memory in zip(self._updates, self._parts, memories, strict=True):
+            value, kept = update(world, tuple(values[part] for part in parts), memory)
             values.append(value)
             remembered.append(kept)
         for number, reached in enumerate(self._stages, start=1):

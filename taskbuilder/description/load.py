@@ -13,22 +13,26 @@ import inspect
 import linecache
 import os
 import re
+import secrets
 import signal
 import subprocess
 import sys
+import tempfile
 import traceback
 from pathlib import Path
 from types import ModuleType
 
 from taskbuilder.description.aside import printing_aside
 from taskbuilder.description.description import Description
+from taskbuilder.description.node import ValueOfNodeError
 from taskbuilder.errors import FileError, Finding, Location
-from taskbuilder.processes import interpreter
+from taskbuilder.interpreters import interpreter
+from taskbuilder.processes import environment_of_children, owned
 from taskbuilder.spec.catalogue import Entry
 from taskbuilder.wording import suggestion
 
 TRIAL_LIMIT_S = 10.0
-_FINISHED = 73  # exit status of the child process; one that nothing else is likely to use
+_TRIAL = "from taskbuilder.description.load import main; main()"
 
 
 def load_description(entry: Entry) -> type[Description]:
@@ -69,25 +73,35 @@ def try_import(entry: Entry, limit_s: float = TRIAL_LIMIT_S) -> None:
     file = entry.description_file
     if not file.is_file():
         return
-    command = interpreter("from taskbuilder.description.load import main; main()", str(file))
-    # No pipes, and a session of its own: nothing that it starts can outlive or hold up the trial.
-    child = subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    try:
-        status = child.wait(limit_s)
-    except subprocess.TimeoutExpired:
-        message = f"its import did not end within {limit_s:g} s; a description only declares"
-        raise FileError([Finding("TB213", message, location=Location(file, 1, 1))]) from None
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(child.pid, signal.SIGKILL)
-        child.wait()
-    if status != _FINISHED:
+    # A word of this trial's own: no status that a description ends with can stand for it.
+    word = secrets.token_bytes()
+    with tempfile.TemporaryFile() as told, tempfile.TemporaryFile() as said:
+        told.write(word)
+        told.seek(0)
+        numbers = [str(descriptor.fileno()) for descriptor in (told, said)]
+        # No pipes, and a session of its own: nothing that it starts can outlive or hold up the
+        # trial.
+        child = subprocess.Popen(
+            interpreter(_TRIAL, str(file), *numbers),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            pass_fds=[told.fileno(), said.fileno()],
+            env=environment_of_children(),
+            start_new_session=True,
+        )
+        try:
+            child.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            message = f"its import did not end within {limit_s:g} s; a description only declares"
+            raise FileError([Finding("TB213", message, location=Location(file, 1, 1))]) from None
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(child.pid, signal.SIGKILL)
+            child.wait()
+        said.seek(0)
+        finished = said.read() == word
+    if not finished:
         message = "its import ended the interpreter; a description only declares"
         raise FileError([Finding("TB213", message, location=Location(file, 1, 1))])
 
@@ -98,7 +112,9 @@ def _import(entry: Entry, file: Path) -> ModuleType:
             if entry.module:
                 return importlib.import_module(entry.module)
             return _import_path(file)
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         finding = explain(error, file, "TB208", "fails to import")
         raise FileError([finding or _elsewhere(error, file)]) from error
 
@@ -123,9 +139,16 @@ def _import_path(file: Path) -> ModuleType:
     return module
 
 
+def is_interrupt(error: BaseException) -> bool:
+    """Whether an error is somebody's Ctrl-C; in a child process a description raised it."""
+    return isinstance(error, KeyboardInterrupt) and not owned()
+
+
 def explain(error: BaseException, file: Path, code: str, what: str) -> Finding | None:
     """An error as a finding at the line of the description where it arose, if it has one."""
-    if isinstance(error, SyntaxError) and error.filename == str(file):
+    if isinstance(error, ValueOfNodeError) and error.place and error.place.file == file:
+        location, said = error.place, str(error)
+    elif isinstance(error, SyntaxError) and error.filename == str(file):
         location = Location(file, error.lineno or 1, error.offset or 1)
         said = f"SyntaxError: {error.msg}"
     else:
@@ -145,7 +168,11 @@ def _elsewhere(error: BaseException, file: Path) -> Finding:
 
 def _said(error: BaseException) -> str:
     """What an error says, in a line, with a hint at what was meant."""
-    said = f"{type(error).__name__}: {error}".splitlines()[0]
+    name = type(error).__name__
+    try:
+        said = f"{name}: {error}".splitlines()[0].removesuffix(": ")
+    except BaseException:  # an error of the description's own, which cannot even say what it is
+        return name
     vocabulary: list[str] = sys.modules["taskbuilder.description"].__all__
     if isinstance(error, NameError) and error.name in vocabulary:
         return f"{said}; import it from taskbuilder.description"
@@ -174,7 +201,10 @@ def _strange_argument(said: str) -> str | None:
 
 
 def main() -> None:
-    """What the child process of a trial runs."""
+    """Import a file, and say the word that the owner knows; then the import is over."""
+    with open(int(sys.argv[2]), "rb") as told:  # noqa: PTH123  # descriptors, not paths
+        word = told.read()
     with contextlib.suppress(Exception, SystemExit):
         _import_path(Path(sys.argv[1]))
-    sys.exit(_FINISHED)
+    with open(int(sys.argv[3]), "wb") as said:  # noqa: PTH123
+        said.write(word)

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Any, SupportsFloat
 
 from taskbuilder.description.node import (
     Argument,
@@ -21,6 +22,7 @@ from taskbuilder.description.node import (
     RobotName,
     SolidName,
     Step,
+    ValueOfNodeError,
 )
 from taskbuilder.description.view import WorldView
 from taskbuilder.spec.names import SceneNames
@@ -34,7 +36,21 @@ class Measure(Node):
         raise NotImplementedError
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
-        return float(self.value(world)), memory
+        value = self.value(world)
+        return (value if type(value) is float and value == value else self.number_of(value)), memory
+
+    def number_of(self, value: Any) -> float:
+        """A value as a measure's.
+
+        Raises:
+            ValueOfNodeError: It is no number.
+        """
+        if isinstance(value, SupportsFloat):
+            with suppress(TypeError, ValueError):  # as of an array of several
+                number = float(value)
+                if not math.isnan(number):
+                    return number
+        raise ValueOfNodeError(self, value, "a measure gives a number")
 
     def __add__(self, other: Measure | float) -> Measure:
         return Sum((self, as_measure(other)))

@@ -7,18 +7,22 @@ that two environments never share memory.
 
 from __future__ import annotations
 
+import linecache
+import reprlib
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from inspect import signature
 from itertools import islice
+from math import isnan
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any, Generic, TypeVar, get_args, get_type_hints
+from typing import Annotated, Any, Generic, SupportsFloat, TypeVar, get_args, get_type_hints
 
 from taskbuilder.description.view import WorldView
-from taskbuilder.errors import Location
+from taskbuilder.errors import Location, TaskbuilderError
 from taskbuilder.spec.names import Kind, SceneNames
 
 
@@ -76,6 +80,17 @@ class Node:
         return self._origin
 
     @property
+    def written(self) -> Location | None:
+        """Where the function was written that says the node's value; of ours, where it is used."""
+        own = type(self)
+        for name in ("holds", "value", "update"):
+            found = getattr(own, name, None)
+            if found is not None and not is_ours(found):
+                return _place_of(found) or self.origin
+        call = getattr(self, "call", None)
+        return (_place_of(call.function) if isinstance(call, Call) else None) or self.origin
+
+    @property
     def parts(self) -> tuple[Node, ...]:
         """The nodes that this one is made of, in a fixed order."""
         return ()
@@ -114,6 +129,34 @@ class Node:
                 yield from ((kind, name) for name in _texts(argument.value))
 
 
+class ValueOfNodeError(TaskbuilderError, TypeError):
+    """An expression gave a value that it cannot have.
+
+    Attributes:
+        place: Where what gave it was written, or None.
+    """
+
+    def __init__(self, node: Node, value: Any, right: str) -> None:
+        said = "nothing" if value is None else reprlib.repr(value)
+        super().__init__(f"{_name_of(node)} gave {said}; {right}")
+        self.place = node.written
+
+    def __reduce__(self) -> Any:
+        return _remade, (type(self), self.args, self.place)
+
+
+def _remade(sort: type[ValueOfNodeError], args: tuple[Any, ...], place: Location | None) -> Any:
+    error = sort.__new__(sort, *args)
+    error.args, error.place = args, place
+    return error
+
+
+def _name_of(node: Node) -> str:
+    """What an expression is, in a line."""
+    call = getattr(node, "call", None)
+    return call.function.__name__ if isinstance(call, Call) else type(node).__name__
+
+
 class Condition(Node):
     """Something that is true or false of the world.
 
@@ -126,7 +169,20 @@ class Condition(Node):
         raise NotImplementedError
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
-        return bool(self.holds(world)), memory
+        value = self.holds(world)
+        return (value if value is True or value is False else self.truth(value)), memory
+
+    def truth(self, value: Any) -> bool:
+        """A value as a condition's; numbers are true unless they are 0.
+
+        Raises:
+            ValueOfNodeError: It is neither true nor false.
+        """
+        if isinstance(value, SupportsFloat):
+            with suppress(TypeError, ValueError):  # as of an array of several
+                if not isnan(value):
+                    return bool(value)
+        raise ValueOfNodeError(self, value, "a condition gives True or False")
 
     def __and__(self, other: Condition) -> Condition:
         return All(_flat(All, self) + _flat(All, other))
@@ -316,6 +372,23 @@ def _texts(value: Any) -> Iterator[str]:
     elif isinstance(value, tuple):
         for item in value:
             yield from _texts(item)
+
+
+def is_ours(function: Callable[..., Any]) -> bool:
+    """Whether a function belongs to this package, and not to a description."""
+    module: str | None = getattr(function, "__module__", None)
+    return (module or "").startswith("taskbuilder.description.")
+
+
+def _place_of(function: Callable[..., Any]) -> Location | None:
+    """The line of a function's name, below its decorators."""
+    code = getattr(function, "__code__", None)
+    if code is None:
+        return None
+    first = code.co_firstlineno
+    lines = linecache.getlines(code.co_filename)[first - 1 :]
+    begun = (n for n, line in enumerate(lines, start=first) if line.lstrip().startswith("def "))
+    return Location(Path(code.co_filename), next(begun, first), 1)
 
 
 def _caller() -> Location | None:

@@ -13,11 +13,12 @@ import pickle
 from collections.abc import Sequence
 from typing import Protocol
 
-from taskbuilder.env.process import Fault, WorkerProcess
+from taskbuilder.env.process import WorkerProcess
 from taskbuilder.env.shard import Shard
 from taskbuilder.env.shared import Arena, Board, make_block, map_block
 from taskbuilder.env.worker import Orders
 from taskbuilder.errors import TaskbuilderError, UsageError
+from taskbuilder.processes import Fault
 
 START_LIMIT_S = 120.0
 """How long a worker may take to build its environments."""

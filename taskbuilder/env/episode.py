@@ -16,7 +16,7 @@ from taskbuilder.description.description import Outcome, Referee
 from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
-from taskbuilder.processes import Lineage
+from taskbuilder.interpreters import Lineage
 from taskbuilder.sim.single import Single
 from taskbuilder.spec.scene import ActionSpec
 from taskbuilder.task import Task

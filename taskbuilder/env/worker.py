@@ -7,18 +7,15 @@ byte. It never prints: what it says on the way to its death goes to a file that 
 
 from __future__ import annotations
 
-import faulthandler
-import fcntl
 import os
 import pickle
-import resource
-import signal
 import socket
 import sys
-import threading
 import traceback
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
+
+from taskbuilder.processes import become_child
 
 if TYPE_CHECKING:  # imported by main, when a failure to import can already be told
     from taskbuilder.env.options import Options
@@ -79,10 +76,10 @@ class Orders:
 
 def main() -> None:
     """Run the shard that the command line and standard input tell of, until the owner is gone."""
-    connection, lifeline, memory, start, stop = map(int, sys.argv[1:])
-    _die_with_owner(lifeline)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner decides
-    last_words = _fall_silent()
+    connection, lifeline, words, memory, start, stop = map(int, sys.argv[1:])
+    last_words = os.fdopen(words, "wb", buffering=0)
+    become_child(lifeline, last_words)
+    _fall_silent()
     try:
         shard = Orders.read(sys.stdin.buffer).shard(memory, range(start, stop))
         _serve(shard, socket.socket(fileno=connection))
@@ -99,30 +96,7 @@ def _serve(shard: Shard, connection: socket.socket) -> None:
         connection.sendall(b"!")
 
 
-def _fall_silent() -> BinaryIO:
-    """Send what is printed nowhere; what standard error was is kept for last words."""
-    last_words = os.fdopen(os.dup(2), "wb", buffering=0)
+def _fall_silent() -> None:
+    """Send what is printed nowhere; until now it was kept with the last words."""
     with open(os.devnull, "wb") as nowhere:  # noqa: PTH123  # its descriptor is what matters
         os.dup2(nowhere.fileno(), 2)
-    faulthandler.enable(last_words)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    return last_words
-
-
-def _die_with_owner(lifeline: int) -> None:
-    """End this process when the other end of a pipe is closed, as it is when the owner dies.
-
-    On Linux the kernel sees to it, even while this process is stopped or hangs in C code.
-    """
-    if hasattr(fcntl, "F_SETSIG"):
-        fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(lifeline, fcntl.F_SETSIG, signal.SIGKILL)
-        flags = fcntl.fcntl(lifeline, fcntl.F_GETFL)
-        fcntl.fcntl(lifeline, fcntl.F_SETFL, flags | os.O_ASYNC)
-    else:
-        threading.Thread(target=_wait_for_end, args=(lifeline,), daemon=True).start()
-
-
-def _wait_for_end(lifeline: int) -> None:
-    os.read(lifeline, 1)
-    os._exit(1)

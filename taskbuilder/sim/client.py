@@ -36,6 +36,7 @@ class Client(Single):
         bullet: Pybullet's functions, bound to this client.
         id: Bullet's number for this client.
         physics_hz: Physics steps a second.
+        snapshots: How many snapshots of it are kept.
 
     Raises:
         SimulationError: Bullet refuses a connection, or the EGL renderer does not load.
@@ -47,6 +48,7 @@ class Client(Single):
         if physics_hz <= 0:
             raise SimulationError(f"physics_hz must be above 0, not {physics_hz}")
         self.physics_hz = physics_hz
+        self.snapshots = 0
         self.id: int = p.connect(p.DIRECT)
         if self.id < 0:
             raise SimulationError("Bullet opens no more clients in this process; close some first")

@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError, require_readable
-from taskbuilder.processes import interpreter
+from taskbuilder.interpreters import interpreter
 from taskbuilder.sim.chatter import captured, import_pybullet, warnings
 
 Kind = Literal["urdf", "mesh"]

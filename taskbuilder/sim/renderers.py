@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from typing import Literal
 
 from taskbuilder.errors import SimulationError
-from taskbuilder.processes import interpreter
+from taskbuilder.interpreters import interpreter
 from taskbuilder.sim.bullet import Calls
 from taskbuilder.sim.chatter import captured
 

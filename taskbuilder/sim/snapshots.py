@@ -31,6 +31,7 @@ def save(client: Client, motors: Sequence[Motors] = ()) -> Snapshot:
     change them again after `restore`. About 3 ms and 250 KB; `release` it when done.
     """
     state: int = client.bullet.saveState()
+    client.snapshots += 1
     return Snapshot(client, state, tuple((group, group.command) for group in motors))
 
 
@@ -50,3 +51,4 @@ def restore(snapshot: Snapshot) -> None:
 def release(snapshot: Snapshot) -> None:
     """Free the memory of a snapshot; it cannot be restored afterwards."""
     snapshot.client.bullet.removeState(snapshot.state)
+    snapshot.client.snapshots -= 1

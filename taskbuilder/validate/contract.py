@@ -15,6 +15,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import api_test, parallel_api_test, seed_test
 from pettingzoo.utils.conversions import parallel_to_aec
@@ -23,11 +24,17 @@ from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.task import Task
+from taskbuilder.validate.environments import check_ended, check_kept, check_picture, regions
 from taskbuilder.validate.observing import (
+    Find,
     check_inside,
     check_own,
+    check_paid,
+    check_seeded,
+    check_seen,
     check_spaces,
     check_varying,
+    sees_itself,
     watch,
 )
 from taskbuilder.validate.places import arose_in_description, finding_in_file
@@ -44,20 +51,49 @@ SEED_CYCLES = 10
 
 def contract_family(run: Run) -> FamilyResult:
     """Watch what agents see, and run the tests of PettingZoo and Gymnasium."""
-    env = run.studio.env(0)
-    views = watch(env, range(min(run.seeds, EPISODES)), _actions(run, env))
-    results = [
-        check_spaces(run.task, env),
-        check_inside(run.task, views),
-        check_varying(run.task, views),
-        check_own(run.task, views),
-    ]
+    env, task = run.studio.env(0), run.task
+    find = partial(finding_in_file, task)
+    results = [_check_end(find, env)]
+    if results[0][0].ok:
+        views = watch(env, range(min(run.seeds, EPISODES)), _actions(run, env))
+        blind = [agent for agent in task.agents if not sees_itself(task, agent)]
+        results += [
+            check_spaces(find, env),
+            check_seen(find, views),
+            check_inside(find, views),
+            check_paid(find, views),
+            check_seeded(find, views, placed_anew=regions(task.file.scenes[0])),
+            check_varying(find, views),
+            check_own(find, views, blind),
+            check_kept(find, env),
+        ]
+        if task.file.scenes[0].cameras:
+            results.append(_check_render(find, env))
     if all(check.ok for check, _ in results):
         results += run.spread(partial(at_work, _check_suite, run.source), SUITES)
     wrong = [check.name for check, _ in results if not check.ok]
     summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} suites"
     findings = tuple(finding for _, found in results for finding in found)
     return FamilyResult("contract", tuple(check for check, _ in results), findings, summary)
+
+
+def _check_end(find: Find, env: TaskEnv) -> Result:
+    """An episode ends with its last control step, to which it is brought at once."""
+    env.reset(seed=0)
+    env.episode.steps = env.episode.horizon - 1
+    if env.agents:
+        sizes = {agent: modes.size for agent, modes in env.episode.actions.items()}
+        env.step({agent: np.zeros(size, dtype=np.float32) for agent, size in sizes.items()})
+    return check_ended(find, env, env.episode.horizon)
+
+
+def _check_render(find: Find, env: TaskEnv) -> Result:
+    env.reset(seed=0)
+    mode, env.render_mode = env.render_mode, "rgb_array"
+    try:
+        return check_picture(find, env.render())
+    finally:
+        env.render_mode = mode
 
 
 def _actions(run: Run, env: TaskEnv) -> list[Actions]:

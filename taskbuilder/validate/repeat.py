@@ -49,7 +49,7 @@ class Script(NamedTuple):
 
 def repeat_family(run: Run) -> FamilyResult:
     """Play the same episodes in several ways, and compare them to the bit."""
-    with fresh_processes(2) as give:
+    with fresh_processes(2, limit_s=run.limit_s, beat=run.alive) as give:
         scripts = _scripts(run, run.some_starts(EPISODES))
         untouched = _check_untouched(run, scripts[0])
         if not untouched[0].ok:
@@ -184,7 +184,7 @@ def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
 
 def _again(run: Run, scripts: Sequence[Script]) -> list[Difference | None]:
     """Where each episode differs when it is played twice over in one process."""
-    with fresh_processes(1) as give:
+    with fresh_processes(1, limit_s=run.limit_s, beat=run.alive) as give:
         (traces,) = give(play_scripts, run.source, [s for s in scripts for _ in "12"])()
     return [difference(*pair) for pair in zip(traces[::2], traces[1::2], strict=True)]
 

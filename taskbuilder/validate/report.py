@@ -88,6 +88,27 @@ class FamilyResult:
 
 
 @dataclass(frozen=True)
+class Making:
+    """How a report was made.
+
+    Attributes:
+        level: How far the validation went.
+        seeds: How many episodes were sampled where chance is involved; 0 where it is not.
+        date: When it began, in UTC, as ``2025-01-31 14:05 UTC``.
+        seconds: How long it took, with the loading of all that it needs.
+        versions: Of taskbuilder and of what its figures depend on, by name.
+        command: What made it, to be typed again; "" where it was asked for from Python.
+    """
+
+    level: str
+    seeds: int
+    date: str
+    seconds: float
+    versions: Mapping[str, str]
+    command: str = ""
+
+
+@dataclass(frozen=True)
 class TaskReport:
     """The validation of one task.
 
@@ -97,6 +118,7 @@ class TaskReport:
         families: Results in the order in which they ran.
         measures: Figures by name, such as ``build_s``.
         skipped: Families that were not run, because what another one found would show there again.
+        making: How the report was made, if that is known.
     """
 
     task: str
@@ -104,6 +126,14 @@ class TaskReport:
     families: tuple[FamilyResult, ...]
     measures: Mapping[str, float] = field(default_factory=dict)
     skipped: tuple[str, ...] = ()
+    making: Making | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How long it took; of a report that does not say so, how long its families took."""
+        if self.making:
+            return self.making.seconds
+        return sum(family.seconds for family in self.families)
 
     @property
     def ok(self) -> bool:

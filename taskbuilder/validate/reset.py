@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from taskbuilder.description.description import Referee
+from taskbuilder.description.load import is_interrupt
 from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.spec.scene import Place, SceneSpec
@@ -94,7 +95,9 @@ def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
             tally.strayed[name] = tally.strayed.get(name, 0) + 1
     try:
         outcome = referee.start(world)
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         tally.raised.append(failure_of_description(error, world.task.entry))
         return False
     if outcome.success:

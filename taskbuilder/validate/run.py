@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from importlib import import_module
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
+from taskbuilder.description.load import is_interrupt, load_description
 from taskbuilder.errors import (
     ExplosionError,
     FileError,
@@ -17,9 +18,23 @@ from taskbuilder.errors import (
     UsageError,
     display_path,
 )
-from taskbuilder.jobs import Map, workers
+from taskbuilder.jobs import LostError, Map, workers
+from taskbuilder.processes import owned
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
+from taskbuilder.validate.apart import (
+    CHECK,
+    IMPORT,
+    Kept,
+    Level,
+    Listener,
+    Nobody,
+    Orders,
+    Owner,
+    watch,
+)
+from taskbuilder.validate.losses import finding_of_loss, lost_family
+from taskbuilder.validate.making import Stopwatch
 from taskbuilder.validate.report import Check, FamilyResult, Progress, TaskReport
 from taskbuilder.validate.static import static_failure, static_family
 from taskbuilder.wording import suggestion
@@ -27,7 +42,6 @@ from taskbuilder.wording import suggestion
 if TYPE_CHECKING:  # a static validation loads no physics
     from taskbuilder.validate.running import Run
 
-Level = Literal["static", "build", "full"]
 LEVELS: tuple[Level, ...] = ("static", "build", "full")
 SEEDS = 40
 QUICK_SEEDS = 5
@@ -88,6 +102,7 @@ def validate_task(
     progress: Progress = lambda seeds, _: seeds,
     jobs: int = 1,
     only: Collection[str] | None = None,
+    apart: bool = True,
 ) -> TaskReport:
     """Try to break a task.
 
@@ -99,31 +114,59 @@ def validate_task(
         progress: Wraps the seeds of a family to show progress.
         jobs: How many processes play episodes; the results do not depend on it.
         only: Names of families: no others are run, not even those whose errors would show in them.
+        apart: Load and play the task in processes of their own alone, which its description can
+            end, crash or hold up without harm. In this one it can be debugged.
 
     Raises:
         UnknownNameError: There is no such task.
         UsageError: There is no such family.
     """
     catalogue = catalogue or Catalogue.discover()
+    wanted = None if only is None else tuple(only)
+    orders = Orders(str(reference), level, seeds, catalogue, jobs, wanted)
+    watched = Stopwatch()
+    if apart:
+        report = watch(_validated_apart, orders, progress)
+    else:
+        report = _validated(orders, Nobody(progress))
+    return replace(report, making=watched.making(level, seeds))
+
+
+def _validated_apart(orders: Orders) -> TaskReport:
+    return _validated(orders, Owner())
+
+
+def _validated(orders: Orders, listener: Listener) -> TaskReport:
     started = time.perf_counter()
     try:
-        task = load_task(reference, catalogue=catalogue, guarded=True)
+        task = _loaded(orders, listener)
     except FileError as error:
         failure = _timed(static_failure(error.findings), started)
-        return TaskReport(str(reference), str(reference), (failure,))
+        return TaskReport(orders.reference, orders.reference, (failure,))
     static = _timed(static_family(task), started)
-    if level == "static":
+    if orders.level == "static":
         return TaskReport(task.name, headline(task), (static,))
-    with workers(jobs if level == "full" else 1) as spread:
-        spread(get_ready, range(jobs))  # they load what they need while this process does
-        families = _wanted(level, only)
-        return _play(task, str(reference), catalogue, static, families, seeds, progress, spread)
+    limit_s = orders.limits.piece(task.file.spec.timing.episode_steps)
+    with workers(
+        orders.jobs if orders.level == "full" else 1,
+        limit_s=limit_s,
+        beat=listener.alive,
+        prepared="taskbuilder.validate.running",  # while this process does
+    ) as spread:
+        families = _wanted(orders.level, orders.only)
+        return _play(task, orders, static, families, listener, spread, limit_s)
 
 
-def get_ready(number: int) -> int:
-    """Load, in another process, what playing a task takes."""
-    import_module("taskbuilder.validate.running")
-    return number
+def _loaded(orders: Orders, listener: Listener) -> Task:
+    """The task; its description is imported first, so that what it does then can be told."""
+    if not owned():
+        return load_task(orders.reference, catalogue=orders.catalogue, guarded=True)
+    entry = orders.catalogue.task(orders.reference)
+    listener.begin(IMPORT, orders.limits.import_s)
+    with suppress(FileError):  # what is wrong is found with all the rest
+        load_description(entry)
+    listener.begin(CHECK, orders.limits.import_s)
+    return load_task(orders.reference, catalogue=orders.catalogue)
 
 
 def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
@@ -141,46 +184,52 @@ def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
 
 def _play(
     task: Task,
-    reference: str,
-    catalogue: Catalogue,
+    orders: Orders,
     static: FamilyResult,
     families: tuple[Family, ...],
-    seeds: int,
-    progress: Progress,
+    listener: Listener,
     spread: Map,
+    limit_s: float,
 ) -> TaskReport:
     """Run the families that need physics."""
     from taskbuilder.validate.running import Run
     from taskbuilder.validate.studio import Source, close_studio
 
-    source = Source(reference, catalogue, next(_RUNS))
-    results = [static]
-    skipped: list[str] = []
+    source = Source(orders.reference, orders.catalogue, next(_RUNS))
+    run = Run(task, source, orders.seeds, listener.progress, spread, limit_s, listener.alive)
+    report = TaskReport(task.name, headline(task), (static,), run.measures)
+    if orders.kept:
+        report = orders.kept.report
+        run.take_over(orders.kept.state)
+    else:
+        listener.done(Kept(report, run.state))
+    done = {*report.skipped, *(family.name for family in report.families)}
     try:
-        run = Run(task, source, seeds, progress, spread)
-        for result in _results(run, families):
-            results += [result] if isinstance(result, FamilyResult) else []
-            skipped += [result] if isinstance(result, str) else []
+        for number, family in enumerate(families):
+            if family.name in done:
+                continue
+            rest = tuple(later.name for later in families[number + 1 :])
+            listener.begin(family.name, limit_s, rest)
+            report = replace(_with(report, run, family), measures=run.measures)
+            listener.done(Kept(report, run.state))
     finally:
         close_studio(source)
-    return TaskReport(task.name, headline(task), tuple(results), run.measures, tuple(skipped))
+    return report
 
 
-def _results(run: Run, families: tuple[Family, ...]) -> Iterator[FamilyResult | str]:
-    """The result of each family, or the name of one that is not run."""
-    troubled: set[str] = set()
-    raised = False
-    for family in families:
-        if raised or troubled & set(family.after):
-            troubled.add(family.name)
-            yield family.name
-            continue
-        started = time.perf_counter()
-        result = _timed(_checked(run, family), started)
-        if not result.ok:
-            troubled.add(family.name)
-        raised = any(finding.code == "TB314" for finding in result.findings)
-        yield result
+FATAL = ("TB314", "TB315")
+"""Codes of findings that no other family would get past."""
+
+
+def _with(report: TaskReport, run: Run, family: Family) -> TaskReport:
+    """A report with the result of one more family, or its name if it is not run."""
+    fatal = any(finding.code in FATAL for finding in report.findings)
+    wrong = {*report.skipped, *(found.name for found in report.families if not found.ok)}
+    if fatal or wrong & set(family.after):
+        return replace(report, skipped=(*report.skipped, family.name))
+    started = time.perf_counter()
+    result = _timed(_checked(run, family), started)
+    return replace(report, families=(*report.families, result))
 
 
 def _checked(run: Run, family: Family) -> FamilyResult:
@@ -199,9 +248,13 @@ def _checked(run: Run, family: Family) -> FamilyResult:
         finding = finding_of_scene(run.task, "TB307", str(error))
         check = Check("TB307", "the physics stays bounded", False, 1, 0, "episodes")
         return FamilyResult(family.name, (check,), (finding,), "the physics diverged")
+    except LostError as error:
+        return lost_family(family.name, finding_of_loss(error.fault, run.task.file.entry))
     except DescriptionError as error:
         finding = error.finding
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         finding = failure_of_description(error, run.task.file.entry)
     check = Check("TB314", "the description can be asked", False, 1, 0, "things")
     return FamilyResult(family.name, (check,), (finding,), "the description fails")

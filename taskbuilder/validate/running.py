@@ -26,6 +26,8 @@ class Run:
         seeds: How many episodes to sample where chance is involved.
         progress: Wraps the seeds of a family to show progress.
         spread: Maps work over processes, in order.
+        limit_s: How long a piece of work may take.
+        alive: Called while something lasts, to say that it goes on.
         measures: Figures by name, for the report.
         demonstrations: The expert's episodes, by how they began.
         plays: Other ways of playing that were tried, by name, and by how the episode began.
@@ -36,9 +38,20 @@ class Run:
     seeds: int
     progress: Progress
     spread: Map
+    limit_s: float | None = None
+    alive: Callable[[], None] = lambda: None
     measures: dict[str, float] = field(default_factory=dict)
     demonstrations: dict[Start, Rollout] = field(default_factory=dict)
     plays: dict[str, dict[Start, Rollout]] = field(default_factory=dict)
+
+    @property
+    def state(self) -> Any:
+        """What later families need of those before them; `take_over` takes it, anywhere."""
+        return self.measures, self.demonstrations, self.plays
+
+    def take_over(self, state: Any) -> None:
+        """Go on from the state of another run, which was lost."""
+        self.measures, self.demonstrations, self.plays = state
 
     @property
     def studio(self) -> Studio:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from taskbuilder.description.load import is_interrupt
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import Finding
 from taskbuilder.expert.player import Expert
@@ -154,5 +155,7 @@ def at_work(function: Callable[[Studio, Any], Any], source: Source, item: Any) -
     studio = open_studio(source)
     try:
         return function(studio, item)
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         raise DescriptionError(failure_of_description(error, studio.task.file.entry)) from None

@@ -20,7 +20,7 @@ from taskbuilder.description import (
 def way(world: WorldView) -> float:
     """How far the left tool has to go to the block; nothing that counts once it holds the block."""
     if world.held("block", "left"):
-        return math.nan
+        return math.inf
     return math.dist(world.position("left.tcp"), world.position("block"))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
@@ -190,9 +191,27 @@ def test_a_report_is_one_whole_file_which_is_named_last(run, good, small_picture
     ran = run("validate", "good.yaml", "--quick", "--level", "build", "--report", "out/report")
     assert (ran.status, ran.err) == (0, "")
     assert ran.out.splitlines()[-1].endswith(" s · pictures and probes: out/report/good.html")
-    (file,) = Path("out/report").iterdir()
+    index, file = sorted(Path("out/report").iterdir(), reverse=True)
+    assert 'href="good.html"' in index.read_text()
+    assert "1 task, passed" in index.read_text()
     assert file.read_text().endswith("</html>\n")
     assert "data:image/jpeg;base64," in file.read_text()
+
+
+def test_a_page_says_how_it_was_made(run, good):
+    ran = run("validate", "good.yaml", "--seeds", "3", "--level", "build", "--report", "report")
+    took = re.search(r"ok in (.*?) ·", ran.out)[1]
+    page = Path("report/good.html").read_text()
+    made = dict(re.findall(r"<dt>(\w+)</dt><dd>(.*?)</dd>", page.partition("How it was made")[2]))
+    assert made["level"] == "build"
+    assert made["seeds"] == "0 to 2"
+    assert re.fullmatch(r"20\d\d-\d\d-\d\d \d\d:\d\d UTC", made["date"])
+    assert made["time"] == took
+    assert f" in {took}<" in page  # beside the verdict
+    assert "taskbuilder" in made["versions"]
+    assert "pybullet" in made["versions"]
+    command = "taskbuilder validate good.yaml --level build --seeds 3"
+    assert made["command"] == f"<code>{command}</code>"
 
 
 def test_reports_of_several_tasks_have_an_index(run, good, broken):

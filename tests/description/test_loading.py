@@ -127,6 +127,7 @@ def test_a_guarded_import_leaves_errors_to_be_explained_as_ever(found):
         "import os\nos._exit(0)\n",
         "import os\nos.kill(os.getpid(), 9)\n",
         "import os\nos.abort()\n",
+        "import os\nos._exit(73)\n",
         "print('the import came to its end', flush=True)\nimport os\nos._exit(0)\n",
     ],
 )

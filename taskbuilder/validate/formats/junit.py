@@ -19,8 +19,10 @@ def junit_xml(reports: Iterable[TaskReport]) -> str:
     already seen. A family's time is shared by its checks.
     """
     top = ElementTree.Element("testsuites", name="taskbuilder validate")
+    reports = list(reports)
     cases = [case for report in reports for case in _add_suite(top, report)]
     _count(top, cases)
+    top.set("time", _seconds(sum(report.seconds for report in reports)))
     ElementTree.indent(top)
     text = ElementTree.tostring(top, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}'
@@ -30,6 +32,7 @@ def _add_suite(top: ElementTree.Element, report: TaskReport) -> list[Case]:
     suite = ElementTree.SubElement(top, "testsuite", name=printable(report.task))
     cases = cases_of(report)
     _count(suite, cases)
+    suite.set("time", _seconds(report.seconds))
     suite.set("skipped", str(sum(case.skipped is not None for case in cases)))
     for case in cases:
         _add_case(suite, report, case)
@@ -40,7 +43,6 @@ def _count(suite: ElementTree.Element, cases: Sequence[Case]) -> None:
     suite.set("tests", str(len(cases)))
     suite.set("failures", str(sum(not case.ok for case in cases)))
     suite.set("errors", "0")
-    suite.set("time", _seconds(sum(case.seconds for case in cases)))
 
 
 def _add_case(suite: ElementTree.Element, report: TaskReport, case: Case) -> None:

@@ -14,6 +14,7 @@ from taskbuilder.validate.formats.parts import (
     families,
     footer,
     header,
+    made,
     measures,
     section,
     verdict,
@@ -76,6 +77,8 @@ def _sections(page: Page) -> Iterator[Html]:
         yield section("Measured", measures(report.measures))
     if pictures.trouble:
         yield section("Without pictures", element("p", pictures.trouble))
+    if report.making:
+        yield section("How it was made", made(report.making))
 
 
 def _played(pictures: Pictures) -> str:
@@ -106,8 +109,9 @@ def _earned(report: TaskReport) -> Iterator[Html]:
 def index_page(pages: Sequence[tuple[str, Page]]) -> str:
     """A page that lists the reports of several tasks, by the names of their files."""
     wrong = sum(not page.report.ok for _, page in pages)
-    count = f"{len(pages)} tasks"
-    title = f"{count}, {wrong} failed" if wrong else f"{count}, all passed"
+    count = f"{len(pages)} task{'s' * (len(pages) != 1)}"
+    every = "all " * (len(pages) != 1)
+    title = f"{count}, {wrong} failed" if wrong else f"{count}, {every}passed"
     listed = [element("li", _entry(file, page)) for file, page in pages]
     return _document(
         title, element("main", element("h1", title), element("ul", listed, class_="index"))

@@ -4,27 +4,55 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError
 from taskbuilder.files import write_whole
+from taskbuilder.jobs import LostError, crew
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import load_task
 from taskbuilder.validate.formats.page import Page, index_page, task_page
-from taskbuilder.validate.formats.pictures import take_pictures
+from taskbuilder.validate.formats.pictures import Pictures, take_pictures
 from taskbuilder.validate.report import TaskReport
 
 INDEX = "index.html"
 
+PICTURES_LIMIT_S = 300.0
+"""How long the pictures of a task may take."""
 
-def make_page(reference: str, report: TaskReport, catalogue: Catalogue) -> Page:
+
+def make_page(
+    reference: str, report: TaskReport, catalogue: Catalogue, *, apart: bool = True
+) -> Page:
     """Gather what a report shows; pictures are taken here, unless no physics was asked for.
 
     Args:
         reference: What the task was asked for by.
         report: Its validation.
         catalogue: Where it was looked up.
+        apart: Load the task and take its pictures in another process; see `validate_task`.
     """
+    if not apart:
+        return _made(reference, report, catalogue)
+    try:
+        with crew([{}], limit_s=PICTURES_LIMIT_S) as spread:
+            (page,) = spread(_made_apart, [(reference, report, catalogue)])
+    except LostError as error:
+        lost = f"The process that takes them {error.fault.cause}."
+        return Page(report, pictures=Pictures(trouble=lost))
+    found: Page = page
+    return found
+
+
+def _made_apart(asked: tuple[str, TaskReport, Catalogue]) -> Page:
+    """A page, without the description, which only the process that imported it knows."""
+    page = _made(*asked)
+    return replace(page, task=page.task and replace(page.task, description=Description))
+
+
+def _made(reference: str, report: TaskReport, catalogue: Catalogue) -> Page:
     try:
         task = load_task(reference, catalogue=catalogue)
     except FileError:

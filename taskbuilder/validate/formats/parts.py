@@ -8,7 +8,7 @@ from taskbuilder import __version__
 from taskbuilder.validate.formats.blame import why_skipped
 from taskbuilder.validate.formats.markup import Content, Html, element
 from taskbuilder.validate.formats.words import counted, duration, measured, severities
-from taskbuilder.validate.report import Check, FamilyResult, TaskReport
+from taskbuilder.validate.report import Check, FamilyResult, Making, TaskReport
 
 _UNITS = {"_s": "s", "_ms": "ms", "_us": "µs", "_m": "m", "_mm": "mm", "_hz": "Hz", "_mb": "MB"}
 """Endings of the names of measures, and the units that they stand for."""
@@ -36,7 +36,6 @@ def header(report: TaskReport, summary: str, picture: Html | None) -> Html:
 def verdict(report: TaskReport) -> Html:
     """Whether the task passed, and over what."""
     errors, warnings = severities(report)
-    seconds = sum(family.seconds for family in report.families)
     checks = sum(len(family.checks) for family in report.families)
     word = "Passed" if report.ok else "Failed"
     found = ", ".join(
@@ -45,7 +44,7 @@ def verdict(report: TaskReport) -> Html:
     return element(
         "p",
         element("strong", f"{word}: {found}" if found else word),
-        f"{counted(checks, 'check')} in {duration(seconds)}",
+        f"{counted(checks, 'check')} in {duration(report.seconds)}",
         class_="verdict ok" if report.ok else "verdict failed",
     )
 
@@ -109,6 +108,27 @@ def measures(figures: Mapping[str, float]) -> Html:
                 "div", element("dt", words), element("dd", measured(value, _UNITS.get(ending, "")))
             )
         )
+    return element("dl", listed, class_="measures")
+
+
+def made(making: Making) -> Html:
+    """How a report was made: what makes it once more, from what, and when."""
+    versions = ", ".join(f"{name} {which}" for name, which in making.versions.items())
+    said = {
+        "level": making.level,
+        "seeds": f"0 to {making.seeds - 1}"
+        if making.seeds > 1
+        else "0"
+        if making.seeds
+        else "none",
+        "date": making.date,
+        "time": duration(making.seconds),
+        "versions": versions,
+        "command": element("code", making.command) if making.command else "validate_task in Python",
+    }
+    listed = [
+        element("div", element("dt", name), element("dd", value)) for name, value in said.items()
+    ]
     return element("dl", listed, class_="measures")
 
 

@@ -1,0 +1,279 @@
+"""Any environment, checked from Python: one of ours, one that wraps ours, or somebody's own."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import resource
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils.env_checker import check_env as gymnasium_check
+from pettingzoo.test import parallel_api_test
+
+from taskbuilder.env.action_encoder import Actions
+from taskbuilder.env.episode import Episode
+from taskbuilder.errors import Finding, TaskbuilderError, UsageError, in_reading_order
+from taskbuilder.spec.scene import SceneSpec
+from taskbuilder.spec.source import dotted
+from taskbuilder.validate.observing import (
+    Find,
+    check_inside,
+    check_own,
+    check_paid,
+    check_seeded,
+    check_seen,
+    check_spaces,
+    check_varying,
+    episode_of,
+    watch,
+)
+from taskbuilder.validate.report import Check, Result
+
+MOST_STEPS = 10_000
+"""Control steps after which an episode is taken for endless whose length is not known."""
+
+RESETS = 20
+KEPT_BYTES = 100_000
+"""How many resets there are to see what each of them keeps, and what none may keep."""
+
+CYCLES = 60
+
+
+class ContractError(TaskbuilderError):
+    """An environment does not keep what learning libraries rely on.
+
+    Attributes:
+        findings: What is wrong with it.
+    """
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        self.findings = in_reading_order(findings)
+        super().__init__("\n".join(map(str, self.findings)))
+
+
+def check_env(
+    env: Any, *, seeds: Sequence[int] = (0, 1), max_steps: int | None = None, raises: bool = True
+) -> tuple[Finding, ...]:
+    """Check that an environment keeps what learning libraries rely on.
+
+    It may be one of taskbuilder's, a subclass, one in wrappers of PettingZoo, SuperSuit or
+    Gymnasium, or one that has nothing to do with taskbuilder. It is played by random actions, and
+    is to be reset before it is used again; PettingZoo's and Gymnasium's own tests come last.
+
+    Args:
+        env: A PettingZoo ParallelEnv, or a gymnasium.Env.
+        seeds: Of the episodes that are played.
+        max_steps: Control steps after which an episode must have ended; by default its length
+            where it is known, else 10,000.
+        raises: Raise what is found; else give it back.
+
+    Returns:
+        What was found.
+
+    Raises:
+        ContractError: Something was found.
+        UsageError: It is neither sort of environment.
+    """
+    stage = _as_parallel(env)
+    results = list(_checked(env, stage, tuple(dict.fromkeys(seeds)), max_steps))
+    findings = tuple(finding for _, found in results for finding in found)
+    if findings and raises:
+        raise ContractError(findings)
+    return findings
+
+
+def _checked(env: Any, stage: Any, seeds: Sequence[int], max_steps: int | None) -> Iterator[Result]:
+    episode = episode_of(stage)
+    most = max_steps or (episode.horizon if episode else MOST_STEPS)
+    actions = list(_played(stage, seeds[0], most))
+    ended = check_ended(_unplaced, stage, len(actions))
+    yield ended
+    if not ended[0].ok:
+        return
+    views = watch(stage, seeds, actions)
+    results = [
+        check_spaces(_unplaced, stage),
+        check_seen(_unplaced, views),
+        check_inside(_unplaced, views),
+        check_paid(_unplaced, views),
+        check_seeded(_unplaced, views, placed_anew=bool(episode and places_anew(episode))),
+        check_varying(_unplaced, views, by_chance=True),
+        check_own(_unplaced, views, ()),
+        check_kept(_unplaced, stage),
+    ]
+    if getattr(env, "render_mode", None) == "rgb_array":
+        env.reset(seed=seeds[0])
+        results.append(check_picture(_unplaced, env.render()))
+    yield from results
+    if all(check.ok for check, _ in results):
+        yield _passes(env, len(actions))
+
+
+def _unplaced(code: str, message: str, *path: str | int) -> Finding:
+    """A finding about an environment, which is in no file."""
+    return Finding(code, message, dotted(path[1:]))
+
+
+def _played(stage: Any, seed: int, most: int) -> Iterator[Actions]:
+    """Random actions, from a seed to the end of the episode or as far as it is watched."""
+    stage.reset(seed=seed)
+    for number, agent in enumerate(stage.possible_agents):
+        stage.action_space(agent).seed(seed + number)
+    for _ in range(most):
+        if not stage.agents:
+            return
+        drawn = {agent: stage.action_space(agent).sample() for agent in stage.possible_agents}
+        stage.step({agent: drawn[agent] for agent in stage.agents})
+        yield drawn
+
+
+def check_ended(find: Find, env: Any, steps: int) -> Result:
+    """The episode is over.
+
+    Args:
+        find: Makes findings.
+        env: The environment, as it was played.
+        steps: How many control steps it was played.
+    """
+    found = []
+    if env.agents:
+        message = f"the episode goes on after its {steps} control steps; truncate it, and say so"
+        found = [find("TB573", message, "task")]
+    return Check("TB573", "episodes end", not found, len(found), 0, "episodes"), found
+
+
+def check_picture(find: Find, picture: Any) -> Result:
+    """What `render` gives is a picture of something."""
+    found = []
+    wrong = _wrong_with(picture)
+    if wrong:
+        message = f"render gives {wrong}; a picture is (height, width, 3) of uint8"
+        found = [find("TB571", message, "task")]
+    return Check("TB571", "render gives pictures", not found, len(found), 0, "pictures"), found
+
+
+def _wrong_with(picture: Any) -> str:
+    if not isinstance(picture, np.ndarray):
+        return "nothing" if picture is None else type(picture).__name__
+    if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
+        return f"an array {picture.shape} of {picture.dtype}"
+    if (picture == picture[0, 0]).all():
+        return f"one colour, {'black' if not picture.any() else tuple(picture[0, 0].tolist())}"
+    return ""
+
+
+def check_kept(find: Find, env: Any) -> Result:
+    """A reset keeps nothing that the next one does not give back."""
+    resets = [lambda seed=seed: env.reset(seed=seed) for seed in range(RESETS)]
+    _grown(env, resets[:5])  # memory that is taken once
+    states, taken = _grown(env, resets)
+    if not states and taken > KEPT_BYTES:
+        states, taken = _grown(env, resets)  # it may have been chance
+    found = []
+    if states or taken > KEPT_BYTES:
+        what = f"{states:g} saved states" if states else f"{taken / 1000:,.0f} KB"
+        message = f"each reset keeps {what} that no other gives back; let them go"
+        found = [find("TB572", message, "task")]
+    return Check("TB572", "resets keep nothing", not found, taken / 1000, None, "KB"), found
+
+
+def _grown(env: Any, resets: Sequence[Callable[[], Any]]) -> tuple[float, float]:
+    """How many states and bytes each of several resets kept."""
+    states, taken = _states(env), _memory()
+    for reset in resets:
+        reset()
+    count = len(resets)
+    return round((_states(env) - states) / count), (_memory() - taken) / count
+
+
+def _states(env: Any) -> int:
+    """How many saved states an environment of ours holds."""
+    episode = episode_of(env)
+    return episode.world.client.snapshots if episode else 0
+
+
+def _memory() -> int:
+    """How much memory this process has taken."""
+    pages = Path("/proc/self/statm")
+    if pages.exists():
+        return int(pages.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
+
+
+def places_anew(episode: Episode) -> bool:
+    """Whether things stand elsewhere in every episode."""
+    return regions(episode.world.scene)
+
+
+def regions(scene: SceneSpec) -> bool:
+    """Whether a scene places anything by chance, over more than a hair's breadth."""
+    things = {**scene.objects, **scene.sites}.values()
+    return any(thing.place and max(thing.place.size) > 1e-3 for thing in things)
+
+
+def _passes(env: Any, steps: int) -> Result:
+    """The tests of PettingZoo, or of Gymnasium, pass."""
+    parallel = not isinstance(env, gymnasium.Env)
+    code, name = ("TB521", "parallel_api_test") if parallel else ("TB523", "check_env")
+    found = []
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            if parallel:
+                parallel_api_test(env, num_cycles=min(steps + 10, CYCLES))
+            else:
+                gymnasium_check(env, skip_render_check=True)
+    except Exception as error:  # whatever the tests of others raise
+        said = f"{type(error).__name__}: {error}".splitlines()[0]
+        found = [_unplaced(code, f"{name} refuses the environment: {said}")]
+    return Check(code, f"{name} passes", not found, len(found), 0, "refusals"), found
+
+
+# --- one agent's environments
+
+
+class _Alone:
+    """A Gymnasium environment as one of several agents, of which there is one."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        self.unwrapped = env.unwrapped
+        self.possible_agents = ["agent"]
+        self.agents: list[str] = []
+        self._env = env
+
+    def reset(self, seed: int | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
+        seen, info = self._env.reset(seed=seed)
+        self.agents = ["agent"]
+        return {"agent": seen}, {"agent": info}
+
+    def step(self, actions: Mapping[str, Any]) -> tuple[dict[str, Any], ...]:
+        seen, reward, terminated, truncated, info = self._env.step(actions["agent"])
+        if terminated or truncated:
+            self.agents = []
+        return tuple({"agent": told} for told in (seen, reward, terminated, truncated, info))
+
+    def observation_space(self, _: str) -> Any:
+        return self._env.observation_space
+
+    def action_space(self, _: str) -> Any:
+        return self._env.action_space
+
+
+def _as_parallel(env: Any) -> Any:
+    if isinstance(env, gymnasium.Env):
+        return _Alone(env)
+    needed = ("possible_agents", "reset", "step", "observation_space", "action_space")
+    if all(hasattr(env, name) for name in needed) and not hasattr(env, "agent_iter"):
+        return env
+    raise UsageError(
+        f"{type(env).__name__} is neither a PettingZoo ParallelEnv nor a gymnasium.Env; check the "
+        "environment that it was made of"
+    )
