@@ -9,6 +9,7 @@ import resource
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +103,7 @@ def _checked(env: Any, stage: Any, seeds: Sequence[int], max_steps: int | None) 
         check_spaces(_unplaced, stage),
         check_seen(_unplaced, views),
         check_inside(_unplaced, views),
-        check_paid(_unplaced, views),
+        check_paid(_unplaced, replace(views, unpaid=views.endless | views.unpaid)),
         check_seeded(_unplaced, views, placed_anew=bool(episode and places_anew(episode))),
         check_varying(_unplaced, views, by_chance=True),
         check_own(_unplaced, views, ()),

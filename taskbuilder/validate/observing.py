@@ -44,6 +44,7 @@ class Views:
         reused: Where a later step wrote into what an agent had seen, in words.
         unseen: Where an agent saw nothing at all, in words.
         unpaid: Where an agent was paid something that is no finite number, in words.
+        endless: The same where a reward term of the description paid it.
         placed: Digests of how things stood at each episode's beginning.
         unrepeated: What differed when a seed came again, in words, or "".
     """
@@ -54,6 +55,7 @@ class Views:
     reused: dict[str, str] = field(default_factory=dict)
     unseen: dict[str, str] = field(default_factory=dict)
     unpaid: dict[str, str] = field(default_factory=dict)
+    endless: dict[str, str] = field(default_factory=dict)
     placed: list[bytes] = field(default_factory=list)
     unrepeated: str = ""
 
@@ -132,7 +134,9 @@ def _play(
             for agent in playing:
                 if not _is_pay(rewards.get(agent)):
                     said = f"{rewards.get(agent)!r} (seed {seed}, step {step})"
-                    views.unpaid.setdefault(agent, said)
+                    (views.endless if _pays_endlessly(env) else views.unpaid).setdefault(
+                        agent, said
+                    )
         for agent, (view, kept) in before.items():
             if digest(view) != kept:
                 views.reused.setdefault(agent, f"seed {seed}, step {step}")
@@ -143,6 +147,12 @@ def _play(
                 views.outside.setdefault(agent, f"seed {seed}, step {step}")
         before = {agent: (view, digest(view)) for agent, view in seen.items()}
         yield seen
+
+
+def _pays_endlessly(env: Any) -> bool:
+    """Whether a description's own terms pay something that is no finite number."""
+    episode = episode_of(env)
+    return episode is not None and not all(map(math.isfinite, episode.outcome.terms.values()))
 
 
 def _is_pay(pay: Any) -> bool:
