@@ -8,6 +8,7 @@ import pytest
 
 from taskbuilder import bench, load_task
 from taskbuilder.cli import main
+from taskbuilder.rollout import RandomActions, play
 
 
 def test_the_figures_of_a_control_step_belong_together():
@@ -26,17 +27,16 @@ def test_the_figures_of_a_control_step_belong_together():
 
 def test_the_physics_alone_goes_through_the_same_states_as_the_episode():
     env = bench.parallel_env("handover", horizon=5)
-    actions = bench._random_actions(env, 3)
-    told = bench._record(env, 3, actions)
+    told = bench._record(env, play(env, RandomActions(), 3))
     reached = env.episode.world.robots["left"].arm_state()
     bench._physics_alone(env, 3, told)
     assert env.episode.world.robots["left"].arm_state() == reached
     env.close()
 
 
-def test_json_has_the_documented_keys(capsys):
+def test_json_has_the_documented_keys(capfd):
     assert main(["bench", "handover", "--episodes", "1", "--workers", "0", "--json"]) == 0
-    figures = json.loads(capsys.readouterr().out)
+    figures = json.loads(capfd.readouterr().out)
     documented = {"task", "steps_per_second", "overhead", "real_time_factor", "reset_ms"}
     assert documented <= set(figures)
     assert figures["overhead"] > 1.0

@@ -16,9 +16,9 @@ from taskbuilder.description.node import (
     Parts,
     Step,
     ValueOfNodeError,
-    is_ours,
     walk,
 )
+from taskbuilder.description.origin import is_ours
 from taskbuilder.description.rewards import Term
 from taskbuilder.description.view import WorldView
 

@@ -7,7 +7,6 @@ that two environments never share memory.
 
 from __future__ import annotations
 
-import linecache
 import reprlib
 import sys
 from collections.abc import Callable, Iterator
@@ -21,6 +20,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any, Generic, SupportsFloat, TypeVar, get_args, get_type_hints
 
+from taskbuilder.description.origin import is_ours, place_of
 from taskbuilder.description.view import WorldView
 from taskbuilder.errors import Location, TaskbuilderError
 from taskbuilder.spec.names import Kind, SceneNames
@@ -86,9 +86,9 @@ class Node:
         for name in ("holds", "value", "update"):
             found = getattr(own, name, None)
             if found is not None and not is_ours(found):
-                return _place_of(found) or self.origin
+                return place_of(found) or self.origin
         call = getattr(self, "call", None)
-        return (_place_of(call.function) if isinstance(call, Call) else None) or self.origin
+        return (place_of(call.function) if isinstance(call, Call) else None) or self.origin
 
     @property
     def parts(self) -> tuple[Node, ...]:
@@ -372,23 +372,6 @@ def _texts(value: Any) -> Iterator[str]:
     elif isinstance(value, tuple):
         for item in value:
             yield from _texts(item)
-
-
-def is_ours(function: Callable[..., Any]) -> bool:
-    """Whether a function belongs to this package, and not to a description."""
-    module: str | None = getattr(function, "__module__", None)
-    return (module or "").startswith("taskbuilder.description.")
-
-
-def _place_of(function: Callable[..., Any]) -> Location | None:
-    """The line of a function's name, below its decorators."""
-    code = getattr(function, "__code__", None)
-    if code is None:
-        return None
-    first = code.co_firstlineno
-    lines = linecache.getlines(code.co_filename)[first - 1 :]
-    begun = (n for n, line in enumerate(lines, start=first) if line.lstrip().startswith("def "))
-    return Location(Path(code.co_filename), next(begun, first), 1)
 
 
 def _caller() -> Location | None:
