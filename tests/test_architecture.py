@@ -21,14 +21,31 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
+<<<<<<< HEAD
         *("validate", "bench", "learn", "data", "film", "expert", "portrait", "render", "rollout"),
         *("env", "reference", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
+=======
+        *(
+            "validate",
+            "bench",
+            "trial",
+            "learn",
+            "data",
+            "film",
+            "expert",
+            "portrait",
+            "render",
+            "rollout",
+        ),
+        *("env", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
+>>>>>>> 7bed4f9 (Evaluation to the end, beside expert, random play, holding still and stalling; certificates that are verified to the bit)
     ),
     "validate": (
         *("bench", "film", "expert", "render", "rollout", "env"),
         *("codes", "jobs", "files", "processes", *SIMULATED),
     ),
     "bench": ("expert", "render", "rollout", "env", *SIMULATED),
+    "trial": (*("learn", "expert", "rollout", "env", "machine", "digests", "files", *SIMULATED),),
     "learn": ("rollout", "env", "task", "arrays", "files", *FOUNDATION),
     "data": ("expert", "render", "rollout", "env", *SIMULATED),
     "film": ("render", "rollout", "env", "files", *SIMULATED),
@@ -41,7 +58,13 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "codes": (),
     "curves": ("charts",),
     "charts": (),
+<<<<<<< HEAD
     "jobs": ("processes", "errors"),
+=======
+    "jobs": (),
+    "machine": ("digests",),
+    "digests": (),
+>>>>>>> 7bed4f9 (Evaluation to the end, beside expert, random play, holding still and stalling; certificates that are verified to the bit)
     "arrays": ("files", *FOUNDATION),
     "files": (),
     "task": ("description", *FILES),

@@ -9,7 +9,7 @@ import cv2
 import pytest
 from made_runs import ENV, sideways, write_run, write_task
 
-from taskbuilder.cli.evaluate_command import _bar
+from taskbuilder.cli.evaluation_text import bar
 from taskbuilder.learn.zoo import save_policy
 
 HERE = ("--task-path", ".", "--jobs", "1")
@@ -193,8 +193,8 @@ def test_a_policy_that_does_not_fit_is_refused_before_anything_is_played(made, s
     ("share", "bar"),
     [(0.0, ""), (1e-6, "▏"), (1 / 48, "▌"), (1 / 24, "█"), (0.1, "██▍"), (1.0, "█" * 24)],
 )
-def test_bars_are_an_eighth_of_a_character_fine(share, bar):
-    assert _bar(share) == bar
+def test_bars_are_an_eighth_of_a_character_fine(share, shown):
+    assert bar(share) == shown
 
 
 # In `taskbuilder demo`
