@@ -21,24 +21,20 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-<<<<<<< HEAD
-        *("validate", "bench", "learn", "data", "film", "expert", "portrait", "render", "rollout"),
-        *("env", "reference", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
-=======
+        *("validate", "bench", "trial", "learn", "data", "film", "expert", "portrait", "render"),
         *(
-            "validate",
-            "bench",
-            "trial",
-            "learn",
-            "data",
-            "film",
-            "expert",
-            "portrait",
-            "render",
             "rollout",
+            "env",
+            "digests",
+            "reference",
+            "codes",
+            "curves",
+            "charts",
+            "jobs",
+            "arrays",
+            "files",
+            *SIMULATED,
         ),
-        *("env", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
->>>>>>> 7bed4f9 (Evaluation to the end, beside expert, random play, holding still and stalling; certificates that are verified to the bit)
     ),
     "validate": (
         *("bench", "film", "expert", "render", "rollout", "env"),
@@ -58,13 +54,9 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "codes": (),
     "curves": ("charts",),
     "charts": (),
-<<<<<<< HEAD
     "jobs": ("processes", "errors"),
-=======
-    "jobs": (),
     "machine": ("digests",),
     "digests": (),
->>>>>>> 7bed4f9 (Evaluation to the end, beside expert, random play, holding still and stalling; certificates that are verified to the bit)
     "arrays": ("files", *FOUNDATION),
     "files": (),
     "task": ("description", *FILES),

@@ -154,7 +154,12 @@ def _write(
     stem = _folder(arguments) / _stem(found)
     if arguments.out:
         result = stem.with_name(f"{stem.name}.json")
-        write_whole(result, (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode())
+        write_whole(
+            result,
+            (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode(
+                errors="backslashreplace"
+            ),
+        )
         files.append(result)
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.trained import Place, task_of
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import POLICIES
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import Policy
@@ -85,18 +85,13 @@ def evaluated(
         chosen: dict[str, Any] = {"variation": 0}
     else:
         player, file = load_policy(name), policy_file(name)
-        reference, chosen = task or task_of(name, player), options_of(player)
+        reference = task or str(task_of(name, player, catalogue))
+        chosen = options_of(player)
     chosen = dict(options) if options is not None else chosen
     if variation is not None:
         chosen["variation"] = variation
     reference = task or reference
-    try:
-        loaded = load_task(reference, catalogue=catalogue)
-    except UnknownNameError as error:
-        if named is not None:
-            raise
-        hint = "name the folder of its files by --task-path"
-        raise UsageError(f"{name} is for a task that is not here ({error}); {hint}") from None
+    loaded = load_task(reference, catalogue=catalogue)
     if player == EXPERT and not has_expert(loaded):
         raise UsageError(
             f"{loaded.name} has no expert; write its stages under expert: in "

@@ -12,9 +12,9 @@ from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_p
 from taskbuilder.cli.output import paint, print_json, print_table
 from taskbuilder.cli.tasks import catalogue_of
 from taskbuilder.digests import digest, digests_of_folder
-from taskbuilder.errors import TaskbuilderError, UsageError, display_path
+from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.zoo import policy_file
-from taskbuilder.spec.catalogue import Catalogue, looks_like_path
+from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.trial.arms import jobs_of
 from taskbuilder.trial.certificate import (
     LIBRARY,
@@ -105,13 +105,15 @@ def _found(name: str, data: Mapping[str, Any], catalogue: Catalogue, *, given: b
     Raises:
         UsageError: The task is nowhere that the user has named, or its options are none.
     """
-    task: str | None = data["task"]
+    task: str | None
     if given and named_player(name) is not None:
         task = None  # the command line says it
-    elif looks_like_path(data["task"]) or data["task"] not in catalogue.tasks:
-        raise UsageError(
-            f"the task {data['task']} is not here; name the folder of its files by --task-path"
-        )
+    else:
+        try:
+            task = str(catalogue.named_task(data["task"]).file)
+        except UnknownNameError as error:
+            hint = "name the folder of its files by --task-path"
+            raise UsageError(f"its task is not here ({error}); {hint}") from None
     options = {key: value for key, value in data["options"].items() if key in _OPTIONS}
     return evaluated(name, catalogue, task=task, options=options)
 

@@ -46,16 +46,11 @@ def load_policy(name: str) -> Policy:
         UsageError: There is no such folder or file, or no policy in it yet.
         StoreError: The file is damaged or none of a policy, or holds what is no number.
     """
-<<<<<<< HEAD
-    path = _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
+    path = policy_file(name)
     arrays, about = read_arrays(path, _KIND, largest=LARGEST)
     for part, array in arrays.items():
         if not np.isfinite(array).all():
             raise StoreError(f"{display_path(path)}: {part} has numbers that are not finite")
-=======
-    path = policy_file(name)
-    arrays, about = read_arrays(path, _KIND)
->>>>>>> 7bed4f9 (Evaluation to the end, beside expert, random play, holding still and stalling; certificates that are verified to the bit)
     try:
         norms = bool(about.get("norms", False))  # files from before there were any do not say
         return Policy.of(arrays, about, squash=bool(about["squash"]), norms=norms)
