@@ -10,13 +10,13 @@ from typing import Any
 
 from taskbuilder.cli.trained import Place, task_of
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.expert.named import POLICIES
+from taskbuilder.expert.named import POLICIES, has_expert
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.arms import EXPERT, Arena, has_expert
+from taskbuilder.trial.arms import EXPERT, Arena
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from taskbuilder.cli.output import paint, print_table
+from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.description.reasons import Reason
 from taskbuilder.learn.evaluation import Summary
 from taskbuilder.rollout.record import Rollout
@@ -46,7 +47,7 @@ def print_result(
     for role, seed in shown(summary).items():
         print(f"{role:6}  {_line(by_seed[seed])}")
         for said in reasons_of(by_seed[seed]):
-            print(f"        {said}")
+            print(f"{ASIDE}{said}")
     failed = [str(episode.seed) for episode in played if not episode.success]
     if failed:
         more = f" and {len(failed) - FEW} more" if len(failed) > FEW else ""
@@ -141,15 +142,6 @@ def _line(episode: Rollout) -> str:
         furthest = episode.furthest_stage
         how = f"got as far as {furthest}" if furthest else "reached nothing"
     return f"seed {episode.seed}  {verdict}  return {episode.team_return:8.2f}  {how}"
-
-
-def reasons_of(episode: Rollout) -> Iterator[str]:
-    """Why success does not hold at the end, a line each, and a stage that failed after success."""
-    lost = "lost at the end: " if episode.success else ""
-    yield from (f"{lost}{reason}" for reason in episode.why)
-    trouble = episode.trouble
-    if episode.success and trouble is not None:
-        yield f"after success stage {trouble.stage} failed ({trouble.order}): {trouble.message}"
 
 
 def shown(summary: Summary) -> dict[str, int]:

@@ -11,12 +11,11 @@ from typing import Any, NamedTuple
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.leaving import stall_after_stages
-from taskbuilder.expert.named import policy_named
+from taskbuilder.expert.named import has_expert, policy_named
 from taskbuilder.expert.player import Expert
 from taskbuilder.learn.policy import Policy as Trained
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.task import Task
 
 SUBJECT = "policy"
 """The arm that is measured."""
@@ -68,13 +67,6 @@ class Job(NamedTuple):
 
     seed: int
     compared: bool
-
-
-def has_expert(task: Task) -> bool:
-    """Whether a task has an expert, and one that can be planned for."""
-    spec = task.file.spec
-    modes = {robot.action.arm for robot in spec.scene.robots.values()}
-    return bool(spec.expert) and "joint_torque" not in modes
 
 
 class Stage:

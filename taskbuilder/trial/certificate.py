@@ -9,7 +9,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import taskbuilder
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import pybullet_data_folder
@@ -23,7 +22,7 @@ from taskbuilder.trial.results import Arms, as_data, record
 
 KIND, FORMAT = "taskbuilder certificate", 1
 
-LIBRARY = Path(taskbuilder.__file__).parent
+LIBRARY = Path(__file__).resolve().parents[1]
 """The folder of taskbuilder itself."""
 
 NOT_LIBRARY = ("tasks", "robots")

@@ -93,10 +93,11 @@ def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple
         again: A certificate of the same trial as it was played here.
     """
     told = list(_episodes(data["episodes"], again["episodes"]))
+    there, here = dict(_flat(data["results"])), dict(_flat(again["results"]))
     results = [
-        f"{name} is {_short(again['results'].get(name))}, not {_short(said)}"
-        for name, said in data["results"].items()
-        if again["results"].get(name) != said
+        f"{name} is {_short(here.get(name))}, not {_short(there.get(name))}"
+        for name in dict.fromkeys((*there, *here))
+        if name not in there or name not in here or here[name] != there[name]
     ]
     return Point("episodes", tuple(told)), Point("results", tuple(results))
 
@@ -116,6 +117,15 @@ def _episodes(
             wrong += [name for name in said if name not in found]
             if wrong:
                 yield f"{arm}, seed {found['seed']}: {' and '.join(wrong)}"
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value by the names that lead to it: ``controls.expert.return``."""
+    for name, value in data.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
 
 
 def _short(value: Any) -> str:
