@@ -79,10 +79,12 @@ def evaluated(
         FileError: The task is wrong.
         StoreError: The policy is damaged.
     """
-    named, player, file = named_player(name), None, None
+    named = named_player(name)
+    player: Policy | str
+    file: Path | None = None
+    chosen: dict[str, Any] = {"variation": 0}
     if named is not None:
         player, reference = named
-        chosen: dict[str, Any] = {"variation": 0}
     else:
         player, file = load_policy(name), policy_file(name)
         reference = task or str(task_of(name, player, catalogue))

@@ -72,14 +72,17 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
     except UsageError as error:
         if "task" not in here:
             raise  # it is not said where it is
-        played = (Point("episodes", (f"cannot be played: {error}",)),)
+        played = _unplayed(str(error))
     except TaskbuilderError as error:
         files = compare_files(data, here)
-        said = str(error).splitlines()[0]
-        played = (Point("episodes", (f"cannot be played: {said}",)),)
+        played = _unplayed(str(error))
     else:
         played = compare_episodes(data, again)
     return [*files, *sealed, *machines, *played]
+
+
+def _unplayed(error: str) -> tuple[Point, ...]:
+    return (Point("episodes", (f"cannot be played: {error.splitlines()[0]}",)),)
 
 
 def _policy(name: str, certificate: Path, *, given: bool) -> str:

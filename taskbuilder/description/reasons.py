@@ -136,8 +136,9 @@ def label(node: Condition) -> str:
     """
     if isinstance(node, CustomCondition):
         return repr(node)
-    told = []
-    for field in fields(node) if is_dataclass(node) else ():
+    told: list[str] = []
+    listed = fields(node) if is_dataclass(node) else ()
+    for field in listed:
         names = [text for text in _names(getattr(node, field.name)) if _is_name(node, text)]
         if names:
             text = "+".join(names)

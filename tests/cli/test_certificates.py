@@ -216,15 +216,8 @@ def test_what_is_no_certificate_is_refused(content, said, run):
 def test_it_leads_to_no_file_outside_its_folder_and_to_no_task_that_is_not_named(made, run):
     ran = run("evaluate", "--verify", str(made))
     assert ran.status == 2
-    assert (
-        ran.err
-        == (
-            'taskbuilder: its task is not here (no task "sideways"; there are '
-            "collaborative_lift, handover, pick_push_place); name the folder of its files by "
-            "--task-path\n"
-        )
-        or "name the folder of its files by --task-path" in ran.err
-    )
+    assert 'its task is not here (no task "sideways"; ' in ran.err
+    assert "name the folder of its files by --task-path" in ran.err
     shutil.copy(made.with_name("pushing.npz"), made.parent.parent / "outside.npz")
     _edit(made, lambda data: data.__setitem__("policy", "../outside.npz"))
     ran = run("evaluate", "--verify", str(made), "--task-path", str(made.parent))
@@ -233,7 +226,7 @@ def test_it_leads_to_no_file_outside_its_folder_and_to_no_task_that_is_not_named
     _edit(made, lambda data: data.__setitem__("policy", "pushing.npz"))
     words = ("--task-path", str(made.parent), "--jobs", "1")
     outside = str(made.parent.parent / "outside.npz")
-    assert run("evaluate", outside, "--verify", str(made), *words).status == 1  # it was edited
+    assert run("evaluate", outside, "--verify", str(made), *words).status == 0
 
 
 def test_the_expert_is_evaluated_and_certified_like_a_policy(run):
