@@ -95,6 +95,8 @@ def evaluate(
 ) -> Generator[Rollout, None, None]:
     """Play episodes, each as soon as it can be, in the order of their seeds.
 
+    Forces between robots are metered, and where success does not hold at the end it is said why.
+
     Args:
         make_env: Makes the environment, with the policy's options. To be told other processes it
             must be picklable, and equal to what it is unpickled to.
@@ -107,11 +109,15 @@ def evaluate(
         return
     with closing(make_env()) as env:
         for seed in seeds:
-            yield play(env, policy.act, seed)
+            yield _played(env, policy, seed)
 
 
 def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: Policy, seed: int) -> Rollout:
-    return play(_made_once(make_env), policy.act, seed)
+    return _played(_made_once(make_env), policy, seed)
+
+
+def _played(env: TaskEnv, policy: Policy, seed: int) -> Rollout:
+    return play(env, policy.act, seed, forces=True, explain=True)
 
 
 @lru_cache(maxsize=1)

@@ -153,3 +153,15 @@ def test_ctrl_c_leaves_no_half_written_film(tmp_path, good):
     assert (child.returncode, err) == (130, "interrupted\n")
     names = {file.name for file in (tmp_path / "demos").iterdir()}
     assert names == {"good-strip.png", "good-rewards.png"}
+
+
+def test_a_stage_that_fails_after_success_is_told(run, good):
+    text = good.read_text().replace(
+        "position: [0.5, 0, 0.02]", "position: [0.5, 0, 0.3], fixed: true"
+    )
+    good.write_text(text + "expert:\n  - arm: {reach: cube, above: 3.0}\n")
+    ran = run("demo", "good.yaml", *SMALL)
+    assert ran.status == 0, ran.out + ran.err
+    line, after, *_ = ran.out.splitlines()
+    assert line.startswith("seed 0  success")
+    assert after.startswith("        after success stage 1 failed (arm: reach cube): ")
