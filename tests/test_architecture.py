@@ -21,14 +21,27 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("validate", "bench", "learn", "data", "film", "expert", "portrait", "render", "rollout"),
-        *("env", "reference", "codes", "curves", "charts", "jobs", "arrays", "files", *SIMULATED),
+        *("validate", "bench", "trial", "learn", "data", "film", "expert", "portrait", "render"),
+        *(
+            "rollout",
+            "env",
+            "digests",
+            "reference",
+            "codes",
+            "curves",
+            "charts",
+            "jobs",
+            "arrays",
+            "files",
+            *SIMULATED,
+        ),
     ),
     "validate": (
         *("bench", "film", "expert", "render", "rollout", "env"),
         *("codes", "jobs", "files", "processes", *SIMULATED),
     ),
     "bench": ("expert", "render", "rollout", "env", *SIMULATED),
+    "trial": (*("learn", "expert", "rollout", "env", "machine", "digests", "files", *SIMULATED),),
     "learn": ("rollout", "env", "task", "arrays", "files", *FOUNDATION),
     "data": ("expert", "render", "rollout", "env", *SIMULATED),
     "film": ("render", "rollout", "env", "files", *SIMULATED),
@@ -42,6 +55,8 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "curves": ("charts",),
     "charts": (),
     "jobs": ("processes", "errors"),
+    "machine": ("digests",),
+    "digests": (),
     "arrays": ("files", *FOUNDATION),
     "files": (),
     "task": ("description", *FILES),

@@ -14,6 +14,7 @@ from typing import Any
 from taskbuilder.cli.output import paint, print_json, progress, say
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import Place, is_trained
+from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
@@ -46,6 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
             played.append(episode)
             if not arguments.json:
                 say(_line(episode, len(str(seeds[-1]))))
+                for reason in reasons_of(episode):
+                    say(f"{ASIDE}{reason}")
     if not arguments.json:
         print(_summary(played))
     files = [display_path(file) for file in _show(task, played[0], cast, arguments)]
@@ -104,7 +107,7 @@ class Cast:
             UsageError: A trained policy does not fit the task.
         """
         env = stack.enter_context(closing(self.place()))
-        return partial(play, env, self._policy(env, stack))
+        return partial(play, env, self._policy(env, stack), explain=True)
 
     def _policy(self, env: TaskEnv, stack: ExitStack) -> Policy:
         if is_trained(self.policy):
@@ -184,10 +187,12 @@ def _as_data(task: Task, episodes: Sequence[Rollout]) -> dict[str, Any]:
             {
                 "seed": episode.seed,
                 "success": episode.success,
+                "success_at_end": episode.success_at_end,
                 "return": episode.team_return,
                 "steps": episode.first_success or episode.steps,
                 "stage": episode.furthest_stage,
                 "trouble": vars(episode.trouble) if episode.trouble else None,
+                "why": [vars(reason) for reason in episode.why],
                 "planning_s": round(_planning_s(episode), 4),
             }
             for episode in episodes

@@ -4,81 +4,85 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
+from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
-from taskbuilder.cli.trained import Place, origin, task_of
+from taskbuilder.cli.trained import origin
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.film.film import save_film
 from taskbuilder.film.shooting import Frame
 from taskbuilder.jobs import cores, workers
-from taskbuilder.learn.evaluation import (
-    Summary,
-    check_fits,
-    evaluate,
-    options_of,
-    summarise,
-)
-from taskbuilder.learn.policy import Policy
-from taskbuilder.learn.zoo import load_policy
-from taskbuilder.rollout.play import play
+from taskbuilder.learn.evaluation import Summary, summarise
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.task import Task, load_task
+from taskbuilder.trial.arms import SUBJECT, Arena, Job, by_arm, jobs_of, play_all
+from taskbuilder.trial.certificate import Trial, certificate, write_certificate
+from taskbuilder.trial.results import Arms, as_data, compare, record
 
-BAR = 24
-"""Characters of the longest bar."""
-
-FEW = 10
-"""Seeds of failed episodes that are named."""
+CONTROLS = 20
+"""From how many seeds those play that a policy is compared with, unless it is certified."""
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Measure what a trained policy achieves; low success is a result, not a failure."""
-    policy = load_policy(arguments.policy)
-    task, place = _placed(policy, arguments)
+    """Measure what a policy achieves; low success is a result, not a failure."""
+    if arguments.verify:
+        from taskbuilder.cli.verifying import verify
+
+        return verify(arguments)
+    if not arguments.policy:
+        raise UsageError("which policy? name one, such as zoo:handover/demos or expert:handover")
+    found = evaluated(arguments.policy, catalogue_of(arguments), variation=arguments.variation)
+    _check(found, arguments)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     if not arguments.json:
-        print(paint(f"{task.name} · {arguments.policy}", "bold"))
-        print_table([*origin(policy.about), ["plays", _episodes(seeds)]], indent="  ")
+        print(paint(f"{found.task.name} · {found.name}", "bold"))
+        told = origin(found.about) if found.about else []
+        print_table([*told, ["plays", _episodes(seeds)]], indent="  ")
         print(flush=True)
-    played = _play_all(place, policy, seeds, min(arguments.jobs or cores(), len(seeds)))
-    stages = ("", *task.description.stages)
+    compared = _compared(arguments)
+    arms = play_arms(found.arena, jobs_of(seeds, compared), arguments.jobs)
+    played = arms[SUBJECT]
+    stages = ("", *found.task.description.stages)
     summary = summarise(played, len(stages) - 1)
-    data = _as_data(arguments.policy, policy, task, played, summary, stages)
+    data = _as_data(found, arms, stages)
     if not arguments.json:
-        _print(played, summary, stages)
-    files = [display_path(file) for file in _write(place, policy, data, summary, arguments)]
+        print_result(played, summary, compare(arms), stages)
+    files = _write(found, data, arms, summary, arguments)
+    if arguments.certificate:
+        trial = trial_of(found, arguments.certificate, seeds, min(compared, len(seeds)))
+        command = shlex.join(["taskbuilder", *arguments.words])
+        write_certificate(arguments.certificate, certificate(trial, arms, command))
+        files.append(arguments.certificate)
+    named = [display_path(file) for file in files]
     if arguments.json:
-        print_json({**data, "files": files})
-    elif files:
-        print("\n".join(["", *files]))
+        print_json({**data, "files": named})
+    elif named:
+        print("\n".join(["", *named]))
     return 0
 
 
-def _placed(policy: Policy, arguments: argparse.Namespace) -> tuple[Task, Place]:
-    """The policy's task and where it plays; refuses what cannot be before anything is played."""
-    name, catalogue = arguments.policy, catalogue_of(arguments)
-    options, reference = options_of(policy), str(task_of(name, policy, catalogue))
-    task = load_task(reference, catalogue=catalogue)
-    if arguments.variation is not None:
-        options["variation"] = arguments.variation
-    filmed = argparse.Namespace(variation=options.get("variation", 0), camera=arguments.camera)
-    if isinstance(filmed.variation, int):
-        check_views(task, filmed)
+def _check(found: Evaluated, arguments: argparse.Namespace) -> None:
+    """Refuse what cannot be played or shown before anything is."""
+    variation = found.options.get("variation", 0)
+    filmed = argparse.Namespace(variation=variation, camera=arguments.camera)
+    if isinstance(variation, int):
+        check_views(found.task, filmed)
     elif arguments.video:
         raise UsageError("films are of one variation, and the policy's is random; name --variation")
-    place = Place(reference, catalogue, tuple(options.items()))
-    with closing(place()) as env:
-        check_fits(policy, env, name)
+    check_plays(found)
     if arguments.video or arguments.out:
         make_folder(_folder(arguments))
-    return task, place
+    if arguments.certificate:
+        make_folder(arguments.certificate.parent)
 
 
 def _folder(arguments: argparse.Namespace) -> Path:
@@ -86,14 +90,38 @@ def _folder(arguments: argparse.Namespace) -> Path:
     return folder
 
 
-def _play_all(place: Place, policy: Policy, seeds: range, jobs: int) -> list[Rollout]:
+def _compared(arguments: argparse.Namespace) -> int:
+    """From how many seeds all arms play."""
+    asked: int | None = arguments.controls
+    if asked is not None:
+        return asked
+    return int(arguments.episodes) if arguments.certificate else CONTROLS
+
+
+def play_arms(arena: Arena, jobs: Sequence[Job], asked: int | None) -> Arms:
+    """Play all episodes, over as many processes as are asked for."""
+    count = min(asked or cores(), len(jobs))
     with ExitStack() as stack:
-        spread = stack.enter_context(workers(jobs)) if jobs > 1 else None
-        episodes = stack.enter_context(closing(evaluate(place, policy, seeds, spread)))
-        return list(progress(episodes, "episodes", len(seeds)))
+        spread = stack.enter_context(workers(count)) if count > 1 else None
+        episodes = stack.enter_context(closing(play_all(arena, jobs, spread)))
+        return by_arm(progress(episodes, "episodes", len(jobs)))
 
 
-# Saying
+def trial_of(found: Evaluated, beside: Path, seeds: Sequence[int], compared: int) -> Trial:
+    """What a certificate in a file is about; a policy's file is named from its folder on.
+
+    Args:
+        found: Who is evaluated.
+        beside: The certificate.
+        seeds: Of all episodes.
+        compared: From how many of them all arms played.
+    """
+    named, name = named_player(found.name), found.name
+    if named is not None:
+        name = f"{named[0]}:{found.task.name}"
+    elif not name.startswith("zoo:"):
+        name = Path(relpath(Path(name).resolve(), beside.resolve().parent)).as_posix()
+    return Trial(found.task, name, found.file, found.options, tuple(seeds), compared)
 
 
 def _episodes(seeds: range) -> str:
@@ -101,101 +129,13 @@ def _episodes(seeds: range) -> str:
     return f"{len(seeds)} episode{'s' * (len(seeds) > 1)} from the task's own starts, {which}"
 
 
-def _print(played: Sequence[Rollout], summary: Summary, stages: Sequence[str]) -> None:
-    print(paint(_verdict(summary), "bold"))
-    print(f"return {summary.mean_return:.2f}, interquartile mean {summary.iqm_return:.2f}")
-    if len(stages) > 1:
-        print()
-        _print_stages(summary, stages)
-    print()
-    by_seed = {episode.seed: episode for episode in played}
-    for role, seed in _shown(summary).items():
-        print(f"{role:6}  {_line(by_seed[seed])}")
-    failed = [str(episode.seed) for episode in played if not episode.success]
-    if failed:
-        more = f" and {len(failed) - FEW} more" if len(failed) > FEW else ""
-        print(f"failed seeds: {', '.join(failed[:FEW])}{more}")
-
-
-def _verdict(summary: Summary) -> str:
-    low, high = summary.interval
-    parts = [
-        f"{summary.successes} of {summary.episodes} succeeded ({summary.success_rate:.1%}), "
-        f"95% interval {low:.1%} to {high:.1%}"
-    ]
-    if summary.steps_to_success is not None:
-        parts.append(f"median {summary.steps_to_success:g} steps")
-    return " · ".join(parts)
-
-
-def _print_stages(summary: Summary, stages: Sequence[str]) -> None:
-    """How many episodes got how far and no further."""
-    width = len(str(summary.episodes))
-    rows = [["furthest stage", "episodes"]]
-    for name, count in zip(stages, summary.stages, strict=True):
-        rows.append([name or "none", f"{count:{width}}  {_bar(count / summary.episodes)}"])
-    print_table(rows)
-
-
-def _bar(share: float) -> str:
-    """A bar of blocks, an eighth of a character fine; nothing is too little to be seen."""
-    eighths = max(round(8 * BAR * share), 1 if share else 0)
-    return ("█" * (eighths // 8) + " ▏▎▍▌▋▊▉"[eighths % 8]).rstrip()
-
-
-def _line(episode: Rollout) -> str:
-    verdict = paint("success", "green") if episode.success else paint("failed ", "red")
-    if episode.first_success is not None:
-        how = f"{episode.first_success} of {episode.horizon} steps"
-    else:
-        furthest = episode.furthest_stage
-        how = f"got as far as {furthest}" if furthest else "reached nothing"
-    return f"seed {episode.seed}  {verdict}  return {episode.team_return:8.2f}  {how}"
-
-
-def _shown(summary: Summary) -> dict[str, int]:
-    """Seeds of the episodes that are shown, each once, by what they are shown for."""
-    shown: dict[str, int] = {}
-    for role, seed in _roles(summary).items():
-        if seed is not None and seed not in shown.values():
-            shown[role] = seed
-    return shown
-
-
-def _roles(summary: Summary) -> dict[str, int | None]:
-    return {"best": summary.best, "median": summary.median, "failed": summary.failed}
-
-
-def _as_data(
-    name: str,
-    policy: Policy,
-    task: Task,
-    played: Sequence[Rollout],
-    summary: Summary,
-    stages: Sequence[str],
-) -> dict[str, Any]:
+def _as_data(found: Evaluated, arms: Arms, stages: Sequence[str]) -> dict[str, Any]:
     return {
-        "task": task.name,
-        "policy": name,
-        "success_rate": summary.success_rate,
-        "interval": list(summary.interval),
-        "return": summary.mean_return,
-        "return_iqm": summary.iqm_return,
-        "steps_to_success": summary.steps_to_success,
-        "stages": dict(zip(stages, summary.stages, strict=True)),
-        "terms": dict(summary.terms),
-        "seeds": _roles(summary),
-        "about": dict(policy.about),
-        "episodes": [
-            {
-                "seed": episode.seed,
-                "success": episode.success,
-                "return": episode.team_return,
-                "steps": episode.first_success or episode.steps,
-                "stage": episode.furthest_stage,
-            }
-            for episode in played
-        ],
+        "task": found.task.name,
+        "policy": found.name,
+        **as_data(arms, stages),
+        "about": dict(found.about),
+        "episodes": [record(episode) for episode in arms[SUBJECT]],
     }
 
 
@@ -203,15 +143,15 @@ def _as_data(
 
 
 def _write(
-    place: Place,
-    policy: Policy,
+    found: Evaluated,
     data: dict[str, Any],
+    arms: Arms,
     summary: Summary,
     arguments: argparse.Namespace,
 ) -> list[Path]:
     """Write the result and the films that were asked for, and say where."""
     files: list[Path] = []
-    stem = _folder(arguments) / _stem(data["task"], arguments.policy)
+    stem = _folder(arguments) / _stem(found)
     if arguments.out:
         result = stem.with_name(f"{stem.name}.json")
         write_whole(
@@ -222,13 +162,13 @@ def _write(
         )
         files.append(result)
     if arguments.video:
-        with closing(place(renderer=arguments.renderer)) as env:
+        episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
+        with closing(found.place(renderer=arguments.renderer)) as env:
             cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
-            for role, seed in _shown(summary).items():
-                episode = play(env, policy.act, seed)
+            for role, seed in shown(summary).items():
                 files += save_film(
                     env,
-                    episode,
+                    episodes[seed],
                     list(dict.fromkeys(cameras)),
                     stem.with_name(f"{stem.name}-{role}"),
                     size=arguments.size,
@@ -241,9 +181,12 @@ def _filming(role: str, frames: Iterable[Frame], count: int) -> Iterable[Frame]:
     return progress(frames, f"filming {role}", count)
 
 
-def _stem(task: str, policy: str) -> str:
+def _stem(found: Evaluated) -> str:
     """What files are called: the task, and the policy's own name."""
-    path = Path(policy.removeprefix("zoo:"))
+    task = found.task.name.replace("/", "-")
+    named = named_player(found.name)
+    if named is not None:
+        return f"{task}-{named[0]}"
+    path = Path(found.name.removeprefix("zoo:"))
     own = (path.name or path.resolve().name).removesuffix(".npz")
-    task = task.replace("/", "-")
     return own if own.startswith(task) else f"{task}-{own}"

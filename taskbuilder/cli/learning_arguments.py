@@ -86,11 +86,15 @@ def add_train(adder: Adder) -> None:
 def add_evaluate(adder: Adder) -> None:
     """`taskbuilder evaluate`."""
     parser = adder.command(
-        "measure what a trained policy achieves in episodes that it has never seen",
-        "zoo:handover/demos --episodes 300 --video",
+        "measure what a policy achieves, to the end of episodes that it has never seen",
+        "zoo:handover/demos --episodes 300 --certificate handover.json",
     )
     parser.add_argument(
-        "policy", metavar="RUN", help="zoo:TASK/TRACK, the folder of a run, or a policy's file"
+        "policy",
+        nargs="?",
+        metavar="POLICY",
+        help="zoo:TASK/TRACK, the folder of a run, a policy's file; or expert:TASK, random:TASK, "
+        "nothing:TASK",
     )
     parser.add_argument(
         "--episodes", type=whole(1, 100_000), default=300, metavar="N", help="(default 300)"
@@ -108,7 +112,26 @@ def add_evaluate(adder: Adder) -> None:
         metavar="K",
         help="which variation (default that of training)",
     )
+    parser.add_argument(
+        "--controls",
+        type=whole(0, 100_000),
+        metavar="N",
+        help="from how many of the seeds the expert, random play, holding still and stalling play "
+        "too (default 20; all of them for a certificate)",
+    )
     add_jobs(parser)
+    parser.add_argument(
+        "--certificate",
+        type=Path,
+        metavar="FILE",
+        help="write the result with all that it takes to play it again elsewhere",
+    )
+    parser.add_argument(
+        "--verify",
+        type=Path,
+        metavar="FILE",
+        help="play a certificate again, compare to the bit, and say what differs here",
+    )
     parser.add_argument(
         "--out",
         type=Path,

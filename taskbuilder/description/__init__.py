@@ -4,6 +4,7 @@ Everything that a description file needs is importable from here.
 """
 
 from taskbuilder.description.contact import Contact, EmptyHanded, ForceAbove, Held, On, Released
+from taskbuilder.description.custom import condition
 from taskbuilder.description.description import Description, Outcome
 from taskbuilder.description.logic import AtLeast, Never, Once, Sustained, Then
 from taskbuilder.description.measures import (
@@ -29,7 +30,6 @@ from taskbuilder.description.node import (
     RobotName,
     SiteName,
     SolidName,
-    condition,
 )
 from taskbuilder.description.rewards import Bonus, Distance, Paid, Potential, Term
 from taskbuilder.description.space import (

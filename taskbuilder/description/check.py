@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from inspect import get_annotations
 
+from taskbuilder.description.custom import CustomCondition
 from taskbuilder.description.description import Description
 from taskbuilder.description.fitting import fits, wanted
 from taskbuilder.description.measures import CustomMeasure, Measure
-from taskbuilder.description.node import Argument, Condition, CustomCondition, Node
+from taskbuilder.description.node import Argument, Condition, Node
 from taskbuilder.description.rewards import Term
 from taskbuilder.errors import Finding, Location
 from taskbuilder.spec.names import SceneNames

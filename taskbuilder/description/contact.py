@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 
+from taskbuilder.description.figures import beside, listed
 from taskbuilder.description.measures import one_body
-from taskbuilder.description.node import BodyName, Condition, RobotName, SolidName
+from taskbuilder.description.node import BodyName, Condition, Memory, RobotName, SolidName
 from taskbuilder.description.view import WorldView
 from taskbuilder.spec.names import SceneNames
 
@@ -30,6 +31,14 @@ class Held(Condition):
         robots = (self.by,) if isinstance(self.by, str) else self.by
         return all(world.held(self.body, robot) for robot in robots)
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        robots = (self.by,) if isinstance(self.by, str) else self.by or world.robot_names
+        told = [robot for robot in robots if world.held(self.body, robot) != wanted]
+        if wanted and self.by is None:
+            return "no robot holds it"
+        said = "does not hold it" if wanted else "holds it"
+        return ", ".join(f"{robot} {said}" for robot in told)
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         if self.by == ():
             yield "by is empty; name a robot, or leave by out for any"
@@ -47,6 +56,11 @@ class Released(Condition):
         robots = world.robot_names if self.by is None else (self.by,)
         return not any(world.fingers_touch(self.body, robot) for robot in robots)
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        robots = world.robot_names if self.by is None else (self.by,)
+        touching = [robot for robot in robots if world.fingers_touch(self.body, robot)]
+        return f"fingers of {listed(touching)} touch it" if touching else "no finger touches it"
+
 
 @dataclass(frozen=True)
 class EmptyHanded(Condition):
@@ -56,6 +70,10 @@ class EmptyHanded(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return not any(world.held(name, self.robot) for name in world.object_names)
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        held = [name for name in world.object_names if world.held(name, self.robot)]
+        return f"it holds {listed(held)}" if held else "it holds nothing"
 
 
 @dataclass(frozen=True)
@@ -69,6 +87,9 @@ class Contact(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return world.touching(self.first, self.second or self.robot or "")
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        return "they do not touch" if wanted else "they touch"
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         if (self.second is None) == (self.robot is None):
@@ -85,6 +106,11 @@ class On(Condition):
     def holds(self, world: WorldView) -> bool:
         return world.support(self.body, self.below) > _CARRIES
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        if wanted:
+            return f"{self.below} carries none of it"
+        return f"{self.below} carries {world.support(self.body, self.below):.2g} N of it"
+
 
 @dataclass(frozen=True)
 class ForceAbove(Condition):
@@ -97,6 +123,11 @@ class ForceAbove(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return world.contact_force(self.first, self.second) > self.newtons
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        force = world.contact_force(self.first, self.second)
+        now, bound = beside(force, self.newtons, "N", digits=0)
+        return f"{now}, " + (f"more than {bound} is needed" if wanted else f"{bound} is allowed")
 
     def force_pairs(self) -> Iterator[tuple[str, str]]:
         yield self.first, self.second

@@ -19,6 +19,7 @@ from taskbuilder.description.node import (
     walk,
 )
 from taskbuilder.description.origin import is_ours
+from taskbuilder.description.reasons import Moment
 from taskbuilder.description.rewards import Term
 from taskbuilder.description.view import WorldView
 
@@ -104,6 +105,7 @@ class Referee:
 
     Attributes:
         force_pairs: The bodies between which the world must meter forces, from before `start`.
+        values: Value of every node when the world was last judged; see `moment`.
     """
 
     def __init__(self, description: type[Description], agents: Sequence[str]) -> None:
@@ -129,6 +131,7 @@ class Referee:
         pairs = (pair for node in self._nodes for pair in node.force_pairs())
         self.force_pairs = tuple(dict.fromkeys(pairs))
         self.memory: tuple[tuple[Memory, ...], int] = ((), 0)
+        self.values: Sequence[Any] = ()
 
     def start(self, world: WorldView) -> Outcome:
         """Forget the last episode and judge the world as it stands after reset."""
@@ -147,7 +150,18 @@ class Referee:
         for number, reached in enumerate(self._stages, start=1):
             stage = max(stage, number) if values[reached] else stage
         self.memory = (tuple(remembered), stage)
+        self.values = values
         return self._outcome(values, stage)
+
+    def moment(self, world: WorldView, history: Sequence[Sequence[Any]]) -> Moment:
+        """The world as it was last judged, to ask for reasons.
+
+        Args:
+            world: The same.
+            history: `values` after every judgement of the episode, the last one included.
+        """
+        index = {node: position for position, node in enumerate(self._nodes)}
+        return Moment(world, index, self.memory[0], history)
 
     def _outcome(self, values: list[Any], stage: int) -> Outcome:
         conditions = {name: values[position] for name, position in self._conditions}

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from taskbuilder.description.node import Condition, Memory, Node, Parts, Step
+from taskbuilder.description.node import (
+    Blame,
+    Condition,
+    Memory,
+    Node,
+    Parts,
+    Step,
+    blame_those,
+)
 from taskbuilder.description.view import WorldView
 from taskbuilder.spec.names import SceneNames
 
@@ -18,6 +26,9 @@ class Never(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return False
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        return "can never hold"
 
 
 @dataclass(frozen=True, init=False)
@@ -38,6 +49,11 @@ class AtLeast(Condition):
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         return sum(parts) >= self.count, memory
+
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        found = blame_those(self.of, parts, wanted=wanted, every=False)
+        surplus = self.count - sum(parts) if wanted else sum(parts) - self.count + 1
+        return found._replace(every=surplus >= len(found.parts))
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         if not 1 <= self.count <= len(self.of):
@@ -71,6 +87,12 @@ class Then(Condition):
             memory += 1
         return memory == len(parts), memory
 
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        return Blame(((self.of[memory], True),)) if wanted and self.of else None
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        return "never comes true" if wanted else "all of it has come true, in order"
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         if not self.of:
             yield "lists no condition; give at least one"
@@ -95,6 +117,12 @@ class Sustained(Condition):
         since = world.time if memory is None else memory
         return world.time - since >= self.seconds - _TIME_SLACK, since
 
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        return None if wanted and parts[0] else Blame(((self.of, wanted),))
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        return f"kept for {world.time - memory:.1f} of {self.seconds:g} s"
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         if not self.seconds > 0:
             yield f"seconds is {self.seconds}; more than 0"
@@ -118,3 +146,9 @@ class Once(Condition):
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         held = memory or parts[0]
         return held, held
+
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        return Blame(((self.of, True),)) if wanted else None
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        return "has held before"

@@ -11,9 +11,9 @@ from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, SupportsFloat
 
+from taskbuilder.description.custom import Call
 from taskbuilder.description.node import (
     Argument,
-    Call,
     Condition,
     FrameName,
     Memory,

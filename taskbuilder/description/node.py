@@ -13,12 +13,11 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
-from inspect import signature
 from itertools import islice
 from math import isnan
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any, Generic, SupportsFloat, TypeVar, get_args, get_type_hints
+from typing import Annotated, Any, NamedTuple, SupportsFloat, get_args, get_type_hints
 
 from taskbuilder.description.origin import is_ours, place_of
 from taskbuilder.description.view import WorldView
@@ -87,8 +86,8 @@ class Node:
             found = getattr(own, name, None)
             if found is not None and not is_ours(found):
                 return place_of(found) or self.origin
-        call = getattr(self, "call", None)
-        return (place_of(call.function) if isinstance(call, Call) else None) or self.origin
+        function = _function_of(self)
+        return (place_of(function) if function else None) or self.origin
 
     @property
     def parts(self) -> tuple[Node, ...]:
@@ -118,7 +117,7 @@ class Node:
             NameError: An annotation names something that its file does not import.
         """
         if is_dataclass(self):
-            hints = _hints(type(self))
+            hints = hints_of(type(self))
             for field in fields(self):
                 yield Argument(field.name, getattr(self, field.name), hints[field.name])
 
@@ -153,8 +152,25 @@ def _remade(sort: type[ValueOfNodeError], args: tuple[Any, ...], place: Location
 
 def _name_of(node: Node) -> str:
     """What an expression is, in a line."""
-    call = getattr(node, "call", None)
-    return call.function.__name__ if isinstance(call, Call) else type(node).__name__
+    function = _function_of(node)
+    return function.__name__ if function else type(node).__name__
+
+
+def _function_of(node: Node) -> Callable[..., Any] | None:
+    """What an expression of `taskbuilder.description.custom` was made of, or None."""
+    return getattr(getattr(node, "call", None), "function", None)
+
+
+class Blame(NamedTuple):
+    """Which parts of a condition keep it from being as it is wanted.
+
+    Attributes:
+        parts: Each with whether it should hold.
+        every: Whether all of them must change, or any one of them would do.
+    """
+
+    parts: tuple[tuple[Condition, bool], ...]
+    every: bool = True
 
 
 class Condition(Node):
@@ -184,6 +200,28 @@ class Condition(Node):
                     return bool(value)
         raise ValueOfNodeError(self, value, "a condition gives True or False")
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        """The figure that decides and the bound that is needed: "7 cm, within 5 cm is needed".
+
+        Asked after an episode, and only where the condition is not as wanted.
+
+        Args:
+            world: As it stands.
+            memory: What the condition remembers after its last `update`.
+            wanted: Whether it should hold.
+        """
+        return "does not hold" if wanted else "holds"
+
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        """Which of its parts are to blame where it is not as wanted; None: it tells a `figure`.
+
+        Args:
+            parts: Their values.
+            memory: What the condition remembers after its last `update`.
+            wanted: Whether it should hold.
+        """
+        return None
+
     def __and__(self, other: Condition) -> Condition:
         return All(_flat(All, self) + _flat(All, other))
 
@@ -204,6 +242,12 @@ def _flat(sort: type[All] | type[Any_], node: Condition) -> tuple[Condition, ...
     return node.of if isinstance(node, All | Any_) and type(node) is sort else (node,)
 
 
+def blame_those(of: tuple[Condition, ...], values: Parts, *, wanted: bool, every: bool) -> Blame:
+    """Blame those of several conditions that are not as wanted."""
+    wrong = [part for part, value in zip(of, values, strict=True) if bool(value) != wanted]
+    return Blame(tuple((part, wanted) for part in wrong), every)
+
+
 @dataclass(frozen=True)
 class All(Condition):
     """Every one of several conditions; written ``a & b``."""
@@ -217,6 +261,9 @@ class All(Condition):
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         return all(parts), memory
+
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        return blame_those(self.of, parts, wanted=wanted, every=wanted)
 
     def __repr__(self) -> str:
         return f"({' & '.join(map(repr, self.of))})"
@@ -236,6 +283,9 @@ class Any_(Condition):  # noqa: N801  # `Any` would hide typing's
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         return any(parts), memory
 
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        return blame_those(self.of, parts, wanted=wanted, every=not wanted)
+
     def __repr__(self) -> str:
         return f"({' | '.join(map(repr, self.of))})"
 
@@ -254,86 +304,11 @@ class Not(Condition):
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         return not parts[0], memory
 
+    def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
+        return Blame(((self.of, not wanted),))
+
     def __repr__(self) -> str:
         return f"~{self.of!r}"
-
-
-Result = TypeVar("Result")
-
-
-@dataclass(frozen=True)
-class Call(Generic[Result]):
-    """A function of the world with its arguments, as a value that can be compared and checked."""
-
-    function: Callable[..., Result]
-    arguments: tuple[tuple[str, Any], ...]
-
-    @classmethod
-    def bind(
-        cls, function: Callable[..., Result], args: tuple[Any, ...], kwargs: dict[str, Any]
-    ) -> Call[Result]:
-        """The call of a function with everything but its first argument, the world.
-
-        Raises:
-            TypeError: The arguments do not fit the function.
-        """
-        try:
-            bound = signature(function).bind(None, *args, **kwargs)
-        except TypeError as error:
-            raise TypeError(f"{function.__name__}(): {error}") from None
-        bound.apply_defaults()
-        return cls(function, tuple(bound.arguments.items())[1:])
-
-    def __call__(self, world: WorldView) -> Result:
-        return self.function(world, **dict(self.arguments))
-
-    def annotated(self) -> Iterator[Argument]:
-        """The arguments with the annotations of the function's parameters."""
-        hints = _hints(self.function)
-        for name, value in self.arguments:
-            yield Argument(name, value, hints.get(name, Any))
-
-    def __repr__(self) -> str:
-        inside = ", ".join(f"{name}={value!r}" for name, value in self.arguments)
-        return f"{self.function.__name__}({inside})"
-
-
-@dataclass(frozen=True)
-class CustomCondition(Condition):
-    """A condition made of a function by `condition`."""
-
-    call: Call[bool]
-
-    def holds(self, world: WorldView) -> bool:
-        return self.call(world)
-
-    def arguments(self) -> Iterator[Argument]:
-        return self.call.annotated()
-
-    def __repr__(self) -> str:
-        return repr(self.call)
-
-
-def condition(function: Callable[..., bool]) -> Callable[..., Condition]:
-    """Make a condition of a function of the world.
-
-    ::
-
-        @condition
-        def higher(world: WorldView, upper: BodyName, lower: BodyName) -> bool:
-            return world.position(upper)[2] > world.position(lower)[2]
-
-
-        success = higher("cube", "tray")
-
-    Parameters annotated as `BodyName`, `RobotName` and so on are checked against the scene.
-    """
-
-    def make(*args: Any, **kwargs: Any) -> Condition:
-        return CustomCondition(Call.bind(function, args, kwargs))
-
-    make.__name__, make.__doc__ = function.__name__, function.__doc__
-    return make
 
 
 def walk(roots: tuple[Node, ...]) -> Iterator[Node]:
@@ -353,7 +328,8 @@ def walk(roots: tuple[Node, ...]) -> Iterator[Node]:
 
 
 @cache
-def _hints(thing: Any) -> dict[str, Any]:
+def hints_of(thing: Any) -> dict[str, Any]:
+    """The annotations of a class or function, with what they mark."""
     return get_type_hints(thing, include_extras=True)
 
 

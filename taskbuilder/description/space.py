@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 from typing import Literal
 
+from taskbuilder.description.figures import beside, meters
 from taskbuilder.description.node import (
     BodyName,
     Condition,
@@ -33,10 +34,18 @@ class Near(Condition):
     axes: Literal["xyz", "xy", "z"] = "xyz"
 
     def holds(self, world: WorldView) -> bool:
+        return self._gap(world) <= self.within
+
+    def _gap(self, world: WorldView) -> float:
         x, y, z = subtract(world.position(self.first), world.position(self.second))
         if self.axes == "xy":
-            return math.hypot(x, y) <= self.within
-        return (abs(z) if self.axes == "z" else math.hypot(x, y, z)) <= self.within
+            return math.hypot(x, y)
+        return abs(z) if self.axes == "z" else math.hypot(x, y, z)
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        now, bound = meters(self._gap(world), self.within)
+        along = "" if self.axes == "xyz" else f" along {' and '.join(self.axes)}"
+        return f"{now}{along}, {'within' if wanted else 'more than'} {bound} is needed"
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("within", self.within, "metres")
@@ -74,6 +83,31 @@ class Inside(Condition):
         )
         return within and room.low[2] <= outline.low[2] < room.high[2]
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        if not wanted:
+            return "it is inside"
+        room, box = world.box(self.container), world.box(self.body)
+        room_from_body = world.pose(self.container).inverse() @ world.pose(self.body)
+        if not world.is_solid(self.container):
+            center = room_from_body.apply(box.center)
+            beyond = max(
+                abs(center[i] - room.center[i]) - room.half[i] + self.margin for i in range(3)
+            )
+            return f"its centre is {100 * beyond:.1f} cm too far out"
+        outline = box.seen_from(room_from_body)
+        aside = max(
+            max(room.low[i] + self.margin - outline.low[i] for i in (0, 1)),
+            max(outline.high[i] - room.high[i] + self.margin for i in (0, 1)),
+        )
+        said = [f"its outline is {100 * aside:.1f} cm too far out"] if aside > 0 else []
+        if outline.low[2] >= room.high[2]:
+            over = 100 * (outline.low[2] - room.high[2])
+            said.append(f"its lowest point is {over:.1f} cm above the rim")
+        elif outline.low[2] < room.low[2]:
+            under = 100 * (room.low[2] - outline.low[2])
+            said.append(f"its lowest point is {under:.1f} cm below the floor")
+        return ", ".join(said) or "it is not inside"
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         if not self.margin >= 0:
             yield f"margin is {self.margin}; metres, 0 or more"
@@ -93,6 +127,10 @@ class Above(Condition):
     def holds(self, world: WorldView) -> bool:
         return _height(world, self.frame, self.reference) >= self.height
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        now, bound = meters(_height(world, self.frame, self.reference), self.height)
+        return f"{now} high, {'at least' if wanted else 'less than'} {bound} is needed"
+
 
 @dataclass(frozen=True)
 class Below(Condition):
@@ -105,6 +143,10 @@ class Below(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return _height(world, self.frame, self.reference) < self.height
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        now, bound = meters(_height(world, self.frame, self.reference), self.height)
+        return f"{now} high, {'less than' if wanted else 'at least'} {bound} is needed"
 
 
 def _height(world: WorldView, frame: str, reference: str | None) -> float:
@@ -123,6 +165,12 @@ class Upright(Condition):
     def holds(self, world: WorldView) -> bool:
         up = world.pose(self.frame).axis("xyz".index(self.axis))[2]
         return up >= math.cos(math.radians(self.within_deg))
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        up = world.pose(self.frame).axis("xyz".index(self.axis))[2]
+        tilt = math.degrees(math.acos(max(-1.0, min(1.0, up))))
+        now, bound = beside(tilt, self.within_deg, "°")
+        return f"tilted by {now}, {'within' if wanted else 'more than'} {bound} is needed"
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("within_deg", self.within_deg, "degrees")
@@ -150,6 +198,10 @@ class Moved(Condition):
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
         return math.dist(world.position(self.frame), memory) >= self.by, memory
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        now, bound = meters(math.dist(world.position(self.frame), memory), self.by)
+        return f"moved by {now}, {'at least' if wanted else 'less than'} {bound} is needed"
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("by", self.by, "metres")
 
@@ -170,6 +222,11 @@ class Turned(Condition):
         turn = turn_between(memory, world.pose(self.frame).quaternion)
         return math.degrees(turn) >= self.by_deg, memory
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        turn = math.degrees(turn_between(memory, world.pose(self.frame).quaternion))
+        now, bound = beside(turn, self.by_deg, "°")
+        return f"turned by {now}, {'at least' if wanted else 'less than'} {bound} is needed"
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("by_deg", self.by_deg, "degrees")
 
@@ -187,6 +244,19 @@ class Stationary(Condition):
         linear, angular = world.velocity(self.frame)
         return norm(linear) < self.speed and math.degrees(norm(angular)) < self.turn_deg
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        linear, angular = world.velocity(self.frame)
+        if not wanted:
+            return "it stands still"
+        said = []
+        if norm(linear) >= self.speed:
+            now, bound = beside(100.0 * norm(linear), 100.0 * self.speed, "cm/s")
+            said.append(f"moves at {now}, less than {bound} is needed")
+        if math.degrees(norm(angular)) >= self.turn_deg:
+            now, bound = beside(math.degrees(norm(angular)), self.turn_deg, "°/s")
+            said.append(f"turns at {now}, less than {bound} is needed")
+        return ", ".join(said)
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("speed", self.speed, "m/s")
         yield from _positive("turn_deg", self.turn_deg, "degrees a second")
@@ -203,6 +273,10 @@ class JointPosition(Condition):
 
     def holds(self, world: WorldView) -> bool:
         return _between(world.joint(self.joint), self.above, self.below)
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        bounds = (None if b is None else 100.0 * b for b in (self.above, self.below))
+        return _beyond(100.0 * world.joint(self.joint), *bounds, unit="cm", wanted=wanted)
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _bounds(self.above, self.below, "above", "below")
@@ -222,6 +296,10 @@ class JointAngle(Condition):
     def holds(self, world: WorldView) -> bool:
         return _between(math.degrees(world.joint(self.joint)), self.above_deg, self.below_deg)
 
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        angle = math.degrees(world.joint(self.joint))
+        return _beyond(angle, self.above_deg, self.below_deg, unit="°", wanted=wanted)
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _bounds(self.above_deg, self.below_deg, "above_deg", "below_deg")
         if names.joint_type(self.joint) == "prismatic":
@@ -230,6 +308,24 @@ class JointAngle(Condition):
 
 def _between(value: float, above: float | None, below: float | None) -> bool:
     return (above is None or value >= above) and (below is None or value <= below)
+
+
+def _beyond(
+    value: float, above: float | None, below: float | None, *, unit: str, wanted: bool
+) -> str:
+    """A joint's value and what is needed of it."""
+    if wanted:
+        low = above is not None and value < above
+        bound = above if low else below
+        now, shown = beside(value, bound or 0.0, unit)
+        return f"{now}, at {'least' if low else 'most'} {shown} is needed"
+    needed = []
+    now = beside(value, above if above is not None else below or 0.0, unit)[0]
+    if above is not None:
+        needed.append(f"less than {beside(value, above, unit)[1]}")
+    if below is not None:
+        needed.append(f"more than {beside(value, below, unit)[1]}")
+    return f"{now}, {' or '.join(needed)} is needed"
 
 
 def _bounds(above: float | None, below: float | None, *names: str) -> Iterator[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -98,6 +99,7 @@ class Episode(Single):
         self._forks = Lineage.forks
         self._variation = 0 if options.variation == "random" else options.variation
         self._referee = Referee(task.description, self.agents)
+        self._force_pairs = self._referee.force_pairs
         self.seed = 0
         self.steps = 0
         self.succeeded = self.failed = self.exploded = False
@@ -124,7 +126,7 @@ class Episode(Single):
             world = build_world(
                 self._file, variation=self._variation, renderer=self.options.renderer
             )
-            world.watch_forces(self._referee.force_pairs)
+            world.watch_forces(self._force_pairs)
             self._worlds[self._variation] = world
         return self._worlds[self._variation]
 
@@ -139,6 +141,29 @@ class Episode(Single):
         if Lineage.forks != self._forks:
             what = "this environment is used in another process than the one that made it"
             raise UsageError(f"{what}; make one there")
+
+    @property
+    def referee(self) -> Referee:
+        """Who judges; it tells why, too."""
+        return self._referee
+
+    def meter_robots(self) -> None:
+        """Meter the forces between every two robots too, from now on; it changes nothing else."""
+        known = {frozenset(pair) for pair in self._force_pairs}
+        pairs = [pair for pair in combinations(self.agents, 2) if frozenset(pair) not in known]
+        if pairs:
+            self._force_pairs += tuple(pairs)
+            for world in self._worlds.values():
+                world.watch_forces(self._force_pairs)
+
+    def robot_force(self) -> float:
+        """The largest force between two robots in the last control step, in newtons.
+
+        Raises:
+            UsageError: It is not metered; see `meter_robots`.
+        """
+        pairs = combinations(self.agents, 2)
+        return max((self.world.contact_force(*pair) for pair in pairs), default=0.0)
 
     @property
     def variation(self) -> int:

@@ -9,6 +9,7 @@ from taskbuilder.errors import UnknownNameError
 from taskbuilder.expert.player import Expert
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill, RandomActions
+from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
 POLICIES: Mapping[str, Callable[[TaskEnv], Policy]] = {
@@ -28,3 +29,10 @@ def policy_named(name: str) -> Callable[[TaskEnv], Policy]:
     if name not in POLICIES:
         raise UnknownNameError(f'no policy "{name}"; {suggestion(name, POLICIES, what="one of")}')
     return POLICIES[name]
+
+
+def has_expert(task: Task) -> bool:
+    """Whether a task has an expert, and one that can be planned for."""
+    spec = task.file.spec
+    modes = {robot.action.arm for robot in spec.scene.robots.values()}
+    return bool(spec.expert) and "joint_torque" not in modes

@@ -44,6 +44,8 @@ class Expert:
         persist: bool = False,
         finish: bool = True,
         after_stage: Callable[[int], None] = lambda _: None,
+        forces: bool = False,
+        explain: bool = False,
         watch: Watch | None = None,
     ) -> Rollout:
         """Play one episode.
@@ -56,6 +58,8 @@ class Expert:
             finish: Hold still until the episode is over once the stages are done.
             after_stage: Called with a stage's number, from 1, when it is done and the next has
                 not begun; the environment may be saved there, and must be left as it was.
+            forces: As for `taskbuilder.rollout.play`.
+            explain: As for `taskbuilder.rollout.play`.
             watch: Called after reset and after each control step.
 
         Raises:
@@ -70,7 +74,7 @@ class Expert:
             finish=finish,
             after_stage=after_stage,
         )
-        return play(self.env, script, seed, watch=watch)
+        return play(self.env, script, seed, forces=forces, explain=explain, watch=watch)
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Begin the stages of the task file.

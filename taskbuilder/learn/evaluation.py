@@ -47,6 +47,12 @@ class Summary:
         mean_return: Of the team.
         iqm_return: Interquartile mean of the same.
         steps_to_success: Median of the successful ones, or None if there are none.
+        successes_at_end: In how many success was reached and held after the last control step.
+        interval_at_end: Of the share of those: Wilson's, 95 %.
+        success_held_s: Mean and median of how long success held in the successful ones, in
+            seconds, or None if there are none.
+        peak_robot_force: Median and maximum over the episodes of the largest force between two
+            robots, in newtons, or None if it was not metered.
         stages: Episodes by the number of their furthest stage, none (0) first.
         terms: Mean sum of every reward term, by label.
         best: Seed of the best episode: the highest return, success before failure.
@@ -60,6 +66,10 @@ class Summary:
     mean_return: float
     iqm_return: float
     steps_to_success: float | None
+    successes_at_end: int
+    interval_at_end: tuple[float, float]
+    success_held_s: tuple[float, float] | None
+    peak_robot_force: tuple[float, float] | None
     stages: tuple[int, ...]
     terms: Mapping[str, float]
     best: int
@@ -71,6 +81,11 @@ class Summary:
         """Share of the episodes in which success held at some step."""
         return self.successes / self.episodes
 
+    @property
+    def success_at_end_rate(self) -> float:
+        """Share of the episodes in which success was reached and held at the end."""
+        return self.successes_at_end / self.episodes
+
 
 def evaluate(
     make_env: Callable[[], TaskEnv],
@@ -79,6 +94,8 @@ def evaluate(
     spread: Spread | None = None,
 ) -> Generator[Rollout, None, None]:
     """Play episodes, each as soon as it can be, in the order of their seeds.
+
+    Forces between robots are metered, and where success does not hold at the end it is said why.
 
     Args:
         make_env: Makes the environment, with the policy's options. To be told other processes it
@@ -92,11 +109,15 @@ def evaluate(
         return
     with closing(make_env()) as env:
         for seed in seeds:
-            yield play(env, policy.act, seed)
+            yield _played(env, policy, seed)
 
 
 def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: Policy, seed: int) -> Rollout:
-    return play(_made_once(make_env), policy.act, seed)
+    return _played(_made_once(make_env), policy, seed)
+
+
+def _played(env: TaskEnv, policy: Policy, seed: int) -> Rollout:
+    return play(env, policy.act, seed, forces=True, explain=True)
 
 
 @lru_cache(maxsize=1)
@@ -114,6 +135,9 @@ def summarise(played: Sequence[Rollout], stages: int) -> Summary:
     """
     returns = [episode.team_return for episode in played]
     to_success = [e.first_success for e in played if e.first_success is not None]
+    at_end = sum(episode.success_at_end for episode in played)
+    held = [episode.success_held_s for episode in played if episode.success]
+    peaks = [e.peak_robot_force for e in played if e.peak_robot_force is not None]
     order = sorted(played, key=_merit)
     failed = [episode.seed for episode in order if not episode.success]
     furthest = np.bincount([episode.stage[-1] for episode in played], minlength=stages + 1)
@@ -125,6 +149,10 @@ def summarise(played: Sequence[Rollout], stages: int) -> Summary:
         mean_return=fmean(returns),
         iqm_return=float(iqm(returns)),
         steps_to_success=median(to_success) if to_success else None,
+        successes_at_end=at_end,
+        interval_at_end=wilson(at_end, len(played)),
+        success_held_s=(fmean(held), median(held)) if held else None,
+        peak_robot_force=(median(peaks), max(peaks)) if peaks else None,
         stages=tuple(furthest.tolist()),
         terms={label: fmean(each[label] for each in terms) for label in terms[0]},
         best=order[-1].seed,

@@ -46,7 +46,7 @@ def load_policy(name: str) -> Policy:
         UsageError: There is no such folder or file, or no policy in it yet.
         StoreError: The file is damaged or none of a policy, or holds what is no number.
     """
-    path = _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
+    path = policy_file(name)
     arrays, about = read_arrays(path, _KIND, largest=LARGEST)
     for part, array in arrays.items():
         if not np.isfinite(array).all():
@@ -56,6 +56,16 @@ def load_policy(name: str) -> Policy:
         return Policy.of(arrays, about, squash=bool(about["squash"]), norms=norms)
     except (KeyError, ValueError):
         raise StoreError(f"{display_path(path)}: lacks parts of a policy") from None
+
+
+def policy_file(name: str) -> Path:
+    """Where a policy is read from; see `load_policy`.
+
+    Raises:
+        UnknownNameError: The zoo has none of that name.
+        UsageError: There is no such folder or file, or no policy in it yet.
+    """
+    return _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
 
 
 def zoo_names() -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.arrays import Arrays, StoreError, read_arrays, write_arrays
+from taskbuilder.description.reasons import Reason
 from taskbuilder.env.options import Options, make_options
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.rollout.record import BY_STATE, BY_STEP, ON_REQUEST, Rollout, ScriptLog, Trouble
@@ -85,7 +86,7 @@ def _about(rollout: Rollout) -> dict[str, Any]:
     told = {
         f.name: getattr(rollout, f.name)
         for f in fields(Rollout)
-        if f.name not in (*_ARRAYS, "options", "log")
+        if f.name not in (*_ARRAYS, "options", "log", "why")
     }
     defaults = Options()
     options = {
@@ -94,7 +95,8 @@ def _about(rollout: Rollout) -> dict[str, Any]:
         if getattr(rollout.options, f.name) != getattr(defaults, f.name)
     }
     log = asdict(rollout.log) if rollout.log else None
-    return {**told, "options": options, "log": log}
+    why = [asdict(reason) for reason in rollout.why]
+    return {**told, "options": options, "log": log, "why": why}
 
 
 def _rollout(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> Rollout:
@@ -108,7 +110,7 @@ def _rollout(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> Rollout:
     }
     told = {**about, "stages": tuple(about["stages"]), "options": make_options(**options)}
     told["log"] = log
-    empty: dict[str, Any] = {
-        name: {} for name in ("agent_rewards", "terms", "conditions", *ON_REQUEST)
-    }
+    told["why"] = tuple(Reason(**reason) for reason in about.get("why", ()))
+    by_name = ("agent_rewards", "terms", "conditions", "observations", "pictures")
+    empty: dict[str, Any] = {name: {} for name in by_name}
     return Rollout(**{**empty, **told, **arrays})

@@ -15,6 +15,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.rollout.players import Function, RecordedActions
 from taskbuilder.rollout.record import Rollout, ScriptLog
 from taskbuilder.rollout.recorder import Recorder
+from taskbuilder.rollout.witness import Witness
 
 Act = Callable[[Mapping[str, Any]], Mapping[str, NDArray[np.floating]] | None]
 """Every agent's action, given every agent's observation; None to stop playing."""
@@ -59,6 +60,8 @@ def play(
     observations: bool = False,
     cameras: Sequence[str] = (),
     size: tuple[int, int] | None = None,
+    forces: bool = False,
+    explain: bool = False,
     watch: Watch | None = None,
 ) -> Rollout:
     """Play an episode.
@@ -70,6 +73,8 @@ def play(
         observations: Keep what every agent observes.
         cameras: Keep pictures of these cameras of the scene.
         size: Width and height of the pictures; by default each camera's own.
+        forces: Keep the force between robots, metered whether or not the task asks for it.
+        explain: Say why where success does not hold at the end.
         watch: Called after reset and after each control step.
 
     Returns:
@@ -79,12 +84,15 @@ def play(
         UnknownNameError: The scene has no such camera.
         UsageError: The actions of the environment are dictionaries.
     """
-    recorder = Recorder(env, observations=observations, cameras=cameras, size=size)
+    recorder = Recorder(env, observations=observations, cameras=cameras, size=size, forces=forces)
+    witness = Witness() if explain else None
     played = as_policy(policy)
     for _ in _from_reset(recorder, played, seed):
-        if watch is not None:
-            watch(env)
-    return recorder.rollout(played.log() if isinstance(played, Scripted) else None)
+        for onlooker in (witness, watch):
+            if onlooker is not None:
+                onlooker(env)
+    rollout = recorder.rollout(played.log() if isinstance(played, Scripted) else None)
+    return replace(rollout, why=witness.reasons(env, rollout)) if witness else rollout
 
 
 def resume(
@@ -107,7 +115,7 @@ def resume(
     Returns:
         The record of the whole episode.
     """
-    recorder = Recorder(env)
+    recorder = Recorder(env, forces=len(before.robot_force) > 0)
     recorder.take_over(before, observations or {})
     played = as_policy(policy)
     played.reset(env, before.seed)
@@ -132,7 +140,14 @@ def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollou
         UsageError: The environment is of another task.
     """
     _check_same_task(env, rollout)
-    played = play(env, RecordedActions(rollout.actions), rollout.seed, watch=watch)
+    played = play(
+        env,
+        RecordedActions(rollout.actions),
+        rollout.seed,
+        forces=len(rollout.robot_force) > 0,
+        explain=bool(rollout.why),
+        watch=watch,
+    )
     return replace(played, log=rollout.log)
 
 

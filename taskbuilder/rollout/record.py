@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.description.reasons import Reason
 from taskbuilder.env.options import Options
 
 
@@ -69,7 +70,7 @@ BY_STEP = ("actions", "rewards", "agent_rewards", "terms")
 BY_STATE = ("conditions", "stage", "progress", "succeeded")
 """Fields with a row for every state: after reset, and after each control step."""
 
-ON_REQUEST = ("observations", "pictures")
+ON_REQUEST = ("observations", "pictures", "robot_force")
 """Fields with a row for every state, kept only where they are asked for."""
 
 
@@ -100,6 +101,10 @@ class Rollout:
         exploded: The physics diverged, which ended the episode.
         observations: (steps + 1, ...) by agent, or by agent and channel; empty unless asked for.
         pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless asked for.
+        robot_force: (steps + 1,) the largest force between two robots in each control step, in
+            newtons, after reset 0; empty unless asked for.
+        why: What kept the episode from success at its end; empty where success holds there, or
+            unless asked for.
         log: How the stages of the expert went, or None if no expert played.
     """
 
@@ -121,6 +126,8 @@ class Rollout:
     exploded: bool = False
     observations: Mapping[str, Any] = field(default_factory=dict)
     pictures: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
+    robot_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    why: tuple[Reason, ...] = ()
     log: ScriptLog | None = None
 
     @property
@@ -155,6 +162,17 @@ class Rollout:
         if self.first_success is None:
             return 0.0
         return float(self.conditions["success"][self.first_success :].sum()) / self.control_hz
+
+    @property
+    def failed_at(self) -> int | None:
+        """The control step with which failure first held, 0 for the state after reset, or None."""
+        failed = self.conditions["failure"]
+        return int(np.argmax(failed)) if failed.any() else None
+
+    @property
+    def peak_robot_force(self) -> float | None:
+        """The largest force between two robots (N), or None if it was not asked for."""
+        return float(self.robot_force.max()) if len(self.robot_force) else None
 
     # --- stages
 
@@ -222,9 +240,11 @@ class Rollout:
                 return {name: cut(part, rows) for name, part in values.items()}
             return values[:rows]
 
+        whole = step >= self.steps
         return replace(
             self,
-            exploded=self.exploded and step >= self.steps,
+            exploded=self.exploded and whole,
+            why=self.why if whole else (),
             **{name: cut(getattr(self, name), step) for name in BY_STEP},
             **{name: cut(getattr(self, name), step + 1) for name in (*BY_STATE, *ON_REQUEST)},
         )

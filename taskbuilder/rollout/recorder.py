@@ -24,6 +24,7 @@ class Recorder:
         observations: Keep what every agent observes.
         cameras: Cameras of the scene whose pictures are kept.
         size: Width and height of the pictures; by default each camera's own.
+        forces: Keep the force between robots.
 
     Attributes:
         env: The environment.
@@ -40,12 +41,16 @@ class Recorder:
         observations: bool = False,
         cameras: Sequence[str] = (),
         size: tuple[int, int] | None = None,
+        forces: bool = False,
     ) -> None:
         if not env.options.flat:
             raise UsageError("rollouts have flat actions; make the environment with flat=True")
         self.env = env
         self.latest: Mapping[str, Any] = {}
         self._cameras, self._size, self._observing = tuple(cameras), size, observations
+        self._metering = forces
+        if forces:
+            env.episode.meter_robots()
         self._seed = 0
         self._before: Rollout | None = None
         self._actions: list[Mapping[str, Any]] = []
@@ -55,6 +60,7 @@ class Recorder:
         self._succeeded: list[bool] = []
         self._observations: list[Mapping[str, Any]] = []
         self._pictures: list[Mapping[str, Any]] = []
+        self._forces: list[float] = []
 
     def begin(self, seed: int, observations: Mapping[str, Any]) -> None:
         """Note the state after reset."""
@@ -84,6 +90,10 @@ class Recorder:
         self._succeeded.append(self.env.episode.succeeded)
         if self._observing:
             self._observations.append(observations)
+        if self._metering:
+            last = self._forces[-1] if self._forces else 0.0
+            episode = self.env.episode
+            self._forces.append(last if episode.exploded else episode.robot_force())
         if self._cameras and not self.env.episode.exploded:
             self._pictures.append({name: self._picture(name) for name in self._cameras})
 
@@ -133,6 +143,7 @@ class Recorder:
             exploded=episode.exploded,
             observations=_stacked(self._observations),
             pictures=_stacked(self._pictures),
+            robot_force=np.array(self._forces, dtype=np.float64),
             log=log,
         )
         return found if self._before is None else _joined(self._before, found)
@@ -167,8 +178,9 @@ def _joined(before: Rollout, rest: Rollout) -> Rollout:
             return {name: join(one[name], other[name], first) for name in one}
         return np.concatenate([one, other[first:]])
 
+    by_state = (*BY_STATE, "robot_force") if len(rest.robot_force) else BY_STATE
     return replace(
         rest,
         **{name: join(getattr(before, name), getattr(rest, name), 0) for name in BY_STEP},
-        **{name: join(getattr(before, name), getattr(rest, name), 1) for name in BY_STATE},
+        **{name: join(getattr(before, name), getattr(rest, name), 1) for name in by_state},
     )

@@ -19,10 +19,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from taskbuilder.env.parallel import EnvState, TaskEnv
 from taskbuilder.errors import Finding
+from taskbuilder.expert.leaving import leave_after_stages
 from taskbuilder.intervals import PairedDifference
-from taskbuilder.rollout.play import Policy, replay, resume
+from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.needs import NOTHING, RANDOM
@@ -145,32 +145,16 @@ def _mean(values: Iterable[float]) -> float:
 def leave_stages(studio: Studio, job: Replayed) -> dict[str, Rollout]:
     """What comes of leaving the expert's way after each of its stages."""
     env, whole = studio.env(job.start.variation), job.rollout
-    ends = {end: number for number, end in enumerate(whole.stage_ends, start=1)}
-    saved: list[tuple[int, int, EnvState]] = []
-
-    def save(env: TaskEnv) -> None:
-        step = env.episode.steps
-        if step in ends and step < whole.steps:
-            saved.append((ends[step], step, env.save_state()))
-
-    replay(env, whole, save)
     last = len(studio.task.file.spec.expert)
-    plays: dict[str, Rollout] = {}
-    lost = False
-    for number, step, state in saved:
+
+    def who(number: int) -> Mapping[str, Policy]:
         odd = job.start.seed // len(studio.task.file.scenes) % 2
         ways: dict[str, Policy] = {"fail": ThrowAll() if odd else DropAll()}
-        if number < last:  # after the last one the expert itself holds still
-            ways["stall"] = HoldStill()
-        begun = whole.until(step)
-        for name, way in ways.items():
-            if lost:  # with a world whose physics diverged, its states went
-                replay(env, begun)
-            else:
-                env.load_state(state)
-            played = plays[f"{name} after stage {number}"] = resume(env, way, begun)
-            lost = lost or played.exploded
-    return plays
+        # After the last one the expert itself holds still.
+        return {**ways, "stall": HoldStill()} if number < last else ways
+
+    found = leave_after_stages(env, whole, who)
+    return {f"{name} after stage {number}": played for (name, number), played in found.items()}
 
 
 # --- the checks

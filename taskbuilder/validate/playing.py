@@ -41,10 +41,10 @@ def play_expert(studio: Studio, start: Start) -> Rollout:
     """
     expert = studio.expert(start.variation)
     if start.seed % len(studio.task.file.scenes) != start.variation:
-        played = expert.play(start.seed, finish=False)
+        played = expert.play(start.seed, finish=False, explain=True)
         if played.success or played.trouble:
             return played
-    return expert.play(start.seed)
+    return expert.play(start.seed, explain=True)
 
 
 def play_nothing(env: TaskEnv, seed: int) -> Rollout:

@@ -35,6 +35,9 @@ LASTS_S = 2.0
 LASTING_SHARE = 10
 """One seed in so many is played on in each variation, at least one."""
 
+MOST_REASONS = 3
+"""Why success did not hold, as many as a finding tells."""
+
 MOST_FAILED = 3
 """How many failed episodes the report keeps."""
 
@@ -192,6 +195,7 @@ def _fails(run: Run, failed: Mapping[Start, Rollout], share: Share) -> Finding:
     else:
         last = f'; the last milestone is "{first.furthest_stage}"' if first.furthest_stage else ""
         said = f"all stages are done, and success does not hold{last}"
+        said += "".join(f"; {reason}" for reason in first.why[:MOST_REASONS])
     message = (
         f"the expert succeeds from {share} seeds only, {LEAST:.0%} are needed: {counted}; "
         f"{where}, {said}"

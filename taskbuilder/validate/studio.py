@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from taskbuilder.description.load import is_interrupt
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import Finding
+from taskbuilder.expert.named import has_expert
 from taskbuilder.expert.player import Expert
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
@@ -59,9 +60,7 @@ class Studio:
     @property
     def has_expert(self) -> bool:
         """Whether the task has an expert, and one that can be planned for."""
-        spec = self.task.file.spec
-        modes = {robot.action.arm for robot in spec.scene.robots.values()}
-        return bool(spec.expert) and "joint_torque" not in modes
+        return has_expert(self.task)
 
     def env(self, variation: int, horizon: int | None = None, *, endless: bool = False) -> TaskEnv:
         """The environment of a variation, between episodes or in one that nobody needs any more.

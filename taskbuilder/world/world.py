@@ -314,10 +314,14 @@ class World(Single):
     def watch_forces(self, pairs: Iterable[Pair]) -> None:
         """Meter the forces between pairs of bodies from now on, and between no others.
 
+        Of pairs that were watched already, what is known goes on.
+
         Raises:
             UnknownNameError: There is no such object, part or robot.
         """
+        known = self._forces.readings
         self._forces = ForceMeter(self.client.physics_hz, self._touch, pairs)
+        self._forces.restore(known)
 
     def contact_force(self, first: str, second: str) -> float:
         """Force with which two things press on each other: see `ForceMeter`; 0 after reset.

@@ -47,9 +47,13 @@ def test_json_has_the_shape_that_others_rely_on(run, good):
     for seed, episode in enumerate(ran.data["episodes"]):
         paid = episode.pop("return")
         assert isinstance(paid, float)
+        (why,) = episode.pop("why")
+        assert (why["of"], why["part"]) == ("success", "Above(cube)")
+        assert why["says"].endswith(" cm high, at least 20 cm is needed")
         assert episode == {
             "seed": seed,
             "success": False,
+            "success_at_end": False,
             "steps": 50,
             "stage": "",
             "trouble": None,
@@ -62,7 +66,8 @@ def test_a_failed_episode_is_told_with_its_stage_and_its_reason(run, good):
     good.write_text(text + "expert:\n  - arm: {reach: cube, above: 3.0}\n")
     ran = run("demo", "good.yaml", *SMALL)
     assert ran.status == 1
-    line, summary, *files = ran.out.splitlines()
+    line, why, summary, *files = ran.out.splitlines()
+    assert why == "        Above(cube): 2.0 cm high, at least 20 cm is needed (from the start)"
     assert line.startswith("seed 0  failed   return     0.00  in stage 1 (arm: reach cube): ")
     assert summary.startswith("0 of 1 succeeded (0%)")
     assert files == FIRST  # failures are worth seeing, too
@@ -82,7 +87,7 @@ def test_a_video_is_an_mp4_and_a_gif(run, good):
     ran = run("demo", "good.yaml", *RANDOM, "--video", "--out", "new/folder")
     files = [name.replace("demos", "new/folder") for name in (*FIRST, *FILMS)]
     assert ran.err == ""
-    assert ran.out.splitlines()[2:] == files
+    assert ran.out.splitlines()[3:] == files
     assert written("new/folder") == sorted(files)
     there, frame = cv2.VideoCapture("new/folder/good.mp4").read()
     assert there
@@ -148,3 +153,15 @@ def test_ctrl_c_leaves_no_half_written_film(tmp_path, good):
     assert (child.returncode, err) == (130, "interrupted\n")
     names = {file.name for file in (tmp_path / "demos").iterdir()}
     assert names == {"good-strip.png", "good-rewards.png"}
+
+
+def test_a_stage_that_fails_after_success_is_told(run, good):
+    text = good.read_text().replace(
+        "position: [0.5, 0, 0.02]", "position: [0.5, 0, 0.3], fixed: true"
+    )
+    good.write_text(text + "expert:\n  - arm: {reach: cube, above: 3.0}\n")
+    ran = run("demo", "good.yaml", *SMALL)
+    assert ran.status == 0, ran.out + ran.err
+    line, after, *_ = ran.out.splitlines()
+    assert line.startswith("seed 0  success")
+    assert after.startswith("        after success stage 1 failed (arm: reach cube): ")

@@ -9,7 +9,7 @@ import cv2
 import pytest
 from made_runs import ENV, sideways, write_run, write_task
 
-from taskbuilder.cli.evaluate_command import _bar
+from taskbuilder.cli.evaluation_text import bar
 from taskbuilder.learn.zoo import save_policy
 
 HERE = ("--task-path", ".", "--jobs", "1")
@@ -37,16 +37,30 @@ def test_a_policy_is_measured_and_told_about(run, policy):
         "  plays    8 episodes from the task's own starts, seeds 0 to 7",
         "",
         "4 of 8 succeeded (50.0%), 95% interval 21.5% to 78.5% · median 1 steps",
+        "0 of 8 at the last step (0.0%), 95% interval 0.0% to 32.4% · success held 0.2 s in the "
+        "mean, 0.2 s in the median",
         "return -0.84, interquartile mean -1.26",
+        "",
+        "beside         return  policy's  succeeded  at the end  seeds",
+        "random play    -0.89   -0.84     37.5%      0.0%        8",
+        "holding still  3.82    -0.84     37.5%      37.5%       8",
         "",
         "furthest stage  episodes",
         "none            0",
         "begun           3  █████████",
         "there           5  ███████████████",
         "",
+        "why no success at the end  episodes",
+        "Near(arm.tcp, goal)        8",
+        "",
         "best    seed 5  success  return     2.04  7 of 12 steps",
+        "        lost at the end: Near(arm.tcp, goal): 9.7 cm, within 3 cm is needed "
+        "(since step 10)",
         "median  seed 4  success  return    -0.97  1 of 12 steps",
+        "        lost at the end: Near(arm.tcp, goal): 30.2 cm, within 3 cm is needed "
+        "(since step 2)",
         "failed  seed 1  failed   return    -2.29  got as far as begun",
+        "        Near(arm.tcp, goal): 32.9 cm, within 3 cm is needed (from the start)",
         "failed seeds: 1, 2, 6, 7",
     ]
     assert {file.suffix for file in Path().iterdir()} == {".npz", ".py", ".yaml"}  # as before
@@ -69,9 +83,30 @@ def test_json_has_the_shape_that_others_rely_on(run, policy):
     assert data["steps_to_success"] == 4.0
     assert data["about"]["env"] == ENV
     assert data["files"] == []
+    assert (data["success_at_end_rate"], data["best_stall"]) == (0.0, None)
+    assert data["interval_at_end"] == pytest.approx([0.0, 0.5615], abs=1e-4)
+    assert data["success_held_s"] == {"mean": pytest.approx(0.2), "median": pytest.approx(0.2)}
+    assert data["peak_robot_force"] == {"median": 0.0, "max": 0.0}
+    assert data["normalized_return"] is None  # it has no expert
+    assert set(data["controls"]) == {"random", "nothing"}
+    assert data["controls"]["nothing"]["policy_return"] == data["return"]
     first = data["episodes"][0]
     assert first.pop("return") == pytest.approx(-0.973, abs=1e-3)
-    assert first == {"seed": 4, "success": True, "steps": 1, "stage": "there"}
+    assert len(first.pop("digest")) == 64
+    (why,) = first.pop("why")
+    assert (why["of"], why["part"], why["since"]) == ("success", "Near(arm.tcp, goal)", 2)
+    assert first == {
+        "seed": 4,
+        "variation": 0,
+        "success": True,
+        "success_at_end": False,
+        "first_success": 1,
+        "success_held_s": pytest.approx(0.1),
+        "failed_at": None,
+        "steps": 1,
+        "stage": "there",
+        "peak_robot_force": 0.0,
+    }
     assert [episode["steps"] for episode in data["episodes"]] == [1, 7, 12]
 
 
@@ -160,7 +195,8 @@ def test_a_failing_policy_is_a_result_and_no_failure_of_the_command(run, policy)
     lines = ran.out.splitlines()
     assert "0 of 11 succeeded (0.0%), 95% interval 0.0% to 25.9%" in lines
     assert lines[-1] == "failed seeds: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 and 1 more"
-    assert [line[:6] for line in lines[-3:-1]] == ["best  ", "median"]
+    told = [line[:6] for line in lines if line[:6] in ("best  ", "median", "failed")]
+    assert told == ["best  ", "median", "failed"]
 
 
 @pytest.mark.parametrize(
@@ -190,11 +226,11 @@ def test_a_policy_that_does_not_fit_is_refused_before_anything_is_played(made, s
 
 
 @pytest.mark.parametrize(
-    ("share", "bar"),
+    ("share", "shown"),
     [(0.0, ""), (1e-6, "▏"), (1 / 48, "▌"), (1 / 24, "█"), (0.1, "██▍"), (1.0, "█" * 24)],
 )
-def test_bars_are_an_eighth_of_a_character_fine(share, bar):
-    assert _bar(share) == bar
+def test_bars_are_an_eighth_of_a_character_fine(share, shown):
+    assert bar(share) == shown
 
 
 # In `taskbuilder demo`
@@ -206,7 +242,10 @@ def test_trained_policies_play_in_demo(run, policy):
     assert (ran.status, ran.err) == (1, "")
     assert ran.out.splitlines() == [
         "seed 5  success  return     2.04  7 of 12 steps",
+        "        lost at the end: Near(arm.tcp, goal): 9.7 cm, within 3 cm is needed "
+        "(since step 10)",
         "seed 6  failed   return    -2.17  got as far as there",
+        "        Near(arm.tcp, goal): 31.8 cm, within 3 cm is needed (since step 1)",
         "1 of 2 succeeded (50%) · median 7 steps",
         "demos/sideways-strip.png",
         "demos/sideways-rewards.png",

@@ -7,6 +7,7 @@ import pytest
 from env_tasks import PLAIN, arm, towards
 
 from taskbuilder.env.infos import make_info
+from taskbuilder.errors import ExplosionError
 from taskbuilder.learn.collection import Tally
 from taskbuilder.rollout import play, replay
 
@@ -105,3 +106,26 @@ def test_everything_that_tells_of_an_episode_says_the_same(make, goals, first):
     (finished,) = tally.finished(np.array([True]))
     assert finished.success is told.success
     assert replay(env, told).first_success == told.first_success
+
+
+def test_that_failure_came_first_is_said_with_its_figure_and_its_step(make):
+    env = make(arm(steps=STEPS), TOO_HIGH)
+    goals = iter(BLOW_FIRST)
+    played = play(env, lambda _: towards(env, {"arm": next(goals)}, {}), 0, explain=True)
+    (failed,) = [str(reason) for reason in played.why if reason.of == "failure"]
+    assert failed.startswith(f"failure held at step {played.failed_at}: Above(arm.tcp): ")
+    assert failed.endswith(" cm high, less than 45 cm is needed")
+    assert (played.success, played.failed_at > 0) == (False, True)
+
+
+def test_that_the_physics_diverged_is_said(make, monkeypatch):
+    env = make(arm(steps=STEPS), TOO_HIGH)
+
+    def explode(_):
+        if env.episode.steps == 4:
+            raise ExplosionError("it diverged")
+
+    monkeypatch.setattr(type(env.episode.world), "_check", explode)
+    played = play(env, lambda _: towards(env, {"arm": SPOT}, {}), 0, forces=True, explain=True)
+    assert [str(reason) for reason in played.why] == ["the physics diverged at step 4"]
+    assert played.robot_force.shape == (5,)

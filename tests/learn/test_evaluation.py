@@ -75,7 +75,8 @@ def test_episodes_come_in_order_and_are_the_same_wherever_they_are_played(env, f
         function = pickle.loads(pickle.dumps(function))  # as on its way to another process
         return map(function, seeds)
 
-    expected = [play(env, sideways().act, seed) for seed in (4, 1, 5)]
+    asked = {"forces": True, "explain": True}
+    expected = [play(env, sideways().act, seed, **asked) for seed in (4, 1, 5)]
     for spread in (None, elsewhere):
         found = evaluate(Make(file), sideways(), (4, 1, 5), spread)
         assert all(one.equals(other) for one, other in zip(found, expected, strict=True))
@@ -116,6 +117,10 @@ def test_a_summary_is_as_worked_out_by_hand():
     assert summary.mean_return == pytest.approx(16.0 / 6.0)
     assert summary.iqm_return == pytest.approx((-8.0 - 3.0 - 2.0 - 1.0) / 4.0)
     assert summary.steps_to_success == 5
+    assert (summary.successes_at_end, summary.success_at_end_rate) == (3, 0.5)
+    assert summary.interval_at_end == summary.interval
+    assert summary.success_held_s == pytest.approx((22 / 30, 0.8))
+    assert summary.peak_robot_force is None
     assert summary.stages == (1, 2, 0, 3, 0)
     assert summary.terms == pytest.approx({"near": 10.0 / 6.0, "far": 1.0})
     # In order of merit: failed 13, 15, 11; succeeded 10, 14, 12.

@@ -151,3 +151,29 @@ def test_dictionary_actions_are_refused(tmp_path):
     with pytest.raises(UsageError, match="make the environment with flat=True"):
         play(env, HoldStill(), 0)
     env.close()
+
+
+def test_the_force_between_robots_is_metered_where_it_is_asked_for(env, rollout):
+    assert rollout.peak_robot_force is None
+    metered = play(env, RandomActions(), 5, forces=True)
+    assert metered.robot_force.shape == (13,)
+    assert metered.peak_robot_force == metered.robot_force.max()
+    bare = replace(metered, robot_force=np.zeros(0))
+    assert bare.equals(replace(rollout, observations={}, pictures={}))
+    assert replay(env, metered).equals(metered)
+    begun = replay(env, metered.until(4))
+    assert resume(env, HoldStill(), begun).robot_force.shape == (13,)
+
+
+def test_an_episode_without_success_says_why(env, tmp_path):
+    said = play(env, HoldStill(), 5, explain=True)
+    told = [str(reason) for reason in said.why]
+    assert told[0] == "Held(stick, by=right): right does not hold it (from the start)"
+    assert told[1].startswith("Near(stick, goal): ")
+    assert told[1].endswith(" cm, within 5 cm is needed (from the start)")
+    assert replay(env, said).equals(said)
+    assert said.until(5).why == ()
+    save_rollouts(tmp_path / "said.npz", [said])
+    (back,) = load_rollouts(tmp_path / "said.npz")
+    assert back.equals(said)
+    assert play(env, HoldStill(), 5).why == ()

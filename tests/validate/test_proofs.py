@@ -148,6 +148,9 @@ class TestSolvable:
         swapped = (always[0], always[1].replace('Above("goal", height', 'Below("goal", height'))
         (finding,) = prove(far, high, swapped, only=("solvable",)).findings
         assert finding.message.startswith("in variation 1: ")
+        assert "; Below(goal): 70.0 cm high, less than 50 cm is needed (from the start)" in (
+            finding.message
+        )
 
     def test_time_that_is_wanting_is_told_as_such(self, prove):
         short = ("episode_steps: 30", "episode_steps: 17")

@@ -123,3 +123,5 @@ def _reasons(demo: Rollout) -> Iterator[Html]:
             f"“{demo.furthest_stage}” was reached" if demo.furthest_stage else "nothing was reached"
         )
         yield element("p", f"Every stage was played, yet the task was not solved; {reached}.")
+    if not demo.success and demo.why:
+        yield element("ul", [element("li", str(reason)) for reason in demo.why], class_="quiet")

@@ -1,0 +1,114 @@
+"""Who is evaluated: a trained policy, or by name the expert, random play or holding still."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.cli.trained import Place, task_of
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.expert.named import POLICIES, has_expert
+from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.zoo import load_policy, policy_file
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.task import Task, load_task
+from taskbuilder.trial.arms import EXPERT, Arena
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """Who is evaluated, and where.
+
+    Attributes:
+        name: As the command line says it.
+        player: A trained policy, or the name of another.
+        file: Where a trained one was read from, or None.
+        task: What is played.
+        place: Makes the environment.
+        options: Of the environment, by name.
+    """
+
+    name: str
+    player: Policy | str
+    file: Path | None
+    task: Task
+    place: Place
+    options: Mapping[str, Any]
+
+    @property
+    def arena(self) -> Arena:
+        """Who plays where, those that it is compared with included."""
+        return Arena(self.player, self.place, Place(self.place.task, self.place.catalogue, ()))
+
+    @property
+    def about(self) -> Mapping[str, Any]:
+        """What a trained policy says of itself."""
+        return self.player.about if isinstance(self.player, Policy) else {}
+
+
+def named_player(name: str) -> tuple[str, str] | None:
+    """The player and the task of ``expert:handover``; None of a trained policy's name."""
+    player, colon, task = name.partition(":")
+    return (player, task) if colon and player in POLICIES else None
+
+
+def evaluated(
+    name: str,
+    catalogue: Catalogue,
+    *,
+    variation: int | None = None,
+    task: str | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> Evaluated:
+    """Find who is evaluated and where; refuses what cannot play before anything is played.
+
+    Args:
+        name: ``zoo:handover/demos``, a run, a policy's file, or ``expert:handover``.
+        catalogue: Where tasks are looked up.
+        variation: Which is played; by default that of training, or the plain one.
+        task: What to play in place of the task that the name leads to.
+        options: Of the environment, in place of those of training.
+
+    Raises:
+        UnknownNameError: There is no such policy or task.
+        UsageError: The policy does not fit the task, or the task has no expert.
+        FileError: The task is wrong.
+        StoreError: The policy is damaged.
+    """
+    named = named_player(name)
+    player: Policy | str
+    file: Path | None = None
+    chosen: dict[str, Any] = {"variation": 0}
+    if named is not None:
+        player, reference = named
+    else:
+        player, file = load_policy(name), policy_file(name)
+        reference = task or str(task_of(name, player, catalogue))
+        chosen = options_of(player)
+    chosen = dict(options) if options is not None else chosen
+    if variation is not None:
+        chosen["variation"] = variation
+    reference = task or reference
+    loaded = load_task(reference, catalogue=catalogue)
+    if player == EXPERT and not has_expert(loaded):
+        raise UsageError(
+            f"{loaded.name} has no expert; write its stages under expert: in "
+            f"{display_path(loaded.file.entry.file)}"
+        )
+    place = Place(reference, catalogue, tuple(chosen.items()))
+    return Evaluated(name, player, file, loaded, place, chosen)
+
+
+def check_plays(found: Evaluated) -> None:
+    """Refuse a policy that does not fit its task as it is now, or options that do not.
+
+    Raises:
+        UsageError: So it is.
+    """
+    with closing(found.place()) as env:
+        if isinstance(found.player, Policy):
+            check_fits(found.player, env, found.name)

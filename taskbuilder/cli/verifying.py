@@ -1,0 +1,131 @@
+"""`taskbuilder evaluate --verify`: a certificate is played again and compared to the bit."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from taskbuilder.cli.evaluate_command import play_arms, trial_of
+from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
+from taskbuilder.cli.output import paint, print_json, print_table
+from taskbuilder.cli.tasks import catalogue_of
+from taskbuilder.digests import digest, digests_of_folder
+from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
+from taskbuilder.learn.zoo import policy_file
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.trial.arms import jobs_of
+from taskbuilder.trial.certificate import (
+    LIBRARY,
+    NOT_LIBRARY,
+    certificate,
+    digests_of_task,
+    read_certificate,
+)
+from taskbuilder.trial.verification import (
+    Point,
+    compare_episodes,
+    compare_files,
+    compare_machines,
+    compare_seals,
+)
+
+_OPTIONS = ("observe", "frame", "rotation", "variation")
+
+
+def verify(arguments: argparse.Namespace) -> int:
+    """Say whether a certificate holds here, and if not, what differs."""
+    file: Path = arguments.verify
+    data = read_certificate(file)
+    if not arguments.json:
+        print(paint(f"{data['task']} · {data['policy']}", "bold"))
+        print(f"  certificate of {len(data['seeds'])} episodes, made {data['made']}\n", flush=True)
+    points = list(_points(file, data, arguments))
+    wrong = [point.about for point in points if point.decides and not point.same]
+    if arguments.json:
+        told = {point.about: list(point.differs) for point in points}
+        print_json({"verified": not wrong, "certificate": display_path(file), "differs": told})
+    else:
+        print_table([[point.about, str(point)] for point in points], indent="  ")
+        print(f"\n{_verdict(wrong, points, data)}")
+    return 1 if wrong else 0
+
+
+def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) -> list[Point]:
+    """Everything that was compared, in the order in which it is told."""
+    catalogue = catalogue_of(arguments)
+    name = _policy(arguments.policy or data["policy"], file, given=bool(arguments.policy))
+    sealed = compare_seals(data)
+    machines = compare_machines(data)
+    here: dict[str, Any] = {"library": digests_of_folder(LIBRARY, NOT_LIBRARY)}
+    if named_player(name) is None:
+        here["policy"] = {data["policy"]: digest(policy_file(name).read_bytes())}
+    try:
+        found = _found(name, data, catalogue, given=bool(arguments.policy))
+        here["task"] = digests_of_task(found.task)
+        files = compare_files(data, here)
+        check_plays(found)
+        trial = trial_of(found, file, data["seeds"], data["controls_seeds"])
+        jobs = jobs_of(trial.seeds, trial.compared)
+        again = certificate(trial, play_arms(found.arena, jobs, arguments.jobs), "")
+    except UsageError as error:
+        if "task" not in here:
+            raise  # it is not said where it is
+        played = _unplayed(str(error))
+    except TaskbuilderError as error:
+        files = compare_files(data, here)
+        played = _unplayed(str(error))
+    else:
+        played = compare_episodes(data, again)
+    return [*files, *sealed, *machines, *played]
+
+
+def _unplayed(error: str) -> tuple[Point, ...]:
+    return (Point("episodes", (f"cannot be played: {error.splitlines()[0]}",)),)
+
+
+def _policy(name: str, certificate: Path, *, given: bool) -> str:
+    """Who is to play: as the command line says, or else as the certificate does.
+
+    A certificate may be anybody's: it names files within its own folder alone.
+    """
+    if given or name.startswith("zoo:") or named_player(name) is not None:
+        return name
+    path = PurePosixPath(name)
+    file = certificate.resolve().parent / path
+    if path.is_absolute() or ".." in path.parts or not file.exists():
+        raise UsageError(
+            f"where is the policy {name}? Name its file: taskbuilder evaluate POLICY --verify "
+            f"{display_path(certificate)}"
+        )
+    return str(file)
+
+
+def _found(name: str, data: Mapping[str, Any], catalogue: Catalogue, *, given: bool) -> Evaluated:
+    """Who plays what; the task is the catalogue's, whatever files the certificate names.
+
+    Raises:
+        UsageError: The task is nowhere that the user has named, or its options are none.
+    """
+    task: str | None
+    if given and named_player(name) is not None:
+        task = None  # the command line says it
+    else:
+        try:
+            task = str(catalogue.named_task(data["task"]).file)
+        except UnknownNameError as error:
+            hint = "name the folder of its files by --task-path"
+            raise UsageError(f"its task is not here ({error}); {hint}") from None
+    options = {key: value for key, value in data["options"].items() if key in _OPTIONS}
+    return evaluated(name, catalogue, task=task, options=options)
+
+
+def _verdict(wrong: list[str], points: list[Point], data: Mapping[str, Any]) -> str:
+    if wrong:
+        said = paint("not verified", "red")
+        return f"{said}: {', '.join(dict.fromkeys(wrong))} differ{'s' * (len(set(wrong)) == 1)}"
+    count = sum(len(played) for played in data["episodes"].values())
+    said = f"{paint('verified', 'green')}: {count} episodes played again, the same to the bit"
+    others = [point.about for point in points if not point.same]
+    return f"{said}, with another {' and '.join(others)}" if others else said

@@ -1,0 +1,161 @@
+"""Why a condition is not as it is wanted: which parts of it are to blame, by figure and bound."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+from taskbuilder.description.custom import CustomCondition
+from taskbuilder.description.logic import Sustained
+from taskbuilder.description.node import Condition, Memory, Node
+from taskbuilder.description.view import WorldView
+
+MOST_ALTERNATIVES = 4
+"""Parts of which any would do that are told one by one."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """What kept an episode from success.
+
+    Attributes:
+        of: What it is about: ``success``, which was false; ``failure``, which held; or
+            ``physics``, which diverged.
+        part: The part of the condition that is to blame, such as ``Near(stick, goal)``; "" where
+            the physics diverged.
+        says: Its figure and its bound: "7.3 cm, within 5 cm is needed".
+        since: Control steps that had passed when the part became so, 0 if it always was; of a
+            failure, those that had passed when it first held.
+    """
+
+    of: str
+    part: str
+    says: str
+    since: int
+
+    def __str__(self) -> str:
+        if self.of == "physics":
+            return f"{self.says} at step {self.since}"
+        said = f"{self.part}: {self.says}"
+        if self.of == "failure":
+            return f"failure held at step {self.since}: {said}"
+        return f"{said} ({f'since step {self.since}' if self.since else 'from the start'})"
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A state of an episode, and the values that led to it.
+
+    Attributes:
+        world: As it stands.
+        index: Where each node of the description has its value and its memory.
+        memories: Of every node.
+        history: The values of every node at each state so far, the present one last.
+    """
+
+    world: WorldView
+    index: Mapping[Node, int]
+    memories: Sequence[Memory]
+    history: Sequence[Sequence[Any]]
+
+    def value(self, node: Node) -> Any:
+        """What a node's value is now."""
+        return self.history[-1][self.index[node]]
+
+    def memory(self, node: Node) -> Memory:
+        """What a node remembers."""
+        return self.memories[self.index[node]]
+
+    def since(self, node: Node) -> int:
+        """Since which state a condition has been as it is now."""
+        at, now = self.index[node], bool(self.value(node))
+        changed = (n for n, values in enumerate(self.history, 1) if bool(values[at]) != now)
+        return max(changed, default=0)
+
+    def longest(self, node: Node) -> int:
+        """For how many states in a row a condition held at most."""
+        at, best, run = self.index[node], 0, 0
+        for values in self.history:
+            run = run + 1 if values[at] else 0
+            best = max(best, run)
+        return best
+
+
+def reasons(node: Condition, moment: Moment, *, wanted: bool, of: str) -> list[Reason]:
+    """Why a condition is not as it is wanted; nothing if it is.
+
+    Args:
+        node: The condition, of the description that the moment is of.
+        moment: When.
+        wanted: Whether it should hold.
+        of: What the reasons are about; see `Reason`.
+    """
+    if bool(moment.value(node)) == wanted:
+        return []
+    values = tuple(moment.value(part) for part in node.parts)
+    blame = node.blamed(values, moment.memory(node), wanted=wanted)
+    if blame is None:
+        says = node.figure(moment.world, moment.memory(node), wanted=wanted)
+        return [Reason(of, label(node), says, moment.since(node))]
+    found = [reasons(part, moment, wanted=should, of=of) for part, should in blame.parts]
+    # A part that is as wanted has no reason to give, such as one that once was not.
+    found = [each for each in found if each]
+    if blame.every or len(found) == 1:
+        listed = [reason for each in found for reason in each]
+        return [*dict.fromkeys(listed), *_kept(node, moment, wanted, of)]
+    return [_one_of(node, found, moment, of)]
+
+
+def _kept(node: Condition, moment: Moment, wanted: bool, of: str) -> Iterator[Reason]:
+    """For how long what has to last did last, where it no longer does."""
+    if not (isinstance(node, Sustained) and wanted):
+        return
+    longest = moment.longest(node.of)
+    if longest:
+        step_s = moment.world.time / max(1, len(moment.history) - 1)
+        seconds = (longest - 1) * step_s
+        says = f"kept for {seconds:.1f} of {node.seconds:g} s at most"
+        yield Reason(of, label(node), says, moment.since(node))
+
+
+def _one_of(node: Condition, found: Sequence[Sequence[Reason]], moment: Moment, of: str) -> Reason:
+    """Several reasons of which one would have to go, as one."""
+    shown = found[:MOST_ALTERNATIVES]
+    said = [" and ".join(f"{r.part}: {r.says}" for r in each) for each in shown]
+    more = len(found) - len(shown)
+    if more:
+        said.append(f"{more} more")
+    return Reason(of, "one of", "; or ".join(said), moment.since(node))
+
+
+def label(node: Condition) -> str:
+    """A condition by its sort and the names in it: ``Held(stick, by=left)``.
+
+    One without names is shown as it is written, unless it is made of others.
+    """
+    if isinstance(node, CustomCondition):
+        return repr(node)
+    told: list[str] = []
+    listed = fields(node) if is_dataclass(node) else ()
+    for field in listed:
+        names = [text for text in _names(getattr(node, field.name)) if _is_name(node, text)]
+        if names:
+            text = "+".join(names)
+            told.append(f"{field.name}={text}" if field.kw_only else text)
+    if told or node.parts:
+        return f"{type(node).__name__}({', '.join(told)})" if told else type(node).__name__
+    return repr(node)
+
+
+def _names(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _names(item)
+
+
+def _is_name(node: Condition, text: str) -> bool:
+    """Whether a text is a name in the scene, and not, say, an axis."""
+    return any(name == text for _, name in node.references())

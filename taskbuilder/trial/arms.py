@@ -1,0 +1,172 @@
+"""Playing trials: who is measured, and beside it those that it is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from secrets import token_hex
+from typing import Any, NamedTuple
+
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.expert.leaving import stall_after_stages
+from taskbuilder.expert.named import has_expert, policy_named
+from taskbuilder.expert.player import Expert
+from taskbuilder.learn.policy import Policy as Trained
+from taskbuilder.rollout.play import Policy, as_policy, play
+from taskbuilder.rollout.record import Rollout
+
+SUBJECT = "policy"
+"""The arm that is measured."""
+
+EXPERT, RANDOM, NOTHING = "expert", "random", "nothing"
+CONTROLS = (EXPERT, RANDOM, NOTHING)
+"""Whom it is compared with, besides stalling."""
+
+STALL = "stall after stage "
+"""What the arms are called that leave the expert's way after a stage and hold still."""
+
+Episodes = dict[str, Rollout]
+"""What was played from one seed, by arm."""
+
+Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
+"""A `map`, perhaps over several processes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arena:
+    """Who plays where, in a form that other processes can be told.
+
+    Attributes:
+        player: A trained policy, or the name of another.
+        place: Makes the environment that it plays in; options given to it come on top.
+        controls: The same for those that it is compared with.
+        token: By which an arena knows itself again where it was sent more than once.
+    """
+
+    player: Trained | str
+    place: Callable[..., TaskEnv]
+    controls: Callable[..., TaskEnv]
+    token: str = field(default_factory=lambda: token_hex(8))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Arena) and self.token == other.token
+
+    def __hash__(self) -> int:
+        return hash(self.token)
+
+
+class Job(NamedTuple):
+    """An episode to be played.
+
+    Attributes:
+        seed: Of its reset.
+        compared: Whether all arms play, or only the one that is measured.
+    """
+
+    seed: int
+    compared: bool
+
+
+class Stage:
+    """Plays the episodes of an arena in this process; environments and experts are made once."""
+
+    def __init__(self, arena: Arena) -> None:
+        self._arena = arena
+        self._stack = ExitStack()
+        self._env = self._stack.enter_context(closing(arena.place()))
+        self._policy = self._hire(arena.player, self._env)
+        self._envs: dict[int, TaskEnv] = {}
+        self._hired: dict[tuple[str, int], Policy] = {}
+
+    def close(self) -> None:
+        """Free all physics."""
+        self._stack.close()
+
+    def play(self, job: Job) -> Episodes:
+        """Play from a seed."""
+        subject = play(self._env, self._policy, job.seed, forces=True, explain=True)
+        episodes = {SUBJECT: subject}
+        if not job.compared:
+            return episodes
+        variation = subject.variation
+        env = self._control_env(variation)
+        for name in CONTROLS:
+            if name == EXPERT and not has_expert(env.task):
+                continue
+            if name == self._arena.player:  # it has been played
+                episodes[name] = subject
+                continue
+            policy = self._control(name, variation)
+            episodes[name] = play(env, policy, job.seed, forces=True, explain=True)
+        if EXPERT in episodes:
+            stalls = stall_after_stages(env, episodes[EXPERT])
+            episodes |= {f"{STALL}{number}": played for number, played in stalls.items()}
+        return episodes
+
+    def _control_env(self, variation: int) -> TaskEnv:
+        if variation not in self._envs:
+            made = self._arena.controls(variation=variation)
+            self._envs[variation] = self._stack.enter_context(closing(made))
+        return self._envs[variation]
+
+    def _control(self, name: str, variation: int) -> Policy:
+        key = (name, variation)
+        if key not in self._hired:
+            self._hired[key] = self._hire(name, self._control_env(variation))
+        return self._hired[key]
+
+    def _hire(self, player: Trained | str, env: TaskEnv) -> Policy:
+        if not isinstance(player, str):
+            return as_policy(player.act)
+        made = policy_named(player)(env)
+        if isinstance(made, Expert):
+            self._stack.callback(made.close)
+        return made
+
+
+def play_all(
+    arena: Arena, jobs: Iterable[Job], spread: Spread | None = None
+) -> Generator[Episodes, None, None]:
+    """Play episodes, each as soon as it can be, in order.
+
+    Args:
+        arena: Who plays where.
+        jobs: What to play.
+        spread: A `map` over several processes; without it they are played in this one.
+    """
+    if spread is not None:
+        yield from spread(partial(_play_elsewhere, arena), jobs)
+        return
+    with closing(Stage(arena)) as stage:
+        yield from map(stage.play, jobs)
+
+
+def _play_elsewhere(arena: Arena, job: Job) -> Episodes:
+    return _opened_once(arena).play(job)
+
+
+@lru_cache(maxsize=1)
+def _opened_once(arena: Arena) -> Stage:
+    """A stage that is kept for as long as its process lives."""
+    return Stage(arena)
+
+
+def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
+    """The episodes of a trial.
+
+    Args:
+        seeds: Of all.
+        compared: From how many of them, the first ones, all arms play.
+    """
+    return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
+
+
+def by_arm(played: Iterable[Episodes]) -> Mapping[str, tuple[Rollout, ...]]:
+    """The episodes of each arm, in order."""
+    arms: dict[str, list[Rollout]] = {}
+    for episodes in played:
+        for name, rollout in episodes.items():
+            arms.setdefault(name, []).append(rollout)
+    return {name: tuple(rollouts) for name, rollouts in arms.items()}

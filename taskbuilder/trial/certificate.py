@@ -1,0 +1,193 @@
+"""Certificates: what a trial found, with all that it takes to play it again elsewhere."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.assets.mesh import Mesh
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.paths import pybullet_data_folder
+from taskbuilder.digests import Digests, digest, digest_of, digests, digests_of_folder
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.files import write_whole
+from taskbuilder.machine import processor, system, versions
+from taskbuilder.task import Task
+from taskbuilder.trial.arms import SUBJECT
+from taskbuilder.trial.results import Arms, as_data, record
+
+KIND, FORMAT = "taskbuilder certificate", 1
+
+LIBRARY = Path(__file__).resolve().parents[1]
+"""The folder of taskbuilder itself."""
+
+NOT_LIBRARY = ("tasks", "robots")
+"""Where tasks and robots lie within it, where they do: theirs are digests of their own."""
+
+MOST_BYTES = 256 * 2**20
+"""Of a certificate that is read."""
+
+_SECTIONS = (
+    *("task", "policy", "options", "seeds", "controls_seeds", "digests"),
+    *("versions", "processor", "system", "results", "episodes"),
+)
+"""What is sealed, each by itself, so that what was edited can be named."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a certificate is about.
+
+    Attributes:
+        task: The task.
+        policy: What the player is called, as a command line would name it.
+        policy_file: Where it was read from, or None for one that is no file.
+        options: Of the environment, by name.
+        seeds: Of all episodes.
+        compared: From how many of them, the first ones, all arms played.
+    """
+
+    task: Task
+    policy: str
+    policy_file: Path | None
+    options: Mapping[str, Any]
+    seeds: Sequence[int]
+    compared: int
+
+
+def certificate(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
+    """The certificate of a trial, as data.
+
+    Args:
+        trial: What was played.
+        arms: How it went.
+        command: By which it was made.
+    """
+    stages = ("", *trial.task.description.stages)
+    told = {
+        "kind": KIND,
+        "format": FORMAT,
+        "made": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": command,
+        "task": trial.task.name,
+        "policy": trial.policy,
+        "options": dict(trial.options),
+        "seeds": list(trial.seeds),
+        "controls_seeds": trial.compared,
+        "digests": sources(trial),
+        "versions": versions(),
+        "processor": processor(),
+        "system": system(),
+        "results": as_data(arms, stages),
+        "episodes": {name: [record(r) for r in played] for name, played in arms.items()},
+    }
+    plain: dict[str, Any] = json.loads(json.dumps(told))  # as it will be read
+    return {**plain, "seals": seals(plain)}
+
+
+def sources(trial: Trial) -> dict[str, Digests]:
+    """Digests of the files that decide how a trial goes: library, task and policy."""
+    file = trial.policy_file
+    return {
+        "library": digests_of_folder(LIBRARY, NOT_LIBRARY),
+        "task": digests_of_task(trial.task),
+        "policy": {trial.policy: digest(file.read_bytes())} if file else {},
+    }
+
+
+def digests_of_task(task: Task) -> Digests:
+    """Digests of a task's files: its own, those beside it that it imports, robots and meshes."""
+    bases = [(task.file.entry.root, "")]
+    models = task.file.robots.values()
+    bases += [(model.entry.root, f"{model.name}/") for model in models]
+    data = pybullet_data_folder()
+    if data is not None:
+        bases.append((data, f"{data.name}/"))
+    return digests(_files(task), bases)
+
+
+def _files(task: Task) -> Iterator[Path]:
+    entry = task.file.entry
+    yield entry.file
+    yield entry.description_file
+    # What else a description imports from its folder: any of them may be, so all count.
+    if not entry.module:
+        yield from entry.root.glob("*.py")
+    for model in task.file.robots.values():
+        yield model.entry.file
+        yield from _files_of(model.urdf)
+    for asset in task.file.assets.values():
+        yield from _files_of(asset)
+
+
+def _files_of(asset: Mesh | Urdf) -> Iterator[Path]:
+    yield asset.path
+    if isinstance(asset, Urdf):
+        yield from asset.meshes
+
+
+def seals(data: Mapping[str, Any]) -> dict[str, str]:
+    """A digest of each section of a certificate, by which an edited one is known."""
+    return {name: digest_of(data[name]) for name in _SECTIONS}
+
+
+def write_certificate(path: Path, data: Mapping[str, Any]) -> None:
+    """Write a certificate, whole or not at all.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    write_whole(path, (json.dumps(data, indent=1) + "\n").encode())
+
+
+def read_certificate(path: Path) -> dict[str, Any]:
+    """Read a certificate; nothing in it is believed yet.
+
+    Raises:
+        UsageError: It is damaged, none, or of another version.
+        OSError: It cannot be read.
+    """
+    name = display_path(path)
+    if path.stat().st_size > MOST_BYTES:
+        raise UsageError(f"{name} is too large to be a certificate")
+    try:
+        data = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise UsageError(f"{name} is damaged, or no certificate ({error})") from None
+    if not isinstance(data, dict) or data.get("kind") != KIND:
+        raise UsageError(f"{name} is no certificate; evaluate --certificate FILE writes one")
+    if data.get("format") != FORMAT:
+        found = data.get("format")
+        raise UsageError(f"{name} has format {found}; this version reads {FORMAT}")
+    if wrong := next(_misshapen(data), None):
+        raise UsageError(f"{name} is damaged: {wrong}")
+    return data
+
+
+def _misshapen(data: Mapping[str, Any]) -> Iterator[str]:
+    """What a certificate lacks to be compared."""
+    shapes = {
+        **dict.fromkeys(("task", "policy", "made"), str),
+        **dict.fromkeys(("options", "digests", "versions", "processor", "system"), dict),
+        **dict.fromkeys(("results", "episodes", "seals"), dict),
+        "seeds": list,
+        "controls_seeds": int,
+    }
+    for name, shape in shapes.items():
+        if not isinstance(data.get(name), shape):
+            yield f"it has no {name}"
+            return
+    if not data["seeds"] or not all(isinstance(seed, int) and seed >= 0 for seed in data["seeds"]):
+        yield "its seeds are no whole numbers"
+    for name in ("library", "task", "policy"):
+        if not isinstance(data["digests"].get(name), dict):
+            yield f"it has no digests of the {name}"
+    for name, listed in data["episodes"].items():
+        if not isinstance(listed, list) or not all(isinstance(each, dict) for each in listed):
+            yield f"the episodes of {name} are no list of records"
+    if SUBJECT not in data["episodes"]:
+        yield "it has no episodes"

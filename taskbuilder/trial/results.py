@@ -1,0 +1,174 @@
+"""What a trial says: to the end of its episodes, and beside those it is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from statistics import fmean
+from typing import Any
+
+import numpy as np
+
+from taskbuilder.digests import digest
+from taskbuilder.learn.evaluation import Summary, summarise
+from taskbuilder.rollout.record import Rollout
+from taskbuilder.trial.arms import CONTROLS, EXPERT, RANDOM, STALL, SUBJECT
+
+Arms = Mapping[str, Sequence[Rollout]]
+"""Episodes by arm; those of the controls are from the first seeds of the subject's."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """An arm beside the one that is measured, on the seeds that both played.
+
+    Attributes:
+        arm: Which.
+        episodes: How many seeds there are.
+        success_rate: Of the arm: success at some step.
+        success_at_end_rate: Of the arm: success at the last step.
+        mean_return: Of the arm.
+        policy_return: Of the measured one, on the same seeds.
+    """
+
+    arm: str
+    episodes: int
+    success_rate: float
+    success_at_end_rate: float
+    mean_return: float
+    policy_return: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The arms beside the one that is measured.
+
+    Attributes:
+        controls: Expert, random play and holding still, as far as they played.
+        best_stall: Of the ways to leave the expert's way and hold still, the one that earns most
+            where it does not succeed, or None.
+    """
+
+    controls: tuple[Beside, ...]
+    best_stall: Beside | None
+
+    @property
+    def normalized_return(self) -> float | None:
+        """Where the return stands between random play (0) and the expert (1)."""
+        found = {beside.arm: beside for beside in self.controls}
+        if EXPERT not in found or RANDOM not in found:
+            return None
+        low, high = found[RANDOM].mean_return, found[EXPERT].mean_return
+        if not high > low:
+            return None
+        return (found[EXPERT].policy_return - low) / (high - low)
+
+
+def compare(arms: Arms) -> Comparison:
+    """The arms of a trial beside the one that is measured."""
+    own = {rollout.seed: rollout for rollout in arms[SUBJECT]}
+    controls = tuple(_beside(name, arms[name], own) for name in CONTROLS if arms.get(name))
+    stalls = []
+    for name, played in arms.items():
+        failed = [rollout for rollout in played if not rollout.success]
+        if name.startswith(STALL) and failed:
+            stalls.append(_beside(name, failed, own))
+    best = max(stalls, key=lambda beside: beside.mean_return, default=None)
+    return Comparison(controls, best)
+
+
+def _beside(name: str, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> Beside:
+    return Beside(
+        arm=name,
+        episodes=len(played),
+        success_rate=fmean(rollout.success for rollout in played),
+        success_at_end_rate=fmean(rollout.success_at_end for rollout in played),
+        mean_return=fmean(rollout.team_return for rollout in played),
+        policy_return=fmean(own[rollout.seed].team_return for rollout in played),
+    )
+
+
+# --- as data
+
+
+def record(rollout: Rollout) -> dict[str, Any]:
+    """An episode as data; its digest stands for all that was done and all that came of it."""
+    return {
+        "seed": rollout.seed,
+        "variation": rollout.variation,
+        "success": rollout.success,
+        "success_at_end": rollout.success_at_end,
+        "first_success": rollout.first_success,
+        "success_held_s": rollout.success_held_s,
+        "failed_at": rollout.failed_at,
+        "return": rollout.team_return,
+        "steps": rollout.first_success or rollout.steps,
+        "stage": rollout.furthest_stage,
+        "peak_robot_force": rollout.peak_robot_force,
+        "why": [asdict(reason) for reason in rollout.why],
+        "digest": digest_of_rollout(rollout),
+    }
+
+
+def digest_of_rollout(rollout: Rollout) -> str:
+    """A digest of an episode, to the bit: its actions, its rewards and all its conditions."""
+    parts = [f"{rollout.task} {rollout.seed} {rollout.variation} {rollout.exploded}".encode()]
+    for values in (rollout.actions, rollout.agent_rewards, rollout.terms, rollout.conditions):
+        for name in sorted(values):
+            array = np.ascontiguousarray(values[name])
+            parts += [f"{name} {array.dtype.str} {array.shape}".encode(), array.tobytes()]
+    parts += [rollout.rewards.tobytes(), rollout.progress.tobytes(), rollout.stage.tobytes()]
+    return digest(b"\n".join(parts))
+
+
+def as_data(arms: Arms, stages: Sequence[str]) -> dict[str, Any]:
+    """The results of a trial as data, its episodes left out.
+
+    Args:
+        arms: All episodes.
+        stages: Names of the task's stages, "" first.
+    """
+    summary = summarise(arms[SUBJECT], len(stages) - 1)
+    comparison = compare(arms)
+    held, peak = summary.success_held_s, summary.peak_robot_force
+    return {
+        "success_rate": summary.success_rate,
+        "interval": list(summary.interval),
+        "success_at_end_rate": summary.success_at_end_rate,
+        "interval_at_end": list(summary.interval_at_end),
+        "success_held_s": dict(zip(("mean", "median"), held, strict=True)) if held else None,
+        "peak_robot_force": dict(zip(("median", "max"), peak, strict=True)) if peak else None,
+        "return": summary.mean_return,
+        "return_iqm": summary.iqm_return,
+        "normalized_return": comparison.normalized_return,
+        "steps_to_success": summary.steps_to_success,
+        "stages": dict(zip(stages, summary.stages, strict=True)),
+        "terms": dict(summary.terms),
+        "seeds": roles(summary),
+        "controls": {beside.arm: _as_data(beside, arms) for beside in comparison.controls},
+        "best_stall": _as_data(comparison.best_stall, arms) if comparison.best_stall else None,
+    }
+
+
+def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
+    told = {
+        "episodes": beside.episodes,
+        "return": beside.mean_return,
+        "policy_return": beside.policy_return,
+        "success_rate": beside.success_rate,
+        "success_at_end_rate": beside.success_at_end_rate,
+    }
+    if beside.arm.startswith(STALL):
+        return {"after_stage": int(beside.arm.removeprefix(STALL)), **told}
+    played = arms[beside.arm]
+    summary = summarise(played, len(played[0].stages))
+    return {
+        **told,
+        "interval": list(summary.interval),
+        "interval_at_end": list(summary.interval_at_end),
+    }
+
+
+def roles(summary: Summary) -> dict[str, int | None]:
+    """Seeds of the episodes that are worth being looked at, by what they are shown for."""
+    return {"best": summary.best, "median": summary.median, "failed": summary.failed}
