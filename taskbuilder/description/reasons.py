@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import Field, dataclass, fields, is_dataclass
 from typing import Any
 
 from taskbuilder.description.custom import CustomCondition
@@ -137,12 +137,12 @@ def label(node: Condition) -> str:
     if isinstance(node, CustomCondition):
         return repr(node)
     told: list[str] = []
-    listed = fields(node) if is_dataclass(node) else ()
-    for field in listed:
-        names = [text for text in _names(getattr(node, field.name)) if _is_name(node, text)]
+    listed: tuple[Field[Any], ...] = fields(node) if is_dataclass(node) else ()
+    for part in listed:
+        names = [text for text in _names(getattr(node, part.name)) if _is_name(node, text)]
         if names:
             text = "+".join(names)
-            told.append(f"{field.name}={text}" if field.kw_only else text)
+            told.append(f"{part.name}={text}" if part.kw_only else text)
     if told or node.parts:
         return f"{type(node).__name__}({', '.join(told)})" if told else type(node).__name__
     return repr(node)
