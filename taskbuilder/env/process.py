@@ -62,7 +62,7 @@ class WorkerProcess:
         """Start a process; it answers when its environments are built.
 
         Args:
-            orders: What it is to run, for `Orders.read`.
+            orders: What it is to run, for `WorkerConfig.read`.
             memory: Descriptor of the board's memory.
         """
         self.end()

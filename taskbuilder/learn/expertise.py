@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.env.options import Opening
 from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.learn.collection import Collector
 from taskbuilder.learn.shapes import Shapes
@@ -19,13 +18,6 @@ from taskbuilder.rollout.record import Rollout
 EXPERT_FILE = "expert.npz"
 SEEDS_FROM = 500_000
 """Seeds of expert episodes begin here, apart from those of evaluations."""
-
-
-def opening(rollout: Rollout) -> Opening:
-    """The part of an episode before its success, for other episodes to begin in."""
-    first = rollout.first_success or 0
-    end = first - 1 if first > 1 else None
-    return Opening(rollout.seed, {agent: told[:end] for agent, told in rollout.actions.items()})
 
 
 def load_episodes(folder: Path) -> tuple[Rollout, ...]:

@@ -12,6 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.learn.wrappers import STEPS_WITHOUT_PROGRESS
+
 Infos = Mapping[str, Any]
 Pay = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -22,8 +24,8 @@ class Signal(Protocol):
 
     Its class says: ``sharing``, the option `reward` of the environments that it builds upon;
     ``alike``, whether all agents of an environment are always paid the same; ``end_on_setback`` and
-    ``patience``, the options of those names; and ``size``, the numbers of its memory that critics
-    see.
+    ``no_progress_timeout_s``, the training wrappers of those names; and ``size``, the numbers of
+    its memory that critics see.
     """
 
     def begin(self, infos: Infos, rows: Flags) -> None:
@@ -45,7 +47,7 @@ class Plain:
     sharing = "team"
     alike = True
     end_on_setback = False
-    patience: float | None = None
+    no_progress_timeout_s: float | None = None
     size = 0
 
     def __init__(self, num_envs: int, discount: float) -> None:
@@ -82,7 +84,7 @@ class Shaped:
     sharing = "team"
     alike = True
     end_on_setback = False
-    patience: float | None = None
+    no_progress_timeout_s: float | None = None
     size = 0
     weight = 3.0
 
@@ -121,32 +123,32 @@ class Ratchet:
     sharing = "team"
     alike = True
     end_on_setback = True
-    patience: float | None = 1.5
+    no_progress_timeout_s: float | None = 1.5
     size = 2
     gain, success, failure, scale = 10.0, 2.0, 2.0, 0.3
 
     def __init__(self, num_envs: int, discount: float) -> None:
         del discount
         self._best = np.zeros(num_envs)
-        self._idle = np.zeros(num_envs)
+        self._stalled = np.zeros(num_envs)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
         """See `Signal`."""
         self._best[rows] = infos["progress"][rows]
-        self._idle[rows] = infos["idle"][rows]
+        self._stalled[rows] = infos[STEPS_WITHOUT_PROGRESS][rows]
 
     def pay(self, rewards: Pay, infos: Infos) -> Pay:
         """See `Signal`."""
         gained = np.maximum(infos["progress"] - self._best, 0.0)
         self._best = np.maximum(self._best, infos["progress"])
-        self._idle = infos["idle"].copy()
+        self._stalled = infos[STEPS_WITHOUT_PROGRESS].copy()
         lost = np.maximum(infos["failure"], infos["condition/setback"])
         pay = self.gain * gained + self.success * infos["success"] - self.failure * lost
         return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
 
     def memory(self) -> NDArray[np.float32]:
         """See `Signal`; progress in tens, as large as other things that critics see."""
-        return np.stack([self._best / 10.0, self._idle], 1).astype(np.float32)
+        return np.stack([self._best / 10.0, self._stalled], 1).astype(np.float32)
 
 
 SIGNALS: Mapping[str, type[Plain] | type[Shaped] | type[Ratchet]] = {

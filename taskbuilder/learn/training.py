@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from taskbuilder.env.vector import TaskVectorEnv, make_vec
 from taskbuilder.learn.algorithms import Learner, make_learner
 from taskbuilder.learn.checkpoints import Checkpoint, Checkpoints
 from taskbuilder.learn.collection import Collector, Finished
-from taskbuilder.learn.expertise import load_episodes, opening, transitions
+from taskbuilder.learn.expertise import load_episodes, transitions
 from taskbuilder.learn.journal import Journal
 from taskbuilder.learn.judging import Evaluation
 from taskbuilder.learn.plan import Plan
@@ -30,6 +30,7 @@ from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.signals import SIGNALS
+from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
 from taskbuilder.learn.zoo import POLICY_FILE, save_policy
 from taskbuilder.task import Task
 
@@ -151,31 +152,18 @@ class Run:
         """
         episodes = load_episodes(folder)
         pays = SIGNALS[plan.reward]
-        options: dict[str, Any] = {
-            **plan.env,
-            "reward": pays.sharing,
-            "end_on_setback": pays.end_on_setback,
-            "patience": pays.patience,
-        }
-        openings = tuple(map(opening, episodes)) if plan.starts else ()
-        envs = stack.enter_context(
-            closing(
-                make_vec(
-                    task,
-                    plan.envs,
-                    plan.workers,
-                    openings=openings,
-                    opening_share=plan.starts,
-                    **options,
-                )
-            )
-        )
+        options: dict[str, Any] = {**plan.env, "reward": pays.sharing}
+        ends = TrainingWrappers(pays.end_on_setback, pays.no_progress_timeout_s)
+        prefixes = tuple(map(StartPrefix.before_success, episodes)) if plan.starts else ()
+        wrap = replace(ends, start_prefixes=prefixes, start_share=plan.starts)
+        envs = make_vec(task, plan.envs, plan.workers, wrap=wrap, **options)
+        stack.enter_context(closing(envs))
         shapes = shapes_of(envs, pays.size)
         learner = make_learner(plan, shapes, alike=pays.alike)
         discount = learner.settings.discount
         shown = None
         if plan.demos:
-            with closing(make_vec(task, 1, **options)) as env:
+            with closing(make_vec(task, 1, wrap=ends, **options)) as env:
                 shown = transitions(episodes[: plan.demos], env, pays(1, discount), shapes)
         memory = Experience(shapes.layout.width, learner.settings.capacity, shown)
         collector = Collector(envs, pays(plan.envs, discount), shapes)

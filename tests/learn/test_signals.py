@@ -16,7 +16,12 @@ progresses = st.lists(st.floats(0.0, 10.0), min_size=2, max_size=20)
 
 def infos(progress, success=0.0, failure=0.0, setback=0.0, idle=0.0):
     many = np.zeros_like(np.asarray(progress, float))
-    numbers = {"progress": progress, "success": success, "failure": failure, "idle": many + idle}
+    numbers = {
+        "progress": progress,
+        "success": success,
+        "failure": failure,
+        "steps_without_progress": many + idle,
+    }
     numbers["condition/setback"] = setback
     return {name: np.atleast_1d(np.asarray(value, float)) for name, value in numbers.items()}
 
