@@ -29,7 +29,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("codes", "jobs", "files", *SIMULATED),
     ),
     "bench": ("expert", "render", "rollout", "env", *SIMULATED),
-    "learn": ("rollout", "env", "task", "arrays", "files", *FOUNDATION),
+    "learn": ("expert", "rollout", "env", "jobs", "arrays", "files", *SIMULATED),
     "data": ("expert", "render", "rollout", "env", *SIMULATED),
     "film": ("render", "rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),

@@ -21,6 +21,7 @@ _SAW = {
 _HELPED = {
     "scratch": "no demonstrations, no special starts",
     "resets": "episodes that may begin in states of the expert, no demonstrations",
+    "finetuned": "a trained policy to start from",
     "demos": "demonstrations of the expert",
 }
 
