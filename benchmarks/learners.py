@@ -43,8 +43,8 @@ from contest import (
 from machine import describe_machine
 from numpy.typing import NDArray
 
-from taskbuilder.learn.maddpg import Maddpg, MaddpgSettings
-from taskbuilder.learn.maddpg_openai import MaddpgOpenai, OpenaiSettings
+from taskbuilder.learn.algorithms.maddpg import Maddpg, MaddpgSettings
+from taskbuilder.learn.algorithms.maddpg_openai import MaddpgOpenai, OpenaiSettings
 from taskbuilder.learn.shapes import Shapes
 
 RESULTS = Path(__file__).parent / "results" / "learners.json"
@@ -84,7 +84,7 @@ def own_learners(batches: list[Batch]) -> dict[str, Contestant]:
         memory, rng = Given(batches), np.random.default_rng(0)
         return lambda: learner.update(memory, rng, 0)
 
-    def maddpg(*, alike: bool, actor_every: int) -> Callable[[], Any]:
+    def maddpg(*, shared_reward: bool, actor_every: int) -> Callable[[], Any]:
         settings = MaddpgSettings(
             hidden=HIDDEN,
             lr=LR,
@@ -92,30 +92,30 @@ def own_learners(batches: list[Batch]) -> dict[str, Contestant]:
             tau=TAU,
             batch=BATCH,
             actor_every=actor_every,
-            share=alike,
+            share=shared_reward,
         )
-        return updating(Maddpg(SHAPES, settings, alike=alike, seed=0))
+        return updating(Maddpg(SHAPES, settings, shared_reward=shared_reward, seed=0))
 
     published = OpenaiSettings(hidden=HIDDEN, lr=LR, discount=DISCOUNT, tau=TAU, batch=BATCH)
     twins = "twin critics with layer norm"
     return {
-        "maddpg": Contestant("taskbuilder", 1, 2, twins, maddpg(alike=True, actor_every=1)),
+        "maddpg": Contestant("taskbuilder", 1, 2, twins, maddpg(shared_reward=True, actor_every=1)),
         "maddpg, delayed": Contestant(
             "taskbuilder",
             1,
             2,
             f"{twins}; actor and targets every second update",
-            maddpg(alike=True, actor_every=2),
+            maddpg(shared_reward=True, actor_every=2),
         ),
         "maddpg, own networks": Contestant(
-            "taskbuilder", 2, 4, twins, maddpg(alike=False, actor_every=1)
+            "taskbuilder", 2, 4, twins, maddpg(shared_reward=False, actor_every=1)
         ),
         "maddpg_openai": Contestant(
             "taskbuilder",
             2,
             2,
             "actors draw; gradients clipped; both agents' target actors for each critic",
-            updating(MaddpgOpenai(SHAPES, published, alike=False, seed=0)),
+            updating(MaddpgOpenai(SHAPES, published, shared_reward=False, seed=0)),
         ),
     }
 

@@ -17,16 +17,15 @@ import shlex
 import sys
 import tempfile
 import time
-from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
 from machine import describe_machine
 
-from taskbuilder.learn.judging import Evaluation
-from taskbuilder.learn.plan import Plan
+from taskbuilder.learn.checkpoint_evaluator import Evaluation
+from taskbuilder.learn.plan import make_plan
 from taskbuilder.learn.policy import Policy
-from taskbuilder.learn.training import Moment, train
+from taskbuilder.learn.training import TrainingStatus, train
 from taskbuilder.task import load_task
 
 RESULTS = Path(__file__).parent / "results" / "pace.json"
@@ -72,7 +71,7 @@ def label(name: str, workers: int) -> str:
 
 def pace(steps: int, workers: int, update_every: float) -> float:
     """Control steps a second after warming up."""
-    plan = Plan(
+    plan = make_plan(
         "handover",
         steps=WARM_UP + steps,
         envs=4,
@@ -82,11 +81,10 @@ def pace(steps: int, workers: int, update_every: float) -> float:
         checkpoint_every=10**9,
         settings={"warm_up": WARM_UP, "update_every": update_every},
     )
-    plan = replace(plan, settings={**plan.preset, **plan.settings})
     at: dict[int, float] = {}
 
-    def watch(moment: Moment) -> None:
-        at.setdefault(moment.step, time.perf_counter())
+    def watch(status: TrainingStatus) -> None:
+        at.setdefault(status.step, time.perf_counter())
 
     with tempfile.TemporaryDirectory() as folder:
         train(plan, load_task("handover"), Path(folder), _nothing, {}, watch)

@@ -34,7 +34,7 @@ import torch
 from machine import describe_machine
 from mpe2 import simple_spread_v3
 
-from taskbuilder.learn.maddpg import Maddpg, MaddpgSettings
+from taskbuilder.learn.algorithms.maddpg import Maddpg, MaddpgSettings
 from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Shapes
 
@@ -122,7 +122,7 @@ def train(run: Run) -> Iterator[dict[str, Any]]:
     torch.set_num_threads(1)
     spread = Spread(ENVS, first_seed=run.seed * 10_000_000)
     shapes, rng = spread.shapes, np.random.default_rng(run.seed)
-    learner = Maddpg(shapes, SETTINGS, alike=False, seed=run.seed)
+    learner = Maddpg(shapes, SETTINGS, shared_reward=False, seed=run.seed)
     replay = Replay(shapes.layout.width, SETTINGS.capacity)
     never, nothing = np.zeros(ENVS, dtype=np.bool_), np.zeros((ENVS, 0), dtype=np.float32)
     step, updates, begun, started = 0, 0, False, time.perf_counter()

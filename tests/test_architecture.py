@@ -42,7 +42,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "bench": ("expert", "render", "rollout", "env", *SIMULATED),
     "trial": (*("learn", "expert", "rollout", "env", "machine", "digests", "files", *SIMULATED),),
-    "learn": ("rollout", "env", "task", "arrays", "files", *FOUNDATION),
+    "learn": ("expert", "rollout", "env", "jobs", "arrays", "files", *SIMULATED),
     "data": ("expert", "render", "rollout", "env", *SIMULATED),
     "film": ("render", "rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),

@@ -22,6 +22,12 @@ def whole(least: int, most: int) -> Any:
     return convert
 
 
+def variation(text: str) -> int | str:
+    """A converter for the number of a variation, or "random"."""
+    number: int | str = text if text == "random" else whole(0, 10_000)(text)
+    return number
+
+
 def size(text: str) -> tuple[int, int]:
     """A converter for WIDTHxHEIGHT."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)

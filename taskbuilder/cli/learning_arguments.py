@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.kinds import share, whole
+from taskbuilder.cli.kinds import share, variation, whole
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
 
 
@@ -30,17 +30,32 @@ def add_train(adder: Adder) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="RUN", help="folder of the run (default runs/TASK-TRACK-SEED)"
     )
-    parser.add_argument("--algorithm", metavar="A", help="maddpg or maddpg_openai (default maddpg)")
+    parser.add_argument(
+        "--algorithm", metavar="A", help="maddpg, maddpg_openai or ppo (default maddpg)"
+    )
+    parser.add_argument(
+        "--preset", metavar="P", help="settings of the algorithm that go together, such as paper"
+    )
     parser.add_argument(
         "--reward",
         metavar="R",
-        help="what learners are paid: team, local, shaped or ratchet (default ratchet)",
+        help="what learners learn from: team, local, shaped or ratchet (default ratchet)",
     )
     many = whole(1, 1_000_000_000)
     parser.add_argument(
         "--steps", type=many, metavar="N", help="control steps in all (default 300000)"
     )
-    parser.add_argument("--seed", type=whole(0, 2**31 - 1), metavar="N", help="(default 0)")
+    parser.add_argument(
+        "--seed",
+        "--seeds",
+        nargs="+",
+        type=whole(0, 2**31 - 1),
+        metavar="N",
+        help="(default 0); of several, a run each, in RUN-SEED",
+    )
+    parser.add_argument(
+        "--jobs", type=whole(1, 1024), metavar="N", help="runs of several seeds at once (default 1)"
+    )
     parser.add_argument(
         "--envs", type=whole(1, 1024), metavar="N", help="environments at once (default 4)"
     )
@@ -57,6 +72,10 @@ def add_train(adder: Adder) -> None:
         "--starts", type=share, metavar="SHARE", help="of the episodes, begin in states of experts"
     )
     parser.add_argument(
+        "--init", metavar="POLICY", help="start from zoo:TASK/TRACK, a run, or a policy's file"
+    )
+    parser.add_argument("--device", metavar="D", help="of the networks: cpu or cuda (default cpu)")
+    parser.add_argument(
         "--observe", metavar="O", help="what policies see: task or scene (default task)"
     )
     parser.add_argument(
@@ -64,7 +83,13 @@ def add_train(adder: Adder) -> None:
     )
     parser.add_argument("--rotation", metavar="R", help="quaternion or matrix (default matrix)")
     parser.add_argument(
-        "--variation", type=whole(0, 10_000), metavar="K", help="which variation (default 0)"
+        "--variation", type=variation, metavar="K", help="which variation, or random (default 0)"
+    )
+    parser.add_argument(
+        "--randomize",
+        action="store_true",
+        default=None,
+        help="draw the quantities that the task lists under randomize",
     )
     parser.add_argument(
         "--evaluate-every", type=many, metavar="N", help="control steps (default 10000)"

@@ -12,17 +12,17 @@ import numpy as np
 from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
-from taskbuilder.learn.comparison import (
+from taskbuilder.learn.logs import RunLog, read_run
+from taskbuilder.learn.run_groups import (
     WINDOW,
-    Alike,
     Line,
+    RunGroup,
+    aggregate,
     episodes_at,
-    group,
+    group_runs,
     labels_of,
-    middle,
     names_of,
 )
-from taskbuilder.learn.logs import Run, read_run
 
 if TYPE_CHECKING:
     from taskbuilder.curves import Curve, Group
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     form = _form(arguments.out)
     folders = {Path(name).resolve(): Path(name) for name in arguments.runs}
     runs = [read_run(folder) for folder in folders.values()]
-    groups = group(runs)
+    groups = group_runs(runs)
     make_folder(arguments.out.parent)
     from taskbuilder.curves import learning_curves  # a second, when all else is in order
 
@@ -61,12 +61,12 @@ def _form(path: Path) -> Literal["png", "svg"]:
     raise UsageError(f"{display_path(path)}: a picture is a .png or an .svg; name it so")
 
 
-def _longest(runs: Sequence[Run]) -> float:
+def _longest(runs: Sequence[RunLog]) -> float:
     """Environment steps of the longest run."""
     return max(float(run.evaluations["step"][-1]) for run in runs)
 
 
-def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[Run]) -> list[str]:
+def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[RunLog]) -> list[str]:
     """What was drawn, and how."""
     count = f"{len(runs)} run{'s' * (len(runs) > 1)}"
     what = [*task, *names, count] if len(names) == 1 else [*task, count]
@@ -78,7 +78,7 @@ def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[Run]) -> lis
     return [" · ".join(what), " · ".join(how)]
 
 
-def _drawn(groups: Sequence[Alike], names: Sequence[str], runs: Sequence[Run]) -> list[Group]:
+def _drawn(groups: Sequence[RunGroup], names: Sequence[str], runs: Sequence[RunLog]) -> list[Group]:
     """The groups as they are drawn."""
     from taskbuilder.curves import Group
 
@@ -86,13 +86,13 @@ def _drawn(groups: Sequence[Alike], names: Sequence[str], runs: Sequence[Run]) -
     return [
         Group(
             name,
-            len(alike.runs),
-            _curve(alike.success()),
-            _curve(alike.smoothed("team_return", longest)),
-            {label: _curve(alike.smoothed(f"term/{label}", longest)) for label in labels},
-            alike.stages(),
+            len(group.runs),
+            _curve(group.success()),
+            _curve(group.smoothed("team_return", longest)),
+            {label: _curve(group.smoothed(f"term/{label}", longest)) for label in labels},
+            group.stages(),
         )
-        for alike, name in zip(groups, names, strict=True)
+        for group, name in zip(groups, names, strict=True)
     ]
 
 
@@ -100,5 +100,5 @@ def _curve(lines: Sequence[Line]) -> Curve:
     """Runs and what they have in common; the same draws for all, so that pictures repeat."""
     from taskbuilder.curves import Curve
 
-    found = middle(lines, np.random.default_rng(0))
+    found = aggregate(lines, np.random.default_rng(0))
     return Curve(lines, (found.steps, found.iqm, found.low, found.high) if found else None)

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.expert.named import POLICIES
-from taskbuilder.learn.plan import RUN_FILE, load_plan
+from taskbuilder.learn.plan import RUN_FILE
 from taskbuilder.learn.policy import Policy
-from taskbuilder.spec.catalogue import Catalogue, looks_like_path
+from taskbuilder.learn.runs import named_task, task_of_run
+from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 _SAW = {
@@ -22,6 +22,7 @@ _SAW = {
 _HELPED = {
     "scratch": "no demonstrations, no special starts",
     "resets": "episodes that may begin in states of the expert, no demonstrations",
+    "finetuned": "a trained policy to start from",
     "demos": "demonstrations of the expert",
 }
 
@@ -66,40 +67,7 @@ def task_of(name: str, policy: Policy, catalogue: Catalogue) -> Path:
     """
     if (Path(name) / RUN_FILE).is_file():
         return task_of_run(Path(name), catalogue)
-    return _named(name, policy.about.get("task"), catalogue)
-
-
-def task_of_run(folder: Path, catalogue: Catalogue) -> Path:
-    """The file of the task that is trained in a run's folder; nothing is imported to find it.
-
-    Whoever names the folder says by it that they trained there, so the path of the task that
-    training wrote down holds. One that leads into the folder does not, nor one from wherever the
-    command happens to be called: a folder from somebody else would bring its own code with it.
-
-    Args:
-        folder: Of the run.
-        catalogue: Where its task is looked up by name, and by the name of its file.
-
-    Raises:
-        UsageError: It is nowhere that the user has named.
-    """
-    task = load_plan(folder)[0].task
-    if task not in catalogue.tasks:
-        path = Path(task)
-        within = path.resolve().is_relative_to(folder.resolve())
-        if path.is_absolute() and path.is_file() and not within:
-            return path
-        if looks_like_path(task):
-            task = path.stem
-    return _named(display_path(folder), task, catalogue)
-
-
-def _named(name: str, task: object, catalogue: Catalogue) -> Path:
-    try:
-        return catalogue.named_task(task).file
-    except UnknownNameError as error:
-        hint = "name the folder of its files by --task-path"
-        raise UsageError(f"{name} is for a task that is not here ({error}); {hint}") from None
+    return named_task(name, policy.about.get("task"), catalogue)
 
 
 def origin(about: Mapping[str, Any]) -> list[list[str]]:

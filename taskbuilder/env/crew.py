@@ -16,7 +16,7 @@ from typing import Protocol
 from taskbuilder.env.process import WorkerProcess
 from taskbuilder.env.shard import Shard
 from taskbuilder.env.shared import Arena, Board, make_block, map_block
-from taskbuilder.env.worker import Orders
+from taskbuilder.env.worker import WorkerConfig
 from taskbuilder.errors import TaskbuilderError, UsageError
 from taskbuilder.processes import Fault
 
@@ -88,14 +88,15 @@ class Alone:
 
     pids: tuple[int, ...] = ()
 
-    def __init__(self, orders: Orders) -> None:
-        self.board = Board(orders.form, orders.num_envs, Arena())
+    def __init__(self, config: WorkerConfig) -> None:
+        self.board = Board(config.form, config.num_envs, Arena())
         self._shard = Shard(
-            orders.task,
-            orders.options,
+            config.task,
+            config.options,
+            config.wrap,
             self.board,
-            range(orders.num_envs),
-            same_step=orders.same_step,
+            range(config.num_envs),
+            same_step=config.same_step,
         )
 
     def settle(self) -> None:
@@ -119,7 +120,7 @@ class Workers:
     """Processes that run a shard each.
 
     Args:
-        orders: What to run.
+        config: What to run.
         count: How many workers, at most one an environment.
         timeout_s: How long a worker may take for a step of all its environments.
         retries: How many times in a row a worker is replaced.
@@ -132,14 +133,14 @@ class Workers:
         WorkerError: A worker does not start.
     """
 
-    def __init__(self, orders: Orders, count: int, *, timeout_s: float, retries: int) -> None:
+    def __init__(self, config: WorkerConfig, count: int, *, timeout_s: float, retries: int) -> None:
         self._owner = os.getpid()
         self._timeout_s = timeout_s
         self._retries = retries
-        self._orders = _packed(orders)
-        self._memory = make_block(_bytes_of(orders))
-        self.board = Board(orders.form, orders.num_envs, Arena(map_block(self._memory)))
-        bounds = [orders.num_envs * number // count for number in range(count + 1)]
+        self._config = _packed(config)
+        self._memory = make_block(_bytes_of(config))
+        self.board = Board(config.form, config.num_envs, Arena(map_block(self._memory)))
+        bounds = [config.num_envs * number // count for number in range(count + 1)]
         self._workers = [
             WorkerProcess(number, range(bounds[number], bounds[number + 1]))
             for number in range(count)
@@ -192,7 +193,7 @@ class Workers:
     def _start(self, workers: Sequence[WorkerProcess]) -> None:
         for worker in workers:
             worker.losses = 0
-            worker.start(self._orders, self._memory)
+            worker.start(self._config, self._memory)
         for worker in workers:
             fault = worker.wait(START_LIMIT_S)
             if fault:
@@ -206,7 +207,7 @@ class Workers:
                 raise WorkerError(worker.number, worker.rows, reason, worker.losses)
             title = _title(worker.number, worker.rows)
             _log.warning("%s %s; it is replaced\n%s", title, reason.cause, reason.words)
-            worker.start(self._orders, self._memory)
+            worker.start(self._config, self._memory)
             reason = worker.wait(START_LIMIT_S)
             if begin_anew and not reason:
                 self.board.begin[worker.rows.start : worker.rows.stop] = True
@@ -214,21 +215,21 @@ class Workers:
                 reason = worker.wait(self._timeout_s)
 
 
-def _packed(orders: Orders) -> bytes:
+def _packed(config: WorkerConfig) -> bytes:
     file = io.BytesIO()
     try:
-        orders.write(file)
+        config.write(file)
     except (AttributeError, TypeError, pickle.PicklingError) as error:
         raise UsageError(
-            f"workers cannot import the description of {orders.task.name} ({error}); "
+            f"workers cannot import the description of {config.task.name} ({error}); "
             "define it at the top of a module, or use workers=0"
         ) from error
     return file.getvalue()
 
 
-def _bytes_of(orders: Orders) -> int:
+def _bytes_of(config: WorkerConfig) -> int:
     arena = Arena()
-    Board(orders.form, orders.num_envs, arena)
+    Board(config.form, config.num_envs, arena)
     return arena.size
 
 

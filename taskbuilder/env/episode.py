@@ -27,28 +27,6 @@ from taskbuilder.world.world import World, WorldState
 
 Actions = Mapping[str, NDArray[np.float64]]
 
-LEAST_RISE = 0.05
-"""What progress must rise by, above where it last did, to count as rising."""
-
-
-@dataclass(frozen=True)
-class Idleness:
-    """How long progress has not risen.
-
-    Attributes:
-        mark: Where progress was when it last rose by `LEAST_RISE`.
-        steps: Control steps since then; none while there is success.
-    """
-
-    mark: float
-    steps: int = 0
-
-    def after(self, outcome: Outcome) -> Idleness:
-        """That of a control step later."""
-        if outcome.success or outcome.progress >= self.mark + LEAST_RISE:
-            return Idleness(max(self.mark, outcome.progress))
-        return Idleness(self.mark, self.steps + 1)
-
 
 @dataclass(frozen=True)
 class EpisodeState:
@@ -60,7 +38,6 @@ class EpisodeState:
     memory: Any
     steps: int
     outcome: Outcome
-    idleness: Idleness
     succeeded: bool
     failed: bool
     over: bool
@@ -77,7 +54,6 @@ class Episode(Single):
         agents: The robots, in file order.
         actions: What each agent's action means.
         outcome: The referee's word on the present control step.
-        idleness: How long progress has not risen.
         steps: Control steps taken in this episode.
         succeeded: Success has held at some control step of this episode, at which failure had not
             held yet.
@@ -110,7 +86,6 @@ class Episode(Single):
         self.actions = self._make_actions()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         self.outcome = self._referee.start(self.world)
-        self.idleness = Idleness(self.outcome.progress)
 
     # --- time
 
@@ -177,26 +152,16 @@ class Episode(Single):
 
     @property
     def terminated(self) -> bool:
-        """Ended by success or failure, as the task's `ends_on` says, or by an explosion.
-
-        With the option `end_on_setback` also by a setback.
-        """
+        """Ended by success or failure, as the task's `ends_on` says, or by an explosion."""
         ends = self._file.spec.timing.ends_on
         won = self.outcome.success and "success" in ends
         lost = self.outcome.failure and "failure" in ends
-        thrown_back = self.options.end_on_setback and self.outcome.conditions["setback"]
-        return won or lost or thrown_back or self.exploded
+        return won or lost or self.exploded
 
     @property
     def truncated(self) -> bool:
-        """Ended by its length alone, or with the option `patience` because nothing went on."""
-        return (self.steps >= self.horizon or self._idle) and not self.terminated
-
-    @property
-    def _idle(self) -> bool:
-        patience = self.options.patience
-        hz = self._file.spec.timing.control_hz
-        return patience is not None and self.idleness.steps >= patience * hz
+        """Ended by its length alone."""
+        return self.steps >= self.horizon and not self.terminated
 
     def reset(self, seed: int) -> None:
         """Begin an episode; the seed decides all that chance decides in it.
@@ -227,7 +192,6 @@ class Episode(Single):
             raise
         self.outcome = self._referee.start(self.world)
         self.failed = self.outcome.failure
-        self.idleness = Idleness(self.outcome.progress)
         self.over, self.begun = False, True
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
@@ -256,7 +220,6 @@ class Episode(Single):
             self._give_up()
             return
         self.outcome = self._referee.judge(self.world)
-        self.idleness = self.idleness.after(self.outcome)
         self.failed = self.failed or self.outcome.failure
         self.succeeded = self.succeeded or (self.outcome.success and not self.failed)
         self.over = self.terminated or self.truncated
@@ -333,7 +296,6 @@ class Episode(Single):
             self._referee.memory,
             self.steps,
             self.outcome,
-            self.idleness,
             self.succeeded,
             self.failed,
             self.over,
@@ -357,7 +319,7 @@ class Episode(Single):
         self.seed = state.seed
         world.restore(state.world)
         self._referee.memory = state.memory
-        self.steps, self.outcome, self.idleness = state.steps, state.outcome, state.idleness
+        self.steps, self.outcome = state.steps, state.outcome
         self.succeeded, self.failed = state.succeeded, state.failed
         self.over, self.exploded = state.over, False
         self.begun, self.taken = True, None

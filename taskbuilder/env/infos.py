@@ -17,7 +17,6 @@ def make_info(episode: Episode) -> dict[str, float]:
         "exploded": float(episode.exploded),
         "stage": float(outcome.stage),
         "progress": outcome.progress,
-        "idle": float(episode.idleness.steps),
         "step": float(episode.steps),
         "team_reward": paid * outcome.team,
         **{f"reward/{label}": paid * pay for label, pay in outcome.terms.items()},

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Literal, TypedDict, Unpack
-
-import numpy as np
-from numpy.typing import NDArray
 
 from taskbuilder.errors import UsageError
 from taskbuilder.spec.load import TaskFile
@@ -25,22 +22,13 @@ Frame = Literal["task", "base"]
 Rotation = Literal["quaternion", "matrix"]
 
 
-@dataclass(frozen=True)
-class Opening:
-    """A recorded beginning of an episode, from which others may go on.
-
-    Attributes:
-        seed: Of its reset.
-        actions: What every agent did: (steps, n) each, as the environment takes them.
-    """
-
-    seed: int
-    actions: Mapping[str, NDArray[np.float32]]
-
-    @property
-    def steps(self) -> int:
-        """Its control steps."""
-        return min(len(actions) for actions in self.actions.values())
+_FOR_TRAINING = {
+    "end_on_setback": "EndOnSetback",
+    "patience": "NoProgressTimeout",
+    "openings": "StartPrefixes",
+    "opening_share": "StartPrefixes",
+}
+"""Options that there once were, and the wrapper in whose place each now stands."""
 
 
 @dataclass(frozen=True)
@@ -64,12 +52,6 @@ class Options:
             robots that face each other are alike.
         rotation: Orientations as ``quaternion`` (x, y, z, w), or as ``matrix``: the first two
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
-        end_on_setback: Also end episodes on the description's ``setback``, for training.
-        patience: Also end episodes, as at the end of their time, when progress has not risen for so
-            many seconds, for training; see `Idleness`.
-        openings: Recorded beginnings. An episode that takes one begins at a step of it that is
-            drawn, with the time that is then left.
-        opening_share: Which share of the episodes do, from 0 to 1.
         cameras: Cameras whose colour images every agent sees besides its own channels.
         camera_size: Width and height of observed images; by default each camera's own.
         renderer: What draws pictures.
@@ -86,10 +68,6 @@ class Options:
     observe: Seen = "task"
     frame: Frame = "task"
     rotation: Rotation = "quaternion"
-    end_on_setback: bool = False
-    patience: float | None = None
-    openings: tuple[Opening, ...] = ()
-    opening_share: float = 0.0
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
     renderer: Renderer = "tiny"
@@ -132,12 +110,6 @@ class Options:
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
         _choice("renderer", self.renderer, ("auto", "tiny", "egl"))
-        if self.patience is not None and not self.patience > 0.0:
-            raise UsageError(f"patience is {self.patience}; seconds, more than 0")
-        if not 0.0 <= self.opening_share <= 1.0:
-            raise UsageError(f"opening_share is {self.opening_share}; 0 to 1")
-        if self.openings and self.variation == "random":
-            raise UsageError("openings belong to one variation; variation is random")
         size = self.camera_size
         if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
             raise UsageError(f"camera_size is {size!r}; a width and a height of 1 to 4096 pixels")
@@ -178,10 +150,6 @@ class EnvOptions(TypedDict, total=False):
     observe: Seen
     frame: Frame
     rotation: Rotation
-    end_on_setback: bool
-    patience: float | None
-    openings: tuple[Opening, ...]
-    opening_share: float
     cameras: tuple[str, ...]
     camera_size: tuple[int, int] | None
     renderer: Renderer
@@ -192,8 +160,12 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     """Options by name.
 
     Raises:
-        UsageError: There is no such option.
+        UsageError: There is no such option, or it is a wrapper for training now.
     """
+    moved = next((name for name in options if name in _FOR_TRAINING), None)
+    if moved is not None:
+        wrapper = f"taskbuilder.learn.wrappers.{_FOR_TRAINING[moved]}"
+        raise UsageError(f"{moved} is no option of environments any more; wrap one in {wrapper}")
     known = [field.name for field in fields(Options)]
     for name in options:
         _choice("option", name, known)

@@ -26,7 +26,6 @@ from taskbuilder.env.spaces import action_space, read_action
 from taskbuilder.errors import SimulationError, UsageError
 from taskbuilder.sim.cameras import STUDIO, capture
 from taskbuilder.task import Task, load_task
-from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.world import World, WorldState
 
 Observations = dict[str, Any]
@@ -103,6 +102,11 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         """The space of `state`."""
         return self._observer.state_space()
 
+    @property
+    def info_keys(self) -> tuple[str, ...]:
+        """Names of the numbers in every agent's info."""
+        return tuple(make_info(self.episode))
+
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """An agent's observation space; the same object at every call."""
         return self.observation_spaces[agent]
@@ -130,24 +134,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             self._seeds = np.random.default_rng(seed)
         self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
         self.agents = list(self.possible_agents)
-        if self.options.openings:
-            self._open(EpisodeRandomness(self.episode.seed).opening())
-        return self._look(), self._infos()
-
-    def _open(self, rng: np.random.Generator) -> None:
-        """Go on from a step of a recorded episode, if chance wants it."""
-        if rng.random() >= self.options.opening_share:
-            return
-        opening = self.options.openings[rng.integers(len(self.options.openings))]
-        seed = self.episode.seed
-        self.episode.reset(opening.seed)
-        self.episode.noise_rng = EpisodeRandomness(seed).noise()  # its own, each time another
-        for step in range(int(rng.integers(1, opening.steps + 1))):
-            actions = {agent: values[step] for agent, values in opening.actions.items()}
-            self.episode.step(self._read(actions))
-            if self.episode.over:  # it was recorded elsewhere, or to its very end
-                self.episode.reset(seed)
-                return
+        return self.observe(), self._infos()
 
     def step(
         self, actions: Mapping[str, Any]
@@ -166,7 +153,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         episode = self.episode
         episode.step(values)
         agents = self.agents
-        seen = deepcopy(self._last) if episode.exploded else self._look()
+        seen = deepcopy(self._last) if episode.exploded else self.observe()
         rewards = self._rewards()
         terminations = dict.fromkeys(agents, episode.terminated)
         truncations = dict.fromkeys(agents, episode.truncated)
@@ -175,7 +162,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             self.agents = []
         return seen, rewards, terminations, truncations, infos
 
-    def _look(self) -> Observations:
+    def observe(self) -> Observations:
+        """What every agent observes now; noise is drawn anew."""
         self._noise = self.episode.noise_rng.bit_generator.state
         self._last = self._observer.observe(self.episode)
         return self._last
@@ -255,7 +243,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         self.agents = list(state.agents)
         self._seeds.bit_generator.state = state.seeds
         self.episode.noise_rng.bit_generator.state = state.noise  # what was seen is seen again
-        return self._look()
+        return self.observe()
 
     def close(self) -> None:
         """Free the physics."""

@@ -30,7 +30,7 @@ class WorkerProcess(ChildProcess):
         """Start a process; it answers when its environments are built.
 
         Args:
-            orders: What it is to run, for `Orders.read`.
+            orders: What it is to run, for `WorkerConfig.read`.
             memory: Descriptor of the board's memory.
         """
         self.begin(_MAIN, orders, self.rows.start, self.rows.stop, passed=[memory])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,14 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.shared import Board
 from taskbuilder.task import Task
 
+Wrap = Callable[[TaskEnv], Any]
+"""Puts wrappers around an environment; workers are sent it by pickle."""
+
+
+def unwrapped(env: TaskEnv) -> TaskEnv:
+    """The environment as it is."""
+    return env
+
 
 class Shard:
     """Environments that read what to do from a board, and write there what came of it.
@@ -20,17 +29,25 @@ class Shard:
     Args:
         task: The task.
         options: How it is made into environments.
+        wrap: Put around each of them.
         board: Where this shard's rows are.
         rows: Which they are.
         same_step: Let an episode that ends be followed by another within the step.
     """
 
     def __init__(
-        self, task: Task, options: Options, board: Board, rows: range, *, same_step: bool
+        self,
+        task: Task,
+        options: Options,
+        wrap: Wrap,
+        board: Board,
+        rows: range,
+        *,
+        same_step: bool,
     ) -> None:
         self._board = board
         self._same_step = same_step
-        self._envs = {row: TaskEnv(task, options) for row in rows}
+        self._envs = {row: wrap(TaskEnv(task, options)) for row in rows}
 
     def advance(self) -> None:
         """Let every environment begin an episode or act, as the board says."""
@@ -55,13 +72,14 @@ class Shard:
 
     def _act(self, row: int, env: TaskEnv) -> None:
         board = self._board
-        observations, rewards, _, _, infos = env.step(self._actions(row, env))
+        first = env.possible_agents[0]  # all end together, and infos are the same for all
+        observations, rewards, terminations, truncations, infos = env.step(self._actions(row, env))
         board.rewards[row] = [rewards[agent] for agent in env.possible_agents]
-        board.terminated[row] = env.episode.terminated
-        board.truncated[row] = env.episode.truncated
+        board.terminated[row] = terminations[first]
+        board.truncated[row] = truncations[first]
         another = self._same_step and not env.agents
         moment = board.final if another else board.now
-        moment.write(row, observations, env.state(), infos[env.possible_agents[0]])
+        moment.write(row, observations, env.state(), infos[first])
         if another:
             self._begin(row, env)
 

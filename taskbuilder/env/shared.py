@@ -17,7 +17,6 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import DTypeLike, NDArray
 
-from taskbuilder.env.infos import make_info
 from taskbuilder.env.parallel import TaskEnv
 
 _ALIGNMENT = 64  # bytes of a cache line, so that processes do not share one
@@ -54,7 +53,7 @@ class Form:
             action_spaces=dict(env.action_spaces),
             action_sizes={agent: mode.size for agent, mode in env.episode.actions.items()},
             state_space=env.state_space,
-            info_keys=tuple(make_info(env.episode)),
+            info_keys=env.info_keys,
         )
 
 

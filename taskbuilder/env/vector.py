@@ -18,8 +18,9 @@ from taskbuilder.env.crew import Alone, Crew, Workers
 from taskbuilder.env.errors import EpisodeOverError
 from taskbuilder.env.options import EnvOptions, Options, make_options
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.shard import Wrap, unwrapped
 from taskbuilder.env.shared import Arena, Form, Moment, copied, row_of
-from taskbuilder.env.worker import Orders
+from taskbuilder.env.worker import WorkerConfig
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task, load_task
 
@@ -280,6 +281,7 @@ def make_vec(
     autoreset: AutoresetMode | str = AutoresetMode.SAME_STEP,
     timeout_s: float = 60.0,
     retries: int = 3,
+    wrap: Wrap = unwrapped,
     **options: Unpack[EnvOptions],
 ) -> TaskVectorEnv:
     """Make many environments of a task, to be stepped at once.
@@ -291,6 +293,8 @@ def make_vec(
         autoreset: What follows an episode's end: Gymnasium's "SameStep" or "NextStep".
         timeout_s: A worker that takes longer for a step of its environments is replaced.
         retries: How many times in a row a worker is replaced before that is an error.
+        wrap: Puts wrappers around each environment, where it runs; with workers a function of a
+            module, or an object that can be pickled.
         options: See `Options`.
 
     Raises:
@@ -303,16 +307,16 @@ def make_vec(
     _check_numbers(num_envs, workers, timeout_s, retries)
     loaded = task if isinstance(task, Task) else load_task(task)
     made = make_options(**options)
-    form = _form(loaded, made)
-    orders = Orders(loaded, made, form, num_envs, mode is AutoresetMode.SAME_STEP)
+    form = _form(loaded, made, wrap)
+    config = WorkerConfig(loaded, made, wrap, form, num_envs, mode is AutoresetMode.SAME_STEP)
     crew: Crew = (
-        Workers(orders, workers, timeout_s=timeout_s, retries=retries) if workers else Alone(orders)
+        Workers(config, workers, timeout_s=timeout_s, retries=retries) if workers else Alone(config)
     )
     return TaskVectorEnv(form, crew, num_envs, mode, loaded.name)
 
 
-def _form(task: Task, options: Options) -> Form:
-    env = TaskEnv(task, options)
+def _form(task: Task, options: Options, wrap: Wrap) -> Form:
+    env = wrap(TaskEnv(task, options))
     try:
         return Form.of(env)
     finally:

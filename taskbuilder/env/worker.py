@@ -19,18 +19,19 @@ from taskbuilder.processes import become_child
 
 if TYPE_CHECKING:  # imported by main, when a failure to import can already be told
     from taskbuilder.env.options import Options
-    from taskbuilder.env.shard import Shard
+    from taskbuilder.env.shard import Shard, Wrap
     from taskbuilder.env.shared import Form
     from taskbuilder.task import Task
 
 
 @dataclass(frozen=True)
-class Orders:
+class WorkerConfig:
     """What workers are to run.
 
     Attributes:
         task: The task.
         options: How it is made into environments.
+        wrap: Put around each of them.
         form: What its environments have alike.
         num_envs: How many there are, with those of other workers.
         same_step: See `Shard`.
@@ -38,12 +39,13 @@ class Orders:
 
     task: Task
     options: Options
+    wrap: Wrap
     form: Form
     num_envs: int
     same_step: bool
 
     def write(self, file: BinaryIO) -> None:
-        """Put the orders where `read` finds them.
+        """Put the configuration where `read` finds them.
 
         The task's entry goes first: reading it imports the description, under the name by which
         the task then refers to it. That name holds a digest of a description outside packages, so
@@ -57,13 +59,13 @@ class Orders:
         pickle.dump(self, file)
 
     @classmethod
-    def read(cls, file: BinaryIO) -> Orders:
-        """The orders that `write` put there."""
+    def read(cls, file: BinaryIO) -> WorkerConfig:
+        """The configuration that `write` put there."""
         from taskbuilder.description.load import load_description
 
         load_description(pickle.load(file))  # noqa: S301  # written by the parent process
-        orders: Orders = pickle.load(file)  # noqa: S301
-        return orders
+        config: WorkerConfig = pickle.load(file)  # noqa: S301
+        return config
 
     def shard(self, memory: int, rows: range) -> Shard:
         """Build the environments of some rows of the board in a block of memory."""
@@ -71,7 +73,7 @@ class Orders:
         from taskbuilder.env.shared import Arena, Board, map_block
 
         board = Board(self.form, self.num_envs, Arena(map_block(memory)))
-        return Shard(self.task, self.options, board, rows, same_step=self.same_step)
+        return Shard(self.task, self.options, self.wrap, board, rows, same_step=self.same_step)
 
 
 def main() -> None:
@@ -81,7 +83,7 @@ def main() -> None:
     become_child(lifeline, last_words)
     _fall_silent()
     try:
-        shard = Orders.read(sys.stdin.buffer).shard(memory, range(start, stop))
+        shard = WorkerConfig.read(sys.stdin.buffer).shard(memory, range(start, stop))
         _serve(shard, socket.socket(fileno=connection))
     except BaseException:  # whatever it is, the owner replaces this process
         last_words.write(traceback.format_exc().encode())

@@ -30,7 +30,7 @@ class LogError(TaskbuilderError):
 
 
 @dataclass(frozen=True)
-class Run:
+class RunLog:
     """A training run, as far as it has come.
 
     Attributes:
@@ -50,7 +50,7 @@ class Run:
     updates: Table
 
 
-def read_run(folder: Path) -> Run:
+def read_run(folder: Path) -> RunLog:
     """Read a training run.
 
     Raises:
@@ -60,7 +60,7 @@ def read_run(folder: Path) -> Run:
     """
     plan, about = load_plan(folder)
     tables = {name: _read(folder / f"{name}.csv", needed) for name, needed in _NEEDED.items()}
-    return Run(folder, plan, tuple(map(str, about.get("stages", ()))), **tables)
+    return RunLog(folder, plan, tuple(map(str, about.get("stages", ()))), **tables)
 
 
 def _read(path: Path, needed: tuple[str, ...]) -> Table:

@@ -5,12 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
-from torch.optim.adam import adam
+
+from taskbuilder.errors import UsageError
+from taskbuilder.learn.policy import (
+    Array,
+    Network,
+    Policy,
+    check_network,
+    folded,
+    unfolded,
+)
 
 COLUMNS = 16
 """A matrix product with fewer columns takes two to three times as long as one with so many."""
@@ -93,6 +103,120 @@ class Networks(nn.Module):
         return out
 
 
+class SharedNetworks(nn.ModuleList):
+    """A network for each group of agents, told apart by a one-hot of their role in it.
+
+    Args:
+        groups: The agents, those together that share a network; inputs and outputs are equally many
+            within a group.
+        ins: Numbers that go in, by agent.
+        hidden: Units of each hidden layer.
+        outs: Numbers that come out, by agent; agents are in this order.
+        generator: Draws the initial weights.
+        norms: Whether hidden layers are normalised.
+        last: What the initial weights of the last layer are multiplied by.
+    """
+
+    def __init__(
+        self,
+        groups: Sequence[tuple[str, ...]],
+        ins: Mapping[str, int],
+        hidden: Sequence[int],
+        outs: Mapping[str, int],
+        generator: torch.Generator,
+        *,
+        norms: bool = False,
+        last: float = 1.0,
+    ) -> None:
+        super().__init__(
+            Networks(
+                1,
+                (ins[group[0]] + _roles(group), *hidden, outs[group[0]]),
+                generator,
+                norms=norms,
+                last=last,
+            )
+            for group in groups
+        )
+        self.groups, self.agents, self.norms = tuple(groups), tuple(outs), norms
+        for group in groups:  # (group, 1, group)
+            self.register_buffer(_key(group), torch.eye(len(group))[:, None], persistent=False)
+
+    def forward(self, inputs: Mapping[str, Tensor]) -> Tensor:
+        """What comes out for all agents, in their order: (n, outs), from (n, ins) each."""
+        parts: dict[str, Tensor] = {}
+        for group, network in zip(self.groups, self, strict=True):
+            stacked = torch.stack([inputs[agent] for agent in group])
+            if len(group) > 1:
+                roles = self.get_buffer(_key(group)).expand(-1, stacked.shape[1], -1)
+                stacked = torch.cat([stacked, roles], 2)
+            out = network(stacked.flatten(0, 1))[0]
+            parts |= dict(zip(group, out.chunk(len(group)), strict=True))
+        return torch.cat([parts[agent] for agent in self.agents], 1)
+
+    def policy(
+        self, means: Mapping[str, Array], scales: Mapping[str, Array], *, squash: bool
+    ) -> dict[str, Network]:
+        """A network for each agent, that takes what it observes as it is.
+
+        Args:
+            means: What is subtracted from each agent's observations before they go in.
+            scales: What they are then divided by.
+            squash: Whether a tanh ends them.
+        """
+        networks = {}
+        for group, own in zip(self.groups, self, strict=True):
+            pairs = [
+                (as_array(layer.weight[0]), as_array(layer.bias[0, 0])) for layer in layers_of(own)
+            ]
+            for number, agent in enumerate(group):
+                role = np.eye(len(group), dtype=np.float32)[number][: _roles(group)]
+                layers = folded(pairs, means[agent], scales[agent], role)
+                networks[agent] = Network(layers, squash=squash, norms=self.norms)
+        return {agent: networks[agent] for agent in self.agents}
+
+    def take(self, policy: Policy, means: Mapping[str, Array], scales: Mapping[str, Array]) -> None:
+        """Do what a policy does; undoes `policy`.
+
+        Raises:
+            UsageError: Its networks are of another kind or size, or agents share a network here:
+                what each observes is standardised by itself.
+        """
+        for group, own in zip(self.groups, self, strict=True):
+            if len(group) > 1:
+                raise UsageError("to start from a policy, agents share no actor; set share=false")
+            (agent,) = group
+            here = layers_of(own)
+            sizes = [here[0].weight.shape[1], *(layer.weight.shape[2] for layer in here)]
+            check_network(policy, agent, sizes, norms=self.norms)
+            layers = unfolded(policy.networks[agent].layers, means[agent], scales[agent])
+            with torch.no_grad():
+                for layer, (weight, bias) in zip(here, layers, strict=True):
+                    layer.weight.copy_(torch.from_numpy(weight)[None])
+                    layer.bias.copy_(torch.from_numpy(bias)[None, None])
+
+
+def layers_of(network: nn.Module) -> list[Any]:
+    """The linear layers of one network of `SharedNetworks`, first to last."""
+    layers: Any = network.layers
+    return list(layers)
+
+
+def _roles(group: Sequence[str]) -> int:
+    """Numbers by which the agents of a group are told apart."""
+    return len(group) if len(group) > 1 else 0
+
+
+def _key(group: Sequence[str]) -> str:
+    return f"roles of {' '.join(group)}".replace(".", " ")
+
+
+def as_array(tensor: Tensor) -> Array:
+    """A tensor's numbers, in an array of their own."""
+    array: Array = tensor.detach().cpu().numpy().copy()
+    return array
+
+
 def _uniform(shape: tuple[int, ...], bound: float, generator: torch.Generator) -> Tensor:
     return (torch.rand(shape, generator=generator) * 2.0 - 1.0) * bound
 
@@ -103,67 +227,84 @@ def follow(target: nn.Module, source: nn.Module, share: float) -> None:
         torch._foreach_lerp_(list(target.parameters()), list(source.parameters()), share)
 
 
-class Adam:
-    """Adam (Kingma and Ba 2015) over the parameters of modules, in one fused call a step.
-
-    Args:
-        modules: What it optimises.
-        lr: The step size.
-
-    Attributes:
-        parameters: Of the modules, in order.
-        lr: The step size from the next step on.
-    """
-
-    def __init__(self, modules: Iterable[nn.Module], lr: float) -> None:
-        self.parameters: list[Tensor] = [p for module in modules for p in module.parameters()]
-        self.lr = lr
-        self._moments: dict[str, list[Tensor]] = {}
-
-    def minimize(self, loss: Tensor) -> None:
-        """Take a step down the gradient, of these parameters and no others."""
-        gradients = list(torch.autograd.grad(loss, self.parameters))
-        if not self._moments:
-            self._moments = _beginning(self.parameters)
-        with torch.no_grad():
-            # The optimiser's function: its class takes longer than that does for small networks.
-            adam(
-                self.parameters,
-                gradients,
-                self._moments["exp_avg"],
-                self._moments["exp_avg_sq"],
-                [],
-                self._moments["step"],
-                fused=True,
-                amsgrad=False,
-                beta1=0.9,
-                beta2=0.999,
-                lr=self.lr,
-                weight_decay=0.0,
-                eps=1e-8,
-                maximize=False,
-            )
-
-    def arrays(self) -> dict[str, NDArray[np.float32]]:
-        """Its moments and step counts, by name."""
-        return {
-            f"{number}/{name}": value.numpy().copy()
-            for name, values in self._moments.items()
-            for number, value in enumerate(values)
-        }
-
-    def load(self, arrays: Mapping[str, NDArray[np.float32]]) -> None:
-        """Take moments and step counts over, in place of what there is."""
-        self._moments = _beginning(self.parameters) if arrays else {}
-        for name, array in arrays.items():
-            number, _, key = name.partition("/")
-            self._moments[key][int(number)] = torch.from_numpy(array.copy())
+def make_adam(modules: Iterable[nn.Module], lr: float) -> torch.optim.Adam:
+    """PyTorch's Adam over the parameters of modules, in one fused call a step."""
+    parameters = [p for module in modules for p in module.parameters()]
+    return torch.optim.Adam(parameters, lr=lr, fused=True)
 
 
-def _beginning(parameters: Sequence[Tensor]) -> dict[str, list[Tensor]]:
-    """Steps so far, and both moments, of every parameter."""
+def parameters_of(optimizer: torch.optim.Optimizer) -> list[Tensor]:
+    """What an optimiser moves, in order."""
+    return [p for group in optimizer.param_groups for p in group["params"]]
+
+
+def set_lr(optimizer: torch.optim.Optimizer, lr: float) -> None:
+    """The step size from the next step on."""
+    for group in optimizer.param_groups:
+        group["lr"] = lr
+
+
+def minimize(optimizer: torch.optim.Optimizer, loss: Tensor) -> None:
+    """Take a step down the gradient of the optimiser's parameters; no others get one."""
+    parameters = parameters_of(optimizer)
+    gradients = torch.autograd.grad(loss, parameters)
+    for parameter, gradient in zip(parameters, gradients, strict=True):
+        parameter.grad = gradient
+    optimizer.step()
+
+
+def optimizer_arrays(optimizer: torch.optim.Optimizer) -> dict[str, NDArray[np.float32]]:
+    """An optimiser's moments and step counts, by name."""
     return {
-        "step": [torch.zeros(()) for _ in parameters],
-        "exp_avg": [torch.zeros_like(parameter) for parameter in parameters],
-        "exp_avg_sq": [torch.zeros_like(parameter) for parameter in parameters],
+        f"{number}/{name}": value.cpu().numpy().copy()
+        for number, parameter in enumerate(parameters_of(optimizer))
+        for name, value in optimizer.state.get(parameter, {}).items()
     }
+
+
+def load_optimizer(
+    optimizer: torch.optim.Optimizer, arrays: Mapping[str, NDArray[np.float32]]
+) -> None:
+    """Take over what `optimizer_arrays` gave, in place of what there is."""
+    optimizer.state.clear()
+    parameters = parameters_of(optimizer)
+    for name, array in arrays.items():
+        number, _, key = name.partition("/")
+        parameter = parameters[int(number)]
+        value = torch.from_numpy(array.copy()).to(parameter.device)
+        optimizer.state[parameter][key] = value
+
+
+def state_arrays(
+    modules: Mapping[str, nn.Module], optimizers: Mapping[str, torch.optim.Optimizer]
+) -> dict[str, NDArray[np.float32]]:
+    """All numbers of modules and optimisers, by name."""
+    arrays = {
+        f"{part}/{name}": as_array(value)
+        for part, module in modules.items()
+        for name, value in module.state_dict().items()
+    }
+    for part, optimizer in optimizers.items():
+        arrays |= {f"{part}/{name}": a for name, a in optimizer_arrays(optimizer).items()}
+    return arrays
+
+
+def load_state(
+    arrays: Mapping[str, NDArray[np.float32]],
+    modules: Mapping[str, nn.Module],
+    optimizers: Mapping[str, torch.optim.Optimizer],
+) -> None:
+    """Take over what `state_arrays` gave.
+
+    Raises:
+        KeyError: Something is missing.
+        RuntimeError: Something has another shape.
+    """
+    for part, module in modules.items():
+        names = module.state_dict()
+        module.load_state_dict(
+            {name: torch.from_numpy(arrays[f"{part}/{name}"].copy()) for name in names}
+        )
+    for part, optimizer in optimizers.items():
+        own = {n: array for n, array in arrays.items() if n.startswith(f"{part}/")}
+        load_optimizer(optimizer, {n.removeprefix(f"{part}/"): a for n, a in own.items()})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
@@ -11,6 +12,10 @@ from typing import Any
 
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
+from taskbuilder.learn.algorithms import check_name, find_algorithm
+from taskbuilder.learn.learner import Preset
+from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.zoo import load_policy
 from taskbuilder.wording import suggestion
 
 FORMAT = 1
@@ -18,13 +23,15 @@ FORMAT = 1
 
 RUN_FILE = "run.json"
 
-ALGORITHMS = ("maddpg", "maddpg_openai")
-WITH_DEMOS = {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regulariser": 0.005}
-"""What learning with demonstrations changes of maddpg's settings: it begins with a policy that is
-almost right, which much noise would hide, and that moves as fast as experts do."""
+_LATER = ("preset", "init", "device", "randomize")
+"""Fields of a plan that the files of version 0.1 do not have."""
 
-FROM_NOTHING = {"discount": 0.95, "actor_norms": True, "renew": 50_000}
-"""What learning without demonstrations changes: what is met early is unlike what is met late."""
+RENAMED_SETTINGS = {
+    "cloning": "bc_updates",
+    "judging": "critic_warmup_updates",
+    "renew": "reset_networks_after",
+}
+"""Settings of maddpg by the names that they had in version 0.1, which still work in this one."""
 
 REWARDS = ("team", "local", "shaped", "ratchet")
 
@@ -35,15 +42,18 @@ class Plan:
 
     Attributes:
         task: Its name or path.
-        algorithm: One of `ALGORITHMS`.
-        reward: What learners are paid, one of `REWARDS`.
+        algorithm: One of those in `taskbuilder.learn.algorithms`.
+        preset: Of the algorithm, that the settings came from; "" for none.
+        reward: The training reward, one of `REWARDS`.
         steps: Control steps of all environments together.
         seed: Decides everything that chance decides.
         envs: Environments that are stepped at once.
         workers: Processes that run them; 0 for this one. Results do not depend on it.
         demos: Expert episodes that are mixed into learning.
         starts: Share of the training episodes that begin in a state of an expert episode.
-        observe, frame, rotation, variation: Of the environments; see `Options`.
+        init: The trained policy to start from, by name; "" for none.
+        device: Where networks are trained: ``cpu`` or ``cuda``.
+        observe, frame, rotation, variation, randomize: Of the environments; see `Options`.
         evaluate_every: Control steps between evaluations.
         evaluate_episodes: Episodes of an evaluation.
         checkpoint_every: Control steps between checkpoints.
@@ -53,6 +63,7 @@ class Plan:
 
     task: str
     algorithm: str = "maddpg"
+    preset: str = ""
     reward: str = "ratchet"
     steps: int = 300_000
     seed: int = 0
@@ -60,10 +71,13 @@ class Plan:
     workers: int = 0
     demos: int = 0
     starts: float = 0.0
+    init: str = ""
+    device: str = "cpu"
     observe: str = "task"
     frame: str = "base"
     rotation: str = "matrix"
     variation: int | str = 0
+    randomize: bool = False
     evaluate_every: int = 10_000
     evaluate_episodes: int = 20
     checkpoint_every: int = 10_000
@@ -74,19 +88,14 @@ class Plan:
     def env(self) -> dict[str, Any]:
         """The options of the environments that a policy of this plan needs."""
         names = ("observe", "frame", "rotation", "variation")
-        return {name: getattr(self, name) for name in names}
-
-    @property
-    def preset(self) -> Mapping[str, Any]:
-        """What this kind of learning changes of the algorithm's settings."""
-        if self.algorithm == "maddpg":
-            return WITH_DEMOS if self.demos else FROM_NOTHING
-        return {}
+        randomized = {"randomize": True} if self.randomize else {}
+        return {**{name: getattr(self, name) for name in names}, **randomized}
 
     @property
     def track(self) -> str:
-        """What helped: ``demos``, ``resets``, or nothing: ``scratch``."""
-        return "demos" if self.demos else "resets" if self.starts else "scratch"
+        """What helped: ``demos``, ``resets``, ``finetuned``, or nothing: ``scratch``."""
+        helped = {"demos": self.demos, "resets": self.starts, "finetuned": self.init}
+        return next((name for name, value in helped.items() if value), "scratch")
 
     def check(self) -> None:
         """Refuse what cannot be.
@@ -94,8 +103,9 @@ class Plan:
         Raises:
             UsageError: A value does not fit.
         """
-        _choice("algorithm", self.algorithm, ALGORITHMS)
+        check_name(self.algorithm)
         _choice("reward", self.reward, REWARDS)
+        _choice("device", self.device, ("cpu", "cuda"))
         for name in ("steps", "envs", "evaluate_every", "evaluate_episodes", "checkpoint_every"):
             if getattr(self, name) < 1:
                 raise UsageError(f"{name} is {getattr(self, name)}; at least 1")
@@ -110,8 +120,69 @@ class Plan:
             value = getattr(self, name)
             if value is not None and not 0.0 <= value <= 1.0:
                 raise UsageError(f"{name} is {value}; 0 to 1")
-        if self.algorithm == "maddpg_openai" and self.demos:
-            raise UsageError("maddpg_openai learns from no demonstrations; maddpg does")
+        if self.variation == "random" and (self.demos or self.starts):
+            raise UsageError(
+                "the expert plays one variation; give --variation a number where --demos or "
+                "--starts need its episodes"
+            )
+
+
+def make_plan(
+    task: str,
+    settings: Mapping[str, Any] | Sequence[str] = (),
+    **given: Any,
+) -> Plan:
+    """A plan, what is not given being its preset's or the default.
+
+    A run that starts from a trained policy takes over how that observes and acts, and the sizes
+    of its networks.
+
+    Args:
+        task: Its name or path.
+        settings: What is chosen of the algorithm's own: by name, or as on a command line.
+        given: Fields of `Plan`; None stands for what is not given.
+
+    Raises:
+        UsageError: A name is unknown, a value does not fit, or the algorithm cannot do it.
+        UnknownNameError: The zoo has no such policy.
+    """
+    known = {f.name: f.default for f in fields(Plan) if f.name != "settings"}
+    for name in given:
+        _choice("option", name, tuple(known))
+    chosen = {name: value for name, value in given.items() if value is not None}
+    algorithm = find_algorithm(chosen.get("algorithm", Plan.algorithm))
+    init = load_policy(chosen["init"]) if chosen.get("init") else None
+    if not chosen.get("preset"):
+        chosen["preset"] = algorithm.default_preset(bool(chosen.get("demos")), init is not None)
+    preset = Preset("")
+    if chosen["preset"]:
+        if not algorithm.presets:
+            raise UsageError(f"{chosen['algorithm']} has no presets; leave --preset out")
+        _choice("preset", chosen["preset"], tuple(algorithm.presets))
+        preset = algorithm.presets[chosen["preset"]]
+    trained = _env_of(init) if init else {}
+    plan = Plan(**{"task": task, **preset.plan, **trained, **chosen})
+    plan.check()
+    for name, why in algorithm.cannot.items():
+        if getattr(plan, name) != known[name]:
+            raise UsageError(f"{plan.algorithm} {why}")
+    own = (
+        _checked_settings(algorithm.settings, settings)
+        if isinstance(settings, Mapping)
+        else read_settings(algorithm.settings, settings)
+    )
+    fitting = algorithm.settings_of(init) if init else {}
+    return replace(plan, settings={**preset.settings, **fitting, **own})
+
+
+def _env_of(policy: Policy) -> dict[str, Any]:
+    """How the environment of a trained policy is observed and acted in."""
+    options = policy.about.get("env", {})
+    return {name: options[name] for name in ("observe", "frame", "rotation") if name in options}
+
+
+def _checked_settings(kind: type[Any], chosen: Mapping[str, Any]) -> dict[str, Any]:
+    return read_settings(kind, [f"{name}={json.dumps(value)}" for name, value in chosen.items()])
 
 
 def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
@@ -128,11 +199,25 @@ def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
     chosen = {}
     for text in texts:
         name, equals, value = text.partition("=")
+        if name in RENAMED_SETTINGS and RENAMED_SETTINGS[name] in known:
+            name = renamed(name)
         _choice("setting", name, tuple(known))
         if not equals:
             raise UsageError(f'"{text}" sets nothing; write {name}={json.dumps(known[name])}')
         chosen[name] = _value(name, value, known[name])
     return chosen
+
+
+def renamed(setting: str) -> str:
+    """A setting's present name; warns where it had another."""
+    name = RENAMED_SETTINGS.get(setting, setting)
+    if name != setting:
+        warnings.warn(
+            f"the setting {setting} is called {name} now; the old name goes with the next version",
+            FutureWarning,
+            stacklevel=2,
+        )
+    return name
 
 
 def _value(name: str, text: str, default: Any) -> Any:
@@ -183,7 +268,10 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
         about = json.loads(file.read_text(encoding="utf-8"))
         found = about["format"]
         if found == FORMAT:
-            plan = Plan(**{f.name: about[f.name] for f in fields(Plan)})
+            later = {name: getattr(Plan, name) for name in _LATER if name not in about}
+            plan = Plan(**{f.name: {**later, **about}[f.name] for f in fields(Plan)})
+            settings = {renamed(name): value for name, value in plan.settings.items()}
+            plan = replace(plan, settings=settings)
     except (ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{display_path(file)} is damaged: {error}") from None
     if found != FORMAT:
@@ -202,5 +290,4 @@ def digest(files: Sequence[Path]) -> str:
 
 def _choice(name: str, value: str, choices: Sequence[str]) -> None:
     if value not in choices:
-        help_ = suggestion(str(value), choices, what="one of")
-        raise UsageError(f'no {name} "{value}"; {help_}')
+        raise UsageError(f'no {name} "{value}"; {suggestion(str(value), choices, what="one of")}')

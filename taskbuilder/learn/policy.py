@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.errors import UsageError
+
 Array = NDArray[np.float32]
 
 TINY = 1e-5
@@ -116,3 +118,41 @@ def folded(
     first = (seen / scale[:, None]).astype(np.float32)
     start = (bias + role @ told - (mean / scale) @ seen).astype(np.float32)
     return ((first, start), *rest)
+
+
+def unfolded(
+    layers: Sequence[tuple[Array, Array]], mean: Array, scale: Array
+) -> tuple[tuple[Array, Array], ...]:
+    """Layers that take standardised observations; undoes `folded` where there is no role."""
+    (weight, bias), *rest = layers
+    first = (weight * scale[:, None]).astype(np.float32)
+    return ((first, (bias + mean @ weight).astype(np.float32)), *rest)
+
+
+def check_network(policy: Policy, agent: str, sizes: Sequence[int], *, norms: bool) -> None:
+    """Refuse to start from a policy whose network is not like the actor of an agent.
+
+    Args:
+        policy: The policy.
+        agent: The agent.
+        sizes: Of the actor's input, hidden layers and output.
+        norms: Whether the actor's hidden layers are normalised.
+
+    Raises:
+        UsageError: They are unlike.
+    """
+    if agent not in policy.networks:
+        has = ", ".join(policy.networks)
+        raise UsageError(f"the policy to start from plays {has}, and there is {agent} here")
+    network = policy.networks[agent]
+    found = [len(network.layers[0][0]), *(len(bias) for _, bias in network.layers)]
+    if (found, network.norms) != (list(sizes), norms):
+        raise UsageError(
+            f"the policy to start from has {_in_words(found, network.norms)} for {agent}, and "
+            f"this run {_in_words(sizes, norms)}"
+        )
+
+
+def _in_words(sizes: Sequence[int], norms: bool) -> str:
+    layers = "-".join(map(str, sizes))
+    return f"layers {layers} {'with' if norms else 'without'} layer norm"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ Rows = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Shapes:
-    """How many numbers agents see and say.
+    """How many numbers observations and actions have.
 
     Attributes:
         observations: Numbers that each agent sees, by agent, in the order of the agents.
@@ -32,7 +33,7 @@ class Shapes:
         return tuple(self.observations)
 
     @property
-    def overview(self) -> int:
+    def critic_input(self) -> int:
         """Numbers that centralised critics see."""
         return sum(self.observations.values()) + self.state
 
@@ -41,8 +42,8 @@ class Shapes:
         """Numbers of all agents' actions together."""
         return sum(self.actions.values())
 
-    def alike(self) -> tuple[tuple[str, ...], ...]:
-        """The agents, those that see and say equally many numbers together."""
+    def same_spaces(self) -> tuple[tuple[str, ...], ...]:
+        """The agents, those whose observations and actions have the same sizes together."""
         groups: dict[tuple[int, int], list[str]] = {}
         for agent in self.agents:
             key = (self.observations[agent], self.actions[agent])
@@ -62,7 +63,7 @@ class Layout:
     Attributes:
         observations: By agent.
         state: What critics see besides.
-        overview: All observations and the state: what critics see.
+        critic_input: All observations and the state: what critics see.
         actions: Of all agents, in order; `action` has each one's.
         rewards: A number an agent.
         ended: 1.0 where the episode ended with this step, by whatever.
@@ -70,13 +71,13 @@ class Layout:
         demonstrated: 1.0 where an expert acted.
         next_observations: By agent, after the step.
         next_state: After the step.
-        next_overview: After the step.
+        next_critic_input: After the step.
         width: Numbers of a row.
     """
 
     observations: Mapping[str, slice]
     state: slice
-    overview: slice
+    critic_input: slice
     actions: slice
     action: Mapping[str, slice]
     rewards: slice
@@ -85,7 +86,7 @@ class Layout:
     demonstrated: slice
     next_observations: Mapping[str, slice]
     next_state: slice
-    next_overview: slice
+    next_critic_input: slice
     width: int
 
     @classmethod
@@ -106,7 +107,7 @@ class Layout:
         return cls(
             observations=observations,
             state=state,
-            overview=slice(0, state.stop),
+            critic_input=slice(0, state.stop),
             actions=actions,
             action=action,
             rewards=rewards,
@@ -115,9 +116,13 @@ class Layout:
             demonstrated=demonstrated,
             next_observations=next_observations,
             next_state=next_state,
-            next_overview=slice(later, cut.end),
+            next_critic_input=slice(later, cut.end),
             width=cut.end,
         )
+
+    def observed(self, batch: Any) -> dict[str, Any]:
+        """What the agents observe in rows: (n, ...) each."""
+        return {agent: batch[:, part] for agent, part in self.observations.items()}
 
     def rows(
         self,

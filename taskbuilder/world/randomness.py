@@ -37,7 +37,7 @@ class EpisodeRandomness:
         """For the values of the quantities that the task file lists under ``randomize``."""
         return self._generator(3)
 
-    def opening(self) -> np.random.Generator:
+    def start(self) -> np.random.Generator:
         """For whether and where an episode goes on from a recorded one."""
         return self._generator(4)
 

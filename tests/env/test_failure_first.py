@@ -8,7 +8,7 @@ from env_tasks import PLAIN, arm, towards
 
 from taskbuilder.env.infos import make_info
 from taskbuilder.errors import ExplosionError
-from taskbuilder.learn.collection import Tally
+from taskbuilder.learn.collector import Tally
 from taskbuilder.rollout import play, replay
 
 SPOT, HIGH = (0.45, 0.1, 0.4), (0.45, 0.1, 0.5)

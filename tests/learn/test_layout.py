@@ -87,7 +87,7 @@ def test_transitions_are_laid_out_where_the_layout_says(demonstrated):
 
 def test_agents_that_see_and_do_equally_many_numbers_are_alike():
     shapes = made([(2, 1), (3, 1), (2, 1), (2, 2)])
-    assert shapes.alike() == (("agent0", "agent2"), ("agent1",), ("agent3",))
+    assert shapes.same_spaces() == (("agent0", "agent2"), ("agent1",), ("agent3",))
 
 
 def test_parts_are_joined_in_the_order_asked_for():

@@ -10,7 +10,7 @@ import pytest
 from made_runs import write_run
 
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.journal import Journal
+from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.logs import LogError, read_run
 from taskbuilder.learn.plan import Plan, save_plan
 
@@ -36,7 +36,7 @@ def test_a_run_is_read_whole(run):
 def test_what_training_writes_is_read(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "torch", None)  # TensorBoard is not needed here
     save_plan(tmp_path, Plan("sideways"), {"stages": ["begun"]})
-    journal = Journal(tmp_path, {}, 0)
+    journal = RunLogger(tmp_path, {}, 0)
     row = {"episode": 3, "episodes": 20, "success_rate": 0.35, "stage/0": 13, "stage/1": 7}
     journal.add("evaluations", 1_000, row)
     journal.add("evaluations", 2_000, {**row, "success_rate": 1 / 3})

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hand_made import Constant, Given, row, same, set_to
 
-from taskbuilder.learn.maddpg import Maddpg, MaddpgSettings
+from taskbuilder.learn.algorithms.maddpg import Maddpg, MaddpgSettings
 from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Shapes
 
@@ -34,8 +34,8 @@ CRITICS, TARGET_CRITICS = "critics/layers.0", "target_critics/layers.0"
 ACTOR, TARGET_ACTOR = "actors/0.layers.0", "target_actors/0.layers.0"
 
 
-def learner(shapes=ONE, settings=FIXED, *, alike=True, seed=0):
-    return Maddpg(shapes, settings, alike=alike, seed=seed)
+def learner(shapes=ONE, settings=FIXED, *, shared_reward=True, seed=0):
+    return Maddpg(shapes, settings, shared_reward=shared_reward, seed=seed)
 
 
 def updated(made, *rows, draw=0.0, step=0):
@@ -150,15 +150,15 @@ def test_both_critics_learn_towards_the_same_targets():
 
 
 def test_there_is_a_pair_of_critics_where_all_are_paid_alike_and_one_an_agent_elsewhere():
-    for alike, count, expected in [(True, 2, 2 * 1.0), (False, 4, 2 * (1.0 + 9.0))]:
-        made = learner(TWO, alike=alike)
+    for shared, count, expected in [(True, 2, 2 * 1.0), (False, 4, 2 * (1.0 + 9.0))]:
+        made = learner(TWO, shared_reward=shared)
         assert made.arrays()[f"{CRITICS}.bias"].shape == (count, 1, 1)
         set_to(made, {})
         assert updated(made, row(TWO, rewards=[1.0, 3.0]))["critic"] == pytest.approx(expected)
 
 
 def test_each_agents_pay_goes_with_its_own_pair_of_targets():
-    made = learner(TWO, alike=False)
+    made = learner(TWO, shared_reward=False)
     biases = np.array([[2.0, 10.0], [4.0, 5.0]])  # first and second critic of left and right
     set_to(made, {f"{TARGET_CRITICS}.bias": biases.reshape(4, 1, 1)})
     loss = updated(made, row(TWO, rewards=[1.0, 3.0]))["critic"]
@@ -205,10 +205,10 @@ def test_actors_are_judged_by_what_all_would_do_now_and_not_by_what_was_done():
     assert gradient(made, "actor_adam", 0)[0, 1:, 0] == pytest.approx(slopes, rel=1e-4)
 
 
-@pytest.mark.parametrize(("alike", "right"), [(True, 0.5), (False, 0.0)])
-def test_an_agent_rises_along_its_own_critic_alone_where_agents_are_paid_unalike(alike, right):
-    made = learner(TWO, replace(FIXED, share=False), alike=alike)
-    weight = np.zeros((2 if alike else 4, 3, 1))
+@pytest.mark.parametrize(("shared", "right"), [(True, 0.5), (False, 0.0)])
+def test_an_agent_rises_along_its_own_critic_alone_where_agents_are_paid_unalike(shared, right):
+    made = learner(TWO, replace(FIXED, share=False), shared_reward=shared)
+    weight = np.zeros((2 if shared else 4, 3, 1))
     weight[0, :, 0] = [0.0, 0.3, 0.5]  # the left agent's critic likes both to act
     set_to(made, {f"{CRITICS}.weight": seeing_no_agent(TWO, weight)})
     updated(made, row(TWO))
@@ -276,7 +276,7 @@ def test_there_is_no_imitation_where_nothing_was_shown():
 
 
 def test_behaviour_is_cloned_from_the_shown_transitions_before_learning():
-    settings = MaddpgSettings(hidden=(), lr=0.02, batch=32, cloning=150, judging=0)
+    settings = MaddpgSettings(hidden=(), lr=0.02, batch=32, bc_updates=150, critic_warmup_updates=0)
     shown = random_rows(TWO, 40, demonstrated=1.0)
     shown[:, TWO.layout.action["left"]] = 0.5
     shown[:, TWO.layout.action["right"]] = -0.3
@@ -300,10 +300,10 @@ def test_nothing_is_cloned_where_nothing_was_shown():
 
 
 def test_critics_then_learn_to_judge_while_actors_wait():
-    settings = MaddpgSettings(hidden=(8,), batch=16, cloning=3, tau=0.1)
+    settings = MaddpgSettings(hidden=(8,), batch=16, bc_updates=3, tau=0.1)
     shown, arrays = random_rows(TWO, 40, demonstrated=1.0), []
     for judging in (0, 2):
-        made = learner(TWO, replace(settings, judging=judging))
+        made = learner(TWO, replace(settings, critic_warmup_updates=judging))
         made.begin(shown, np.random.default_rng(0))
         arrays.append(made.arrays())
     cloned, judged = arrays
@@ -464,7 +464,7 @@ def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
 
 def renewed_after(steps):
     """A learner that begins anew, and what it has met: a state of 5 ± 2 among other numbers."""
-    made = learner(TWO, replace(LINEAR, renew=steps, lr=1e-4, batch=16))
+    made = learner(TWO, replace(LINEAR, reset_networks_after=steps, lr=1e-4, batch=16))
     rows = random_rows(TWO, 4096)
     rows[:, TWO.layout.state] = rows[:, TWO.layout.state] * 2.0 + 5.0
     memory = Replay(TWO.layout.width, len(rows))
@@ -497,14 +497,14 @@ def test_the_step_size_halves_where_it_is_meant_to():
         assert made.arrays()[f"{CRITICS}.bias"].ravel() == pytest.approx([expected] * 2, rel=1e-4)
 
 
-@pytest.mark.parametrize("alike", [True, False])
-def test_a_loaded_learner_goes_on_exactly(alike):
-    settings = MaddpgSettings(hidden=(8, 8), cloning=2, judging=2, batch=16)
-    one, rows = learner(TWO, settings, alike=alike), random_rows(TWO, 16, demonstrated=1.0)
+@pytest.mark.parametrize("shared", [True, False])
+def test_a_loaded_learner_goes_on_exactly(shared):
+    settings = MaddpgSettings(hidden=(8, 8), bc_updates=2, critic_warmup_updates=2, batch=16)
+    one, rows = learner(TWO, settings, shared_reward=shared), random_rows(TWO, 16, demonstrated=1.0)
     one.begin(rows, np.random.default_rng(0))
     one.update(Given(rows), np.random.default_rng(1), step=0)
     kept = one.arrays()
-    other = learner(TWO, settings, alike=alike, seed=9)
+    other = learner(TWO, settings, shared_reward=shared, seed=9)
     other.update(Given(rows[:4]), np.random.default_rng(2), step=0)
     other.load(kept)
     for made in (one, other):
@@ -546,9 +546,9 @@ def test_what_is_loaded_must_be_whole_and_of_the_same_shapes():
         made.load({**arrays, f"{CRITICS}.weight": np.zeros((2, 4, 1), dtype=np.float32)})
 
 
-@pytest.mark.parametrize("alike", [True, False])
+@pytest.mark.parametrize("shared", [True, False])
 @pytest.mark.parametrize("count", [1, 2, 3])
-def test_it_learns_with_any_number_of_unlike_agents(count, alike):
+def test_it_learns_with_any_number_of_unlike_agents(count, shared):
     names = ["a", "b", "c"][:count]
     shapes = Shapes(
         {name: 2 + n for n, name in enumerate(names)},
@@ -556,14 +556,14 @@ def test_it_learns_with_any_number_of_unlike_agents(count, alike):
         5,
     )
     settings = MaddpgSettings(hidden=(16,), lr=0.01, actor_every=1, tau=0.2)
-    made = learner(shapes, settings, alike=alike)
+    made = learner(shapes, settings, shared_reward=shared)
     rows = random_rows(shapes, 128, ended=1.0)
     # Numbers are to rise and to fall in turn, and every agent is paid for all or for its own.
     signs = np.where(np.arange(shapes.joint_action) % 2, -1.0, 1.0)
     gains = rows[:, shapes.layout.actions] * signs
     own = np.cumsum(list(shapes.actions.values()))[:-1]
     parts = np.stack([part.sum(1) for part in np.split(gains, own, axis=1)], axis=1)
-    rows[:, shapes.layout.rewards] = parts.sum(1, keepdims=True) if alike else parts
+    rows[:, shapes.layout.rewards] = parts.sum(1, keepdims=True) if shared else parts
     rng = np.random.default_rng(0)
     made.begin(rows, rng)
     for step in range(80):

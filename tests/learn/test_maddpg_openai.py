@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hand_made import Constant, Given, row, same, set_to
 
-from taskbuilder.learn.maddpg_openai import MaddpgOpenai, OpenaiSettings
+from taskbuilder.learn.algorithms.maddpg_openai import MaddpgOpenai, OpenaiSettings
 from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Shapes
 
@@ -22,7 +22,7 @@ LEFT_SEES, RIGHT_SEES, LEFT_DOES, RIGHT_DOES = np.eye(4)[:, :, None]
 
 
 def learner(shapes=TWO, settings=LINEAR, seed=0):
-    return MaddpgOpenai(shapes, settings, alike=False, seed=seed)
+    return MaddpgOpenai(shapes, settings, shared_reward=False, seed=seed)
 
 
 def updated(made, *rows, draw=0.0):
@@ -48,7 +48,7 @@ def gradient(made, name, number):
 
 
 def test_every_agent_has_an_actor_and_a_critic_of_its_own_even_if_all_are_paid_alike():
-    arrays = MaddpgOpenai(TWO, PUBLISHED, alike=True, seed=0).arrays()
+    arrays = MaddpgOpenai(TWO, PUBLISHED, shared_reward=True, seed=0).arrays()
     for network in ("actor", "critic"):
         left, right = arrays[f"left/{network}/0"], arrays[f"right/{network}/0"]
         assert left.shape == right.shape

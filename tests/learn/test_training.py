@@ -19,16 +19,16 @@ from taskbuilder import files
 from taskbuilder.arrays import StoreError, read_arrays
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.expert.player import Expert
+from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import FOLDER
-from taskbuilder.learn.expertise import EXPERT_FILE
-from taskbuilder.learn.judging import Evaluation
+from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.training import train
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.rollout import save_rollouts
 from taskbuilder.task import load_task
 
-TINY = {"hidden": [8, 8], "batch": 16, "warm_up": 20, "cloning": 5, "judging": 5}
+TINY = {"hidden": [8, 8], "batch": 16, "warm_up": 20, "bc_updates": 5, "critic_warmup_updates": 5}
 PLAN = Plan("handover", steps=330, envs=2, evaluate_every=110, checkpoint_every=110, settings=TINY)
 STEPS = (110, 220, 330)
 
@@ -47,8 +47,8 @@ def judged(policy):
 def run(folder: Path, plan: Plan = PLAN, *, stop_at: int | None = None) -> Path:
     """Train, perhaps only until a step."""
 
-    def watch(moment):
-        if moment.step == stop_at:
+    def watch(status):
+        if status.step == stop_at:
             raise StoppedError
 
     folder.mkdir(exist_ok=True)
@@ -99,7 +99,9 @@ def test_a_run_leaves_tables_a_policy_and_its_last_checkpoints(whole):
     found = sorted(path.name for path in (whole / FOLDER).glob("step-*"))
     assert found == [checkpoint(whole, step).name for step in STEPS[1:]]
     episodes = (whole / "episodes.csv").read_text().splitlines()
-    assert episodes[0].startswith("step,episode,steps,success,stage,team_return,paid,term/")
+    assert episodes[0].startswith(
+        "step,episode,steps,success,stage,team_return,training_return,term/"
+    )
     assert [row.split(",")[0] for row in (whole / "evaluations.csv").read_text().split()[1:]] == [
         "110",
         "220",
@@ -215,7 +217,7 @@ def test_runs_with_expert_episodes_go_on_exactly_too(change, expert_episodes, tm
     folders = tmp_path / "whole", tmp_path / "stopped"
     for folder in folders:
         folder.mkdir()
-        save_rollouts(folder / EXPERT_FILE, expert_episodes)
+        save_rollouts(folder / DEMONSTRATIONS_FILE, expert_episodes)
     run(folders[0], plan)
     run(folders[1], plan, stop_at=150)
     assert same(run(folders[1], plan), folders[0], step=220)

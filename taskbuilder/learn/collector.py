@@ -1,4 +1,4 @@
-"""Collecting experience: many environments, a training signal, and the episodes that came of it."""
+"""Collecting experience: many environments, a training reward, and the episodes that came of it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.learn.shapes import Rows, Shapes
-from taskbuilder.learn.signals import Signal
+from taskbuilder.learn.training_rewards import TrainingReward
 
 Arrays = Mapping[str, NDArray[np.float32]]
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -24,16 +25,16 @@ class Finished:
         steps: Control steps.
         success: Whether the episode succeeded; see `Episode`.
         stage: The furthest stage reached, 0 for none.
-        team: Sum of the task's team reward.
-        paid: Sum of the training signal's pay, mean of the agents.
+        team_return: Sum of the task's team reward.
+        training_return: Sum of the training reward, mean of the agents.
         terms: Sum of every reward term, by label.
     """
 
     steps: int
     success: bool
     stage: int
-    team: float
-    paid: float
+    team_return: float
+    training_return: float
     terms: Mapping[str, float]
 
 
@@ -51,9 +52,9 @@ class Tally:
         for values in (*self._sums.values(), self._steps, self._stage, self._success):
             values[rows] = 0
 
-    def add(self, infos: Mapping[str, Any], paid: NDArray[np.float64]) -> None:
+    def add(self, infos: Mapping[str, Any], rewards: NDArray[np.float64]) -> None:
         """A step was taken in every environment."""
-        parts = {"team": infos["team_reward"], "paid": paid.mean(1)}
+        parts = {"team": infos["team_reward"], "training": rewards.mean(1)}
         parts |= {name: value for name, value in infos.items() if name.startswith("reward/")}
         for name, value in parts.items():
             self._sums.setdefault(name, np.zeros(len(self._steps)))[:] += value
@@ -71,7 +72,7 @@ class Tally:
                 bool(self._success[row]),
                 int(self._stage[row]),
                 sums["team"],
-                sums["paid"],
+                sums["training"],
                 terms,
             )
 
@@ -81,15 +82,15 @@ class Collector:
 
     Args:
         envs: The environments; episodes follow each other within a step.
-        signal: What is paid.
-        shapes: What agents and critics see, the signal's memory included.
+        reward: The training reward.
+        shapes: What agents and critics see, the training reward's features included.
 
     Attributes:
         observations: What the agents see now: (num_envs, n) each.
     """
 
-    def __init__(self, envs: TaskVectorEnv, signal: Signal, shapes: Shapes) -> None:
-        self._envs, self._signal, self._layout = envs, signal, shapes.layout
+    def __init__(self, envs: TaskVectorEnv, reward: TrainingReward, shapes: Shapes) -> None:
+        self._envs, self._reward, self._layout = envs, reward, shapes.layout
         self.observations: dict[str, NDArray[np.float32]] = {}
         self._state: NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
         self._tally = Tally(envs.num_envs)
@@ -99,24 +100,24 @@ class Collector:
         """Begin an episode everywhere, whatever ran before."""
         self.observations, infos = self._envs.reset(seed=seed)
         everywhere = np.ones(self._envs.num_envs, dtype=np.bool_)
-        self._signal.begin(infos, everywhere)
+        self._reward.begin(infos, everywhere)
         self._tally.begin(everywhere)
         self._state = self._seen()
 
     def _seen(self) -> NDArray[np.float32]:
-        return np.concatenate([self._envs.state(), self._signal.memory()], 1)
+        return np.concatenate([self._envs.state(), self._reward.critic_features()], 1)
 
     def step_async(self, actions: Arrays) -> None:
         """Let all act; where workers run the environments, without waiting for them."""
         self._actions = actions
         self._envs.step_async(dict(actions))
 
-    def step_wait(self) -> tuple[Rows, Sequence[Finished]]:
+    def step_wait(self) -> tuple[Rows, Flags, Sequence[Finished]]:
         """Wait until all have acted.
 
         Returns:
-            A row for each transition, and the episodes that ended. Where a worker was lost there
-            is no row: what happened there nobody saw.
+            A row for each environment's transition, where a worker was lost, so that nobody saw
+            what happened ((num_envs,) bool), and the episodes that ended.
         """
         later, rewards, terminated, truncated, infos = self._envs.step_wait()
         ended = terminated | truncated
@@ -128,25 +129,25 @@ class Collector:
             }
             next_observations = _replaced(later, infos["final_obs"], ended)
             next_envs = np.where(ended[:, None], infos["final_state"], next_envs)
-        paid = self._signal.pay(np.stack([rewards[a] for a in self._envs.agents], 1), final)
-        next_state = np.concatenate([next_envs, self._signal.memory()], 1)
+        rewarded = self._reward.compute(np.stack([rewards[a] for a in self._envs.agents], 1), final)
+        next_state = np.concatenate([next_envs, self._reward.critic_features()], 1)
         rows = self._layout.rows(
             self.observations,
             self._state,
             self._actions,
-            paid,
+            rewarded,
             ended,
             terminated,
             next_observations,
             next_state,
         )
         lost = final["lost"] > 0.0
-        self._tally.add(final, paid)
+        self._tally.add(final, rewarded)
         finished = list(self._tally.finished(ended & ~lost))
         self._tally.begin(ended)
-        self._signal.begin(infos, ended)
+        self._reward.begin(infos, ended)
         self.observations, self._state = later, self._seen()
-        return rows[~lost], finished
+        return rows, lost, finished
 
 
 def _replaced(

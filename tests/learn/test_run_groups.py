@@ -7,15 +7,15 @@ import pytest
 from made_runs import write_run
 
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.comparison import (
+from taskbuilder.learn.logs import read_run
+from taskbuilder.learn.run_groups import (
+    aggregate,
     episodes_at,
-    group,
+    group_runs,
     labels_of,
-    middle,
     names_of,
     smooth,
 )
-from taskbuilder.learn.logs import read_run
 
 
 @pytest.fixture
@@ -40,8 +40,8 @@ def test_runs_are_alike_if_nothing_but_their_seeds_differs(make):
         make("c", seed=1),
         make("d", seed=1, demos=50, steps=600),
     ]
-    groups = group(runs)
-    assert [[run.folder.name for run in alike.runs] for alike in groups] == [["a", "c"], ["b", "d"]]
+    groups = group_runs(runs)
+    assert [[run.folder.name for run in group.runs] for group in groups] == [["a", "c"], ["b", "d"]]
 
 
 @pytest.mark.parametrize(
@@ -60,20 +60,22 @@ def test_runs_are_alike_if_nothing_but_their_seeds_differs(make):
     ],
 )
 def test_groups_are_called_by_what_sets_them_apart(difference, names, make):
-    found = names_of(group([make("a"), make("b", **difference)]))
+    found = names_of(group_runs([make("a"), make("b", **difference)]))
     both = ["no demonstrations · own observations", "9 demonstrations · whole scene"]
     assert found == (names or both)
 
 
 def test_a_group_alone_is_called_by_all_that_there_is_to_say(make):
-    assert names_of(group([make("a", seed=0), make("b", seed=1)])) == ["maddpg · ratchet reward"]
-    names = names_of(group([make("c", observe="scene", demos=20, settings={"noise": 0.1})]))
+    assert names_of(group_runs([make("a", seed=0), make("b", seed=1)])) == [
+        "maddpg · ratchet reward"
+    ]
+    names = names_of(group_runs([make("c", observe="scene", demos=20, settings={"noise": 0.1})]))
     assert names == ["maddpg · ratchet reward · 20 demonstrations · whole scene · noise 0.1"]
 
 
 def test_runs_of_different_tasks_are_refused(make):
     with pytest.raises(UsageError) as error:
-        group([make("a"), make("b", task="handover")])
+        group_runs([make("a"), make("b", task="handover")])
     assert str(error.value) == (
         "b is of handover and a of sideways: their returns and stages mean different things; plot "
         "the runs of each task apart"
@@ -83,12 +85,12 @@ def test_runs_of_different_tasks_are_refused(make):
 def test_a_run_without_evaluations_is_refused(make):
     begun = make("b", every=500, steps=400)
     with pytest.raises(UsageError, match="b has no evaluations yet; there is one every 500 steps"):
-        group([make("a"), begun])
+        group_runs([make("a"), begun])
 
 
 def test_the_middle_is_the_interquartile_mean_where_all_have_come():
     lines = [line([10, 30], [0.0, 2.0]), line([20, 30, 40], [5.0, 5.0, 9.0]), line([0, 50], [1, 1])]
-    found = middle(lines, np.random.default_rng(0))
+    found = aggregate(lines, np.random.default_rng(0))
     assert found.steps.tolist() == [20, 30]
     assert found.iqm == pytest.approx([(1.0 + 5.0 + 1.0) / 3, (2.0 + 5.0 + 1.0) / 3])
     assert found.low.tolist() == [1.0, 1.0]
@@ -97,9 +99,9 @@ def test_the_middle_is_the_interquartile_mean_where_all_have_come():
 
 def test_a_line_alone_and_lines_that_never_meet_have_no_middle():
     rng = np.random.default_rng(0)
-    assert middle([line([10, 20], [0, 1])], rng) is None
-    assert middle([line([10, 20], [0, 1]), line([30, 40], [0, 1])], rng) is None
-    assert middle([], rng) is None
+    assert aggregate([line([10, 20], [0, 1])], rng) is None
+    assert aggregate([line([10, 20], [0, 1]), line([30, 40], [0, 1])], rng) is None
+    assert aggregate([], rng) is None
 
 
 def test_smoothing_takes_the_mean_of_a_window():
@@ -128,19 +130,19 @@ def test_smoothing_leaves_a_steady_quantity_alone():
 
 
 def test_smoothed_lines_are_of_the_runs_that_have_the_column(make):
-    (alike,) = group([make("a", seed=0), make("b", seed=1, terms=("reach/arm",))])
-    assert len(alike.smoothed("term/reach/arm", 400.0)) == 2
-    assert len(alike.smoothed("term/there", 400.0)) == 1
-    assert labels_of(alike.runs) == ["reach/arm", "there"]
+    (group,) = group_runs([make("a", seed=0), make("b", seed=1, terms=("reach/arm",))])
+    assert len(group.smoothed("term/reach/arm", 400.0)) == 2
+    assert len(group.smoothed("term/there", 400.0)) == 1
+    assert labels_of(group.runs) == ["reach/arm", "there"]
 
 
 def test_shares_of_stages_are_the_mean_of_the_runs_that_came_so_far(make):
-    (alike,) = group([make("a", seed=0), make("b", seed=1, steps=600)])
-    steps, shares = alike.stages()
+    (group,) = group_runs([make("a", seed=0), make("b", seed=1, steps=600)])
+    steps, shares = group.stages()
     assert steps.tolist() == [100, 200, 300, 400, 500, 600]
     assert shares.shape == (3, 6)
     assert shares.sum(0) == pytest.approx(1.0)
-    first, second = (run.evaluations["stage/2"] / 20 for run in alike.runs)
+    first, second = (run.evaluations["stage/2"] / 20 for run in group.runs)
     assert shares[2][:4] == pytest.approx((first + second[:4]) / 2)
     assert shares[2][4:] == pytest.approx(second[4:])
     assert 0.0 <= shares[2][0] < shares[2][3]

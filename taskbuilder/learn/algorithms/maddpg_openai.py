@@ -20,6 +20,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from taskbuilder.errors import UsageError
+from taskbuilder.learn.learner import Algorithm, Preset
+from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, Network, Policy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.shapes import Rows, Shapes
@@ -63,32 +66,51 @@ class MaddpgOpenai:
     Args:
         shapes: What agents see and say; the state is not looked at.
         settings: What may be chosen.
-        alike: Whether all agents are always paid the same; each has its own critic even then.
+        shared_reward: Whether all agents are always rewarded the same; each has its own critic even
+            then.
         seed: Of the initial weights.
+        device: The CPU; others are refused before.
     """
 
-    def __init__(self, shapes: Shapes, settings: OpenaiSettings, *, alike: bool, seed: int) -> None:
-        del alike
+    def __init__(
+        self,
+        shapes: Shapes,
+        settings: OpenaiSettings,
+        *,
+        shared_reward: bool,
+        seed: int,
+        device: str = "cpu",
+    ) -> None:
+        del shared_reward, device
         generator = torch.Generator().manual_seed(seed)
         self.shapes, self.settings = shapes, settings
         self._learners = {a: _Agent(a, shapes, settings, generator) for a in shapes.agents}
 
     def act(
-        self, observations: Mapping[str, Array], rng: np.random.Generator, done: float
+        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
     ) -> Actions:
         """What the agents do: a draw of their Gaussians, which may lie beyond -1 to 1.
 
         Args:
             observations: (num_envs, n) each.
             rng: Draws.
-            done: Share of the training that is done; nothing depends on it.
+            progress_fraction: Of the training so far; nothing depends on it.
         """
-        del done
+        del progress_fraction
         with torch.no_grad():
             return {
                 agent: _drawn(learner.actor(torch.from_numpy(observations[agent])), rng).numpy()
                 for agent, learner in self._learners.items()
             }
+
+    def start_from(self, policy: Policy) -> None:
+        """Refused, as the plan was: what was published begins from nothing.
+
+        Raises:
+            UsageError: Always.
+        """
+        del policy
+        raise UsageError(f"maddpg_openai {_CANNOT['init']}")
 
     # --- learning
 
@@ -321,3 +343,34 @@ def _clipped(gradients: Sequence[Tensor], limit: float) -> tuple[Tensor, ...]:
     norms = torch._foreach_norm(list(gradients))
     factors = [limit / max(norm, limit) for norm in torch.stack(list(norms)).tolist()]
     return tuple(torch._foreach_mul(list(gradients), factors))
+
+
+_CANNOT = {
+    "demos": "learns from no demonstrations; maddpg does",
+    "init": "starts from no trained policy; maddpg and ppo do",
+    "device": "runs on the CPU, as it was published; leave --device out",
+}
+
+ALGORITHM = Algorithm(
+    summary="MADDPG as Lowe et al. (2017) published it, quirks included",
+    settings=OpenaiSettings,
+    learner=MaddpgOpenai,
+    collection=OffPolicy,
+    presets={
+        # 75,000 whole episodes of 50 steps, on the team's reward and the task's own observations.
+        "paper": Preset(
+            "the runs of the paper that the three tasks come from",
+            plan={
+                "reward": "team",
+                "observe": "task",
+                "frame": "task",
+                "rotation": "quaternion",
+                "envs": 1,
+                "steps": 75_000 * 50,
+                "evaluate_every": 50_000,
+                "checkpoint_every": 50_000,
+            },
+        ),
+    },
+    cannot=_CANNOT,
+)

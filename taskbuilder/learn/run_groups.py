@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.learn.logs import Run, Table
+from taskbuilder.learn.logs import RunLog, Table
 from taskbuilder.learn.statistics import bootstrap_band, iqm
 
 Numbers = NDArray[np.float64]
@@ -27,7 +27,7 @@ WINDOW = 1.0 / 40.0
 
 
 @dataclass(frozen=True)
-class Middle:
+class Aggregate:
     """What runs have in common, as far as all of them have come.
 
     Attributes:
@@ -43,7 +43,7 @@ class Middle:
 
 
 @dataclass(frozen=True)
-class Alike:
+class RunGroup:
     """Runs that differ in nothing but their seeds.
 
     Attributes:
@@ -52,7 +52,7 @@ class Alike:
     """
 
     traits: Mapping[str, str]
-    runs: tuple[Run, ...]
+    runs: tuple[RunLog, ...]
 
     def success(self) -> list[Line]:
         """Success rate of each run's evaluations."""
@@ -87,7 +87,7 @@ class Alike:
         return steps, np.nanmean(shares, axis=0)
 
 
-def group(runs: Sequence[Run]) -> list[Alike]:
+def group_runs(runs: Sequence[RunLog]) -> list[RunGroup]:
     """Put runs that are alike together.
 
     Raises:
@@ -105,15 +105,15 @@ def group(runs: Sequence[Run]) -> list[Alike]:
         if not len(run.evaluations["step"]):
             every = run.plan.evaluate_every
             raise UsageError(f"{name} has no evaluations yet; there is one every {every:,} steps")
-    groups: dict[tuple[str, ...], list[Run]] = {}
+    groups: dict[tuple[str, ...], list[RunLog]] = {}
     for run in runs:
         groups.setdefault(tuple(_traits(run).values()), []).append(run)
-    return [Alike(_traits(alike[0]), tuple(alike)) for alike in groups.values()]
+    return [RunGroup(_traits(group[0]), tuple(group)) for group in groups.values()]
 
 
-def names_of(groups: Sequence[Alike]) -> list[str]:
+def names_of(groups: Sequence[RunGroup]) -> list[str]:
     """A name for each group: what sets it off from the others, or all where there is one."""
-    traits = [alike.traits for alike in groups]
+    traits = [group.traits for group in groups]
     telling = [key for key in traits[0] if len({t[key] for t in traits}) > 1]
     if len(traits) == 1:
         telling = [key for key in traits[0] if key not in ("frame", "rotation")]
@@ -134,7 +134,7 @@ _WITHOUT = {
 }
 
 
-def _traits(run: Run) -> dict[str, str]:
+def _traits(run: RunLog) -> dict[str, str]:
     """All that decides how a run goes but its seed, in words."""
     plan = run.plan
     return {
@@ -150,7 +150,7 @@ def _traits(run: Run) -> dict[str, str]:
     }
 
 
-def middle(lines: Sequence[Line], rng: np.random.Generator) -> Middle | None:
+def aggregate(lines: Sequence[Line], rng: np.random.Generator) -> Aggregate | None:
     """What lines have in common, or None for one line, or where they never run side by side.
 
     Args:
@@ -162,7 +162,7 @@ def middle(lines: Sequence[Line], rng: np.random.Generator) -> Middle | None:
         return None
     values = np.stack([np.interp(steps, *line) for line in lines])
     low, high = bootstrap_band([values], rng)
-    return Middle(steps, iqm(values), low, high)
+    return Aggregate(steps, iqm(values), low, high)
 
 
 def _common_steps(lines: Sequence[Line]) -> Numbers:
@@ -199,7 +199,7 @@ def smooth(steps: Numbers, values: Numbers, longest: float) -> Line:
     return points[full], means
 
 
-def episodes_at(runs: Sequence[Run]) -> Callable[[Numbers], Numbers]:
+def episodes_at(runs: Sequence[RunLog]) -> Callable[[Numbers], Numbers]:
     """How many training episodes had ended after so many steps: the mean of the runs.
 
     Beyond its end a run is taken to go on at its own mean pace.
@@ -219,7 +219,7 @@ def episodes_at(runs: Sequence[Run]) -> Callable[[Numbers], Numbers]:
     return count
 
 
-def labels_of(runs: Sequence[Run]) -> list[str]:
+def labels_of(runs: Sequence[RunLog]) -> list[str]:
     """Labels of all reward terms, in order."""
     columns = dict.fromkeys(name for run in runs for name in run.episodes)
     return [name.removeprefix("term/") for name in columns if name.startswith("term/")]

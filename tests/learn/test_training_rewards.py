@@ -1,4 +1,4 @@
-"""Training signals: what learners are paid for the same steps."""
+"""Training rewards: what learners get for the same steps."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from taskbuilder.env.vector import make_vec
-from taskbuilder.learn.signals import SIGNALS
+from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 
 EVERYWHERE = np.ones(1, dtype=np.bool_)
 progresses = st.lists(st.floats(0.0, 10.0), min_size=2, max_size=20)
@@ -16,16 +16,21 @@ progresses = st.lists(st.floats(0.0, 10.0), min_size=2, max_size=20)
 
 def infos(progress, success=0.0, failure=0.0, setback=0.0, idle=0.0):
     many = np.zeros_like(np.asarray(progress, float))
-    numbers = {"progress": progress, "success": success, "failure": failure, "idle": many + idle}
+    numbers = {
+        "progress": progress,
+        "success": success,
+        "failure": failure,
+        "steps_without_progress": many + idle,
+    }
     numbers["condition/setback"] = setback
     return {name: np.atleast_1d(np.asarray(value, float)) for name, value in numbers.items()}
 
 
-def paid(signal, ladder, reward=0.0, **outcome):
+def paid(made, ladder, reward=0.0, **outcome):
     """What each of two agents is paid at each step of an episode with this progress."""
-    signal.begin(infos(ladder[0]), EVERYWHERE)
+    made.begin(infos(ladder[0]), EVERYWHERE)
     rewards = np.full((1, 2), reward)
-    pays = [signal.pay(rewards, infos(now, **outcome)) for now in ladder[1:]]
+    pays = [made.compute(rewards, infos(now, **outcome)) for now in ladder[1:]]
     assert all(pay.shape == (1, 2) for pay in pays)
     return np.array(pays)[:, 0]
 
@@ -35,15 +40,15 @@ def paid(signal, ladder, reward=0.0, **outcome):
 
 @pytest.mark.parametrize("name", ["team", "local"])
 def test_the_environments_own_rewards_are_passed_on(name):
-    signal = SIGNALS[name](1, 0.97)
+    made = TRAINING_REWARDS[name](1, 0.97)
     rewards = np.array([[1.5, -2.0]])
-    signal.begin(infos(0.0), EVERYWHERE)
-    assert signal.pay(rewards, infos(3.0)).tolist() == rewards.tolist()
-    assert signal.memory().shape == (1, signal.size) == (1, 0)
+    made.begin(infos(0.0), EVERYWHERE)
+    assert made.compute(rewards, infos(3.0)).tolist() == rewards.tolist()
+    assert made.critic_features().shape == (1, made.feature_count) == (1, 0)
 
 
 def test_local_pay_of_an_environment_adds_up_to_the_teams_reward():
-    envs = make_vec("handover", 2, 0, reward=SIGNALS["local"].sharing)
+    envs = make_vec("handover", 2, 0, reward=TRAINING_REWARDS["local"].sharing)
     try:
         envs.reset(seed=3)
         envs.action_space.seed(3)
@@ -57,8 +62,8 @@ def test_local_pay_of_an_environment_adds_up_to_the_teams_reward():
 
 
 def test_only_local_pay_differs_between_agents():
-    assert {name for name, signal in SIGNALS.items() if not signal.alike} == {"local"}
-    assert {name for name, signal in SIGNALS.items() if signal.sharing != "team"} == {"local"}
+    assert {name for name, reward in TRAINING_REWARDS.items() if not reward.shared} == {"local"}
+    assert {name for name, made in TRAINING_REWARDS.items() if made.sharing != "team"} == {"local"}
 
 
 # --- shaped
@@ -66,15 +71,15 @@ def test_only_local_pay_differs_between_agents():
 
 @given(progresses, st.floats(0.5, 1.0))
 def test_shaping_adds_up_to_the_discounted_gain_from_beginning_to_end(ladder, discount):
-    signal = SIGNALS["shaped"](1, discount)
-    pays = paid(signal, ladder)
+    made = TRAINING_REWARDS["shaped"](1, discount)
+    pays = paid(made, ladder)
     total = (pays.T * discount ** np.arange(len(pays))).sum(1)
     expected = 3.0 * (discount ** len(pays) * ladder[-1] - ladder[0])
     assert total == pytest.approx([expected] * 2, abs=1e-6)
 
 
 def test_shaping_comes_upon_the_teams_reward():
-    pays = paid(SIGNALS["shaped"](1, 0.9), [1.0, 2.0, 0.5], reward=-4.0)
+    pays = paid(TRAINING_REWARDS["shaped"](1, 0.9), [1.0, 2.0, 0.5], reward=-4.0)
     assert pays[:, 0] == pytest.approx([-4.0 + 3.0 * (1.8 - 1.0), -4.0 + 3.0 * (0.45 - 2.0)])
 
 
@@ -83,7 +88,7 @@ def test_shaping_comes_upon_the_teams_reward():
 
 @given(progresses)
 def test_the_ratchet_pays_for_the_best_progress_and_takes_nothing_back(ladder):
-    pays = paid(SIGNALS["ratchet"](1, 0.97), ladder)
+    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)
     assert (pays >= 0.0).all()
     gained = max(ladder) - ladder[0]
     assert pays.sum(0) == pytest.approx([0.3 * 10.0 * gained] * 2, abs=1e-6)
@@ -92,7 +97,7 @@ def test_the_ratchet_pays_for_the_best_progress_and_takes_nothing_back(ladder):
 @given(progresses)
 @example([1.300777743834516, 3.5916106811385444, 3.5916106811385444])  # a + (b - a) is not b
 def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder):
-    pays = paid(SIGNALS["ratchet"](1, 0.97), ladder)[:, 0]
+    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)[:, 0]
     beyond = [now > max(ladder[: n + 1]) for n, now in enumerate(ladder[1:])]
     assert (pays > 0.0).tolist() == beyond
 
@@ -107,26 +112,28 @@ def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder
     ],
 )
 def test_the_ratchet_pays_for_success_at_every_step_and_takes_for_what_is_lost(outcome, pay):
-    pays = paid(SIGNALS["ratchet"](1, 0.97), [2.0, 2.0, 2.0], **outcome)
+    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [2.0, 2.0, 2.0], **outcome)
     assert pays == pytest.approx(np.full((2, 2), pay))
 
 
 def test_the_ratchet_leaves_the_teams_reward_out():
     ladder = [0.0, 1.0, 0.5]
-    one, other = (paid(SIGNALS["ratchet"](1, 0.97), ladder, reward=r) for r in (0.0, -50.0))
+    one, other = (
+        paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder, reward=r) for r in (0.0, -50.0)
+    )
     assert one.tolist() == other.tolist()
 
 
 def test_critics_see_the_best_progress_so_far_and_how_long_it_has_not_risen():
-    signal = SIGNALS["ratchet"](1, 0.97)
-    signal.begin(infos(1.0), EVERYWHERE)
+    made = TRAINING_REWARDS["ratchet"](1, 0.97)
+    made.begin(infos(1.0), EVERYWHERE)
     best = []
     for now, idle in ((0.5, 1.0), (2.0, 0.0), (1.5, 1.0)):
-        signal.pay(np.zeros((1, 2)), infos(now, idle=idle))
-        best.append(signal.memory())
+        made.compute(np.zeros((1, 2)), infos(now, idle=idle))
+        best.append(made.critic_features())
     assert np.concatenate(best) == pytest.approx(np.array([[0.1, 1.0], [0.2, 0.0], [0.2, 1.0]]))
-    assert signal.memory().dtype == np.float32
-    assert signal.size == 2
+    assert made.critic_features().dtype == np.float32
+    assert made.feature_count == 2
 
 
 # --- many environments
@@ -136,19 +143,19 @@ def test_critics_see_the_best_progress_so_far_and_how_long_it_has_not_risen():
 def test_environments_have_nothing_to_do_with_each_other(name):
     draws = np.random.default_rng(0)
     ladders = draws.uniform(0.0, 5.0, (3, 6))
-    many = SIGNALS[name](3, 0.9)
+    many = TRAINING_REWARDS[name](3, 0.9)
     many.begin(infos(ladders[:, 0]), np.ones(3, dtype=np.bool_))
-    together = [many.pay(np.zeros((3, 2)), infos(ladders[:, n])) for n in range(1, 6)]
+    together = [many.compute(np.zeros((3, 2)), infos(ladders[:, n])) for n in range(1, 6)]
     for number, ladder in enumerate(ladders):
-        alone = paid(SIGNALS[name](1, 0.9), ladder)
+        alone = paid(TRAINING_REWARDS[name](1, 0.9), ladder)
         assert np.array(together)[:, number] == pytest.approx(alone)
 
 
 @pytest.mark.parametrize("name", ["shaped", "ratchet"])
 def test_an_episode_that_begins_starts_afresh_and_leaves_the_others(name):
-    signal = SIGNALS[name](2, 1.0)
-    signal.begin(infos([0.0, 0.0]), np.array([True, True]))
-    signal.pay(np.zeros((2, 1)), infos([4.0, 4.0]))
-    signal.begin(infos([1.0, 1.0]), np.array([True, False]))
-    pay = signal.pay(np.zeros((2, 1)), infos([2.0, 5.0]))
+    made = TRAINING_REWARDS[name](2, 1.0)
+    made.begin(infos([0.0, 0.0]), np.array([True, True]))
+    made.compute(np.zeros((2, 1)), infos([4.0, 4.0]))
+    made.begin(infos([1.0, 1.0]), np.array([True, False]))
+    pay = made.compute(np.zeros((2, 1)), infos([2.0, 5.0]))
     assert pay[:, 0] == pytest.approx([3.0, 3.0])  # one more than 1, and one more than 4

@@ -12,7 +12,7 @@ from typing import Any
 TABLES = ("episodes", "evaluations", "updates")
 
 
-class Journal:
+class RunLogger:
     """Appends rows to CSV files, each whole as soon as it is written.
 
     Args:

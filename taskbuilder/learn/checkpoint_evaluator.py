@@ -29,7 +29,7 @@ class Evaluation:
     row: Mapping[str, float]
 
 
-class Judge:
+class CheckpointEvaluator:
     """Plays policies in the same episodes each time, without exploration.
 
     Args:

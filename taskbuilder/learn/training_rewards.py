@@ -1,7 +1,7 @@
-"""Training signals: what learners are paid, beside the task's reward that is always reported.
+"""Training rewards: what learners learn from, beside the task's reward that is always reported.
 
-A signal stands between a vector of environments and a learner. It reads the infos, which the
-policies never see, and may show the critics a memory of its own.
+A training reward stands between a vector of environments and a learner. It reads the infos, which
+the policies never see, and may show the critics features of its own.
 """
 
 from __future__ import annotations
@@ -12,64 +12,66 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.learn.wrappers import STEPS_WITHOUT_PROGRESS
+
 Infos = Mapping[str, Any]
-Pay = NDArray[np.float64]
+Rewards = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-class Signal(Protocol):
-    """Pays learners.
+class TrainingReward(Protocol):
+    """Rewards learners.
 
     Its class says: ``sharing``, the option `reward` of the environments that it builds upon;
-    ``alike``, whether all agents of an environment are always paid the same; ``end_on_setback`` and
-    ``patience``, the options of those names; and ``size``, the numbers of its memory that critics
-    see.
+    ``shared``, whether all agents of an environment are always rewarded the same;
+    ``end_on_setback`` and ``no_progress_timeout_s``, the training wrappers of those names; and
+    ``feature_count``, the numbers that it shows the critics.
     """
 
     def begin(self, infos: Infos, rows: Flags) -> None:
         """Episodes have begun in these rows."""
         ...
 
-    def pay(self, rewards: Pay, infos: Infos) -> Pay:
-        """What the agents are paid for a step: (num_envs, agents), the environments' included."""
+    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+        """The agents' rewards of a step: (num_envs, agents), from the environments' own."""
         ...
 
-    def memory(self) -> NDArray[np.float32]:
-        """What critics see of it: (num_envs, size)."""
+    def critic_features(self) -> NDArray[np.float32]:
+        """What critics see of it: (num_envs, feature_count)."""
         ...
 
 
-class Plain:
+class Unchanged:
     """The environment's own rewards: ``team`` or ``local``."""
 
     sharing = "team"
-    alike = True
+    shared = True
     end_on_setback = False
-    patience: float | None = None
-    size = 0
+    no_progress_timeout_s: float | None = None
+    feature_count = 0
 
     def __init__(self, num_envs: int, discount: float) -> None:
         del discount
         self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """See `Signal`."""
+        """See `TrainingReward`."""
 
-    def pay(self, rewards: Pay, infos: Infos) -> Pay:
-        """See `Signal`."""
+    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+        """See `TrainingReward`."""
         del infos
         return rewards
 
-    def memory(self) -> NDArray[np.float32]:
-        """See `Signal`."""
+    def critic_features(self) -> NDArray[np.float32]:
+        """See `TrainingReward`."""
         return self._nothing
 
 
-class Local(Plain):
+class Local(Unchanged):
     """Every agent's own terms and an even share of the common ones."""
 
     sharing = "local"
-    alike = False
+    shared = False
 
 
 class Shaped:
@@ -80,10 +82,10 @@ class Shaped:
     """
 
     sharing = "team"
-    alike = True
+    shared = True
     end_on_setback = False
-    patience: float | None = None
-    size = 0
+    no_progress_timeout_s: float | None = None
+    feature_count = 0
     weight = 3.0
 
     def __init__(self, num_envs: int, discount: float) -> None:
@@ -92,24 +94,24 @@ class Shaped:
         self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """See `Signal`."""
+        """See `TrainingReward`."""
         self._before[rows] = infos["progress"][rows]
 
-    def pay(self, rewards: Pay, infos: Infos) -> Pay:
-        """See `Signal`."""
+    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+        """See `TrainingReward`."""
         now = infos["progress"]
         gain = self._discount * now - self._before
         self._before = now.copy()
-        pay: Pay = rewards + self.weight * gain[:, None]
-        return pay
+        shaped: Rewards = rewards + self.weight * gain[:, None]
+        return shaped
 
-    def memory(self) -> NDArray[np.float32]:
-        """See `Signal`."""
+    def critic_features(self) -> NDArray[np.float32]:
+        """See `TrainingReward`."""
         return self._nothing
 
 
 class Ratchet:
-    """Pays for progress beyond the best of the episode so far, and nothing back for losing it.
+    """Rewards progress beyond the best of the episode so far, and takes nothing for losing it.
 
     10 max(0, Φ - best Φ so far) + 2 while there is success - 2 for failure or a setback, which ends
     the episode, times 0.3. The best so far is shown to the critics; policies do not see it. It is
@@ -119,40 +121,40 @@ class Ratchet:
     """
 
     sharing = "team"
-    alike = True
+    shared = True
     end_on_setback = True
-    patience: float | None = 1.5
-    size = 2
+    no_progress_timeout_s: float | None = 1.5
+    feature_count = 2
     gain, success, failure, scale = 10.0, 2.0, 2.0, 0.3
 
     def __init__(self, num_envs: int, discount: float) -> None:
         del discount
         self._best = np.zeros(num_envs)
-        self._idle = np.zeros(num_envs)
+        self._stalled = np.zeros(num_envs)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """See `Signal`."""
+        """See `TrainingReward`."""
         self._best[rows] = infos["progress"][rows]
-        self._idle[rows] = infos["idle"][rows]
+        self._stalled[rows] = infos[STEPS_WITHOUT_PROGRESS][rows]
 
-    def pay(self, rewards: Pay, infos: Infos) -> Pay:
-        """See `Signal`."""
+    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+        """See `TrainingReward`."""
         gained = np.maximum(infos["progress"] - self._best, 0.0)
         self._best = np.maximum(self._best, infos["progress"])
-        self._idle = infos["idle"].copy()
+        self._stalled = infos[STEPS_WITHOUT_PROGRESS].copy()
         lost = np.maximum(infos["failure"], infos["condition/setback"])
         pay = self.gain * gained + self.success * infos["success"] - self.failure * lost
         return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
 
-    def memory(self) -> NDArray[np.float32]:
-        """See `Signal`; progress in tens, as large as other things that critics see."""
-        return np.stack([self._best / 10.0, self._idle], 1).astype(np.float32)
+    def critic_features(self) -> NDArray[np.float32]:
+        """See `TrainingReward`; progress in tens, as large as other things that critics see."""
+        return np.stack([self._best / 10.0, self._stalled], 1).astype(np.float32)
 
 
-SIGNALS: Mapping[str, type[Plain] | type[Shaped] | type[Ratchet]] = {
-    "team": Plain,
+TRAINING_REWARDS: Mapping[str, type[Unchanged] | type[Shaped] | type[Ratchet]] = {
+    "team": Unchanged,
     "local": Local,
     "shaped": Shaped,
     "ratchet": Ratchet,
 }
-"""Signals by name, made for so many environments and a discount."""
+"""Training rewards by name, made for so many environments and a discount."""

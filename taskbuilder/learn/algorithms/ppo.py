@@ -1,0 +1,380 @@
+"""PPO with parameters shared between agents of the same spaces; with a centralised critic, MAPPO.
+
+Proximal policy optimisation (Schulman et al. 2017) with generalised advantage estimation (Schulman
+et al. 2016), for any number of agents as Yu et al. (2022) do it: agents whose observations and
+actions have the same sizes share a network and are told apart by a one-hot, observations, values
+and advantages are normalised, and the critic sees either what its agent does (IPPO) or everything
+(MAPPO). Policies are Gaussians with a log-std that does not depend on the state; actions beyond -1
+to 1 are clipped by the environment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.distributions import Normal
+
+from taskbuilder.learn.learner import Algorithm, Preset
+from taskbuilder.learn.networks import (
+    SharedNetworks,
+    layers_of,
+    load_state,
+    set_lr,
+    state_arrays,
+)
+from taskbuilder.learn.on_policy import OnPolicy
+from taskbuilder.learn.policy import Array, Policy
+from taskbuilder.learn.running_moments import RunningMoments
+from taskbuilder.learn.shapes import Rows, Shapes
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class PpoSettings:
+    """What may be chosen.
+
+    Attributes:
+        hidden: Units of each hidden layer, of actors and critics.
+        norms: Whether the actors' hidden layers have layer norm.
+        squash: Whether the mean of an action ends in a tanh.
+        lr: Of Adam.
+        anneal_lr: Whether it falls to zero over the training, linearly.
+        discount: γ.
+        gae_lambda: λ of generalised advantage estimation.
+        rollout_steps: Control steps of every environment between updates.
+        epochs: How often an update goes through its rollout.
+        minibatches: Into how many parts an epoch divides it.
+        clip: How far the probability ratio may leave 1.
+        value_weight: Of the critics' loss beside the actors'.
+        entropy_weight: Of the bonus on the actors' entropy.
+        max_grad_norm: Of all gradients together.
+        log_std: Of the actions, at first.
+        centralised: Whether critics see what all agents do and the state, or what their agent does.
+        bootstrap_time_limit: Whether values go on beyond an end that is neither success nor
+            failure; for tasks whose agents cannot see how much time is left.
+        share: Whether agents of the same spaces share a network.
+    """
+
+    hidden: tuple[int, ...] = (128, 128)
+    norms: bool = False
+    squash: bool = False
+    lr: float = 3e-4
+    anneal_lr: bool = True
+    discount: float = 0.97
+    gae_lambda: float = 0.95
+    rollout_steps: int = 128
+    epochs: int = 10
+    minibatches: int = 4
+    clip: float = 0.2
+    value_weight: float = 0.5
+    entropy_weight: float = 0.0
+    max_grad_norm: float = 0.5
+    log_std: float = -0.5
+    centralised: bool = True
+    bootstrap_time_limit: bool = False
+    share: bool = True
+
+
+class Ppo:
+    """The learner.
+
+    Args:
+        shapes: The sizes of observations, actions and state.
+        settings: What may be chosen.
+        shared_reward: Whether all agents are always rewarded the same; nothing depends on it.
+        seed: Of the initial weights.
+        device: Where the networks are.
+    """
+
+    def __init__(
+        self,
+        shapes: Shapes,
+        settings: PpoSettings,
+        *,
+        shared_reward: bool,
+        seed: int,
+        device: str = "cpu",
+    ) -> None:
+        del shared_reward
+        self.shapes, self.settings, self._device = shapes, settings, torch.device(device)
+        alone = tuple((agent,) for agent in shapes.agents)
+        groups = shapes.same_spaces() if settings.share else alone
+        generator = torch.Generator().manual_seed(seed)
+        self._actors = SharedNetworks(
+            groups,
+            shapes.observations,
+            settings.hidden,
+            shapes.actions,
+            generator,
+            norms=settings.norms,
+        )
+        seen = dict.fromkeys(shapes.agents, shapes.critic_input)
+        self._critics = SharedNetworks(
+            (shapes.agents,) if settings.centralised else groups,
+            seen if settings.centralised else shapes.observations,
+            settings.hidden,
+            dict.fromkeys(shapes.agents, 1),
+            generator,
+        )
+        _begin_orthogonal(self._actors, 0.01, generator)
+        _begin_orthogonal(self._critics, 1.0, generator)
+        self._log_std = nn.Parameter(torch.full((shapes.joint_action,), settings.log_std))
+        self._modules = nn.ModuleDict({"actors": self._actors, "critics": self._critics})
+        self._modules.register_parameter("log_std", self._log_std)
+        self._modules.to(self._device)
+        self._parameters = list(self._modules.parameters())
+        self._adam = torch.optim.Adam(self._parameters, settings.lr, eps=1e-5)
+        self._inputs = RunningMoments(shapes.layout.width)
+        self._returns = RunningMoments(len(shapes.agents))
+        self._pretrained = False
+
+    # --- acting
+
+    def act(
+        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
+    ) -> dict[str, Array]:
+        """Draw actions: (num_envs, n) each; numbers beyond -1 to 1 are the environment's to clip.
+
+        Args:
+            observations: (num_envs, n) each.
+            rng: Draws.
+            progress_fraction: Of the training so far; nothing depends on it.
+        """
+        del progress_fraction
+        parts = self.shapes.layout.observations
+        with torch.no_grad():
+            policy = self._policy(
+                {a: self._normalized(seen, parts[a]) for a, seen in observations.items()}
+            )
+        mean, std = policy.mean.cpu().numpy(), policy.stddev.cpu().numpy()
+        drawn = mean + std * rng.standard_normal(mean.shape, dtype=np.float32)
+        ends = np.cumsum(list(self.shapes.actions.values()))[:-1]
+        return dict(zip(self.shapes.agents, np.split(drawn, ends, axis=1), strict=True))
+
+    def _policy(self, observations: Mapping[str, Tensor]) -> Normal:
+        """The distribution of all agents' actions (n, joint action), each by what it observes."""
+        mean = self._actors(observations)
+        mean = mean.tanh() if self.settings.squash else mean
+        return Normal(mean, self._log_std.exp().expand_as(mean), validate_args=False)
+
+    def _values(self, batch: Tensor, *, later: bool = False) -> Tensor:
+        """What the critics expect of normalised rows, normalised: (n, agents).
+
+        Args:
+            batch: The rows.
+            later: After the step, not before it.
+        """
+        layout = self.shapes.layout
+        own = layout.next_observations if later else layout.observations
+        everything = layout.next_critic_input if later else layout.critic_input
+        parts = dict.fromkeys(own, everything) if self.settings.centralised else own
+        values: Tensor = self._critics({agent: batch[:, part] for agent, part in parts.items()})
+        return values
+
+    def _normalized(self, rows: Rows, part: slice = slice(None)) -> Tensor:
+        normal = (rows - self._inputs.mean[part]) / self._inputs.scale[part]
+        return torch.from_numpy(normal.astype(np.float32)).to(self._device)
+
+    # --- learning
+
+    def update(
+        self, rollout: Rows, lost: Flags, rng: np.random.Generator, progress_fraction: float
+    ) -> dict[str, float]:
+        """Learn from a rollout; gives losses for logs.
+
+        Args:
+            rollout: (steps, num_envs, width) rows, in the order of time.
+            lost: (steps, num_envs) where nobody saw what happened; nothing is learned there.
+            rng: Draws the minibatches.
+            progress_fraction: Of the training so far.
+        """
+        settings, layout = self.settings, self.shapes.layout
+        if settings.anneal_lr:
+            set_lr(self._adam, settings.lr * (1.0 - progress_fraction))
+        rows = rollout.reshape(-1, rollout.shape[-1])
+        batch = self._normalized(rows)
+        actions = torch.from_numpy(rows[:, layout.actions]).to(self._device)
+        with torch.no_grad():
+            before = self._log_probabilities(batch, actions)[0]
+            normal = [self._values(batch, later=later).cpu().numpy() for later in (False, True)]
+        values, later = (
+            (self._returns.mean + self._returns.scale * each).reshape(*rollout.shape[:2], -1)
+            for each in normal
+        )
+        advantages = self._advantages(rollout, values, later)
+        returns = (advantages + values).reshape(len(rows), -1)
+        known = np.flatnonzero(~lost.reshape(-1))
+        self._returns.add(returns[known])
+        targets = self._tensor((returns - self._returns.mean) / self._returns.scale)
+        advantages = advantages.reshape(len(rows), -1)
+        spread = advantages[known].std() + 1e-8
+        gains = self._tensor((advantages - advantages[known].mean()) / spread)
+        losses: list[list[float]] = []
+        for _ in range(settings.epochs):
+            for part in np.array_split(rng.permutation(known), settings.minibatches):
+                rows_of = torch.from_numpy(part).to(self._device)
+                losses.append(
+                    self._step(*(t[rows_of] for t in (batch, actions, before, gains, targets)))
+                )
+        # Only now, so that the policies that were compared saw by one measure.
+        self._measure(rows[known])
+        names = ("actor", "critic", "entropy", "kl", "clipped")
+        return dict(zip(names, np.mean(losses, axis=0).tolist(), strict=True))
+
+    def _measure(self, rows: Rows) -> None:
+        """Normalise by these rows too; a policy that was started from goes on as it was."""
+        before = self.policy({}) if self._pretrained else None
+        self._inputs.add(rows)
+        if before is not None:
+            self._actors.take(before, *self._measures())
+
+    def _advantages(
+        self, rollout: Rows, values: NDArray[np.float64], later: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Generalised advantage estimates: (steps, num_envs, agents).
+
+        Args:
+            rollout: (steps, num_envs, width).
+            values: (steps, num_envs, agents) before each step.
+            later: The same after it; at the end of an episode, of its last state.
+        """
+        settings, layout = self.settings, self.shapes.layout
+        ended = rollout[..., layout.ended]
+        worthless = rollout[..., layout.terminated] if settings.bootstrap_time_limit else ended
+        rewards = rollout[..., layout.rewards]
+        errors = rewards + settings.discount * (1.0 - worthless) * later - values
+        advantages = np.zeros_like(errors)
+        following = np.zeros_like(errors[0])
+        for step in reversed(range(len(errors))):
+            kept = settings.discount * settings.gae_lambda * (1.0 - ended[step])
+            following = errors[step] + kept * following
+            advantages[step] = following
+        return advantages
+
+    def _step(
+        self, batch: Tensor, actions: Tensor, before: Tensor, gains: Tensor, targets: Tensor
+    ) -> list[float]:
+        """A step down the gradient of a minibatch, of rows (n, ...) each."""
+        settings = self.settings
+        log_probabilities, entropy = self._log_probabilities(batch, actions)
+        change = log_probabilities - before  # (n, agents)
+        ratio = change.exp()
+        clipped = ratio.clamp(1.0 - settings.clip, 1.0 + settings.clip)
+        actor_loss = -torch.minimum(ratio * gains, clipped * gains).mean()
+        critic_loss = (self._values(batch) - targets).square().mean()
+        loss = actor_loss + settings.value_weight * critic_loss - settings.entropy_weight * entropy
+        self._adam.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        nn.utils.clip_grad_norm_(self._parameters, settings.max_grad_norm)
+        self._adam.step()
+        kl = (ratio.detach() - 1.0 - change.detach()).mean()  # Schulman's estimate k3
+        share = (ratio.detach() != clipped.detach()).float().mean()
+        return [float(x.detach()) for x in (actor_loss, critic_loss, entropy, kl, share)]
+
+    def _log_probabilities(self, batch: Tensor, actions: Tensor) -> tuple[Tensor, Tensor]:
+        """Of what each agent did: (n, agents); and the mean entropy of the agents' policies."""
+        policy = self._policy(self.shapes.layout.observed(batch))
+        sizes = list(self.shapes.actions.values())
+        parts = policy.log_prob(actions).split(sizes, 1)  # type: ignore[no-untyped-call]
+        entropy = policy.entropy().sum(1).mean() / len(sizes)  # type: ignore[no-untyped-call]
+        return torch.stack([part.sum(1) for part in parts], 1), entropy
+
+    def _tensor(self, array: NDArray[np.floating]) -> Tensor:
+        return torch.from_numpy(array.astype(np.float32)).to(self._device)
+
+    # --- what is kept
+
+    def policy(self, about: Mapping[str, Any]) -> Policy:
+        """The present policy, to play: the Gaussians' means, clipped to -1 to 1."""
+        squash = self.settings.squash
+        return Policy(self._actors.policy(*self._measures(), squash=squash), about)
+
+    def _measures(self) -> tuple[dict[str, Array], dict[str, Array]]:
+        """What agents' observations are normalised by: means and scales."""
+        parts = self.shapes.layout.observations
+        mean, scale = (x.astype(np.float32) for x in (self._inputs.mean, self._inputs.scale))
+        return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
+
+    def start_from(self, policy: Policy) -> None:
+        """Begin with a trained policy as the actors' means.
+
+        Raises:
+            UsageError: Its networks are of another kind or size than these.
+        """
+        self._actors.take(policy, *self._measures())
+        self._pretrained = True
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """All that it has learned, by name: networks, optimiser, measures."""
+        arrays: dict[str, NDArray[Any]] = {}
+        arrays |= state_arrays({"networks": self._modules}, {"adam": self._adam})
+        for name, measure in (("inputs", self._inputs), ("returns", self._returns)):
+            arrays |= {f"{name}/{key}": array for key, array in measure.arrays().items()}
+        return {**arrays, "pretrained": np.array([self._pretrained])}
+
+    def load(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what `arrays` gave.
+
+        Raises:
+            KeyError: Something is missing.
+            RuntimeError: Something has another shape.
+        """
+        load_state(arrays, {"networks": self._modules}, {"adam": self._adam})
+        self._inputs.load(_below("inputs", arrays))
+        self._returns.load(_below("returns", arrays))
+        self._pretrained = bool(arrays["pretrained"][0])
+
+
+def _begin_orthogonal(networks: SharedNetworks, last: float, generator: torch.Generator) -> None:
+    """Make initial weights orthogonal, those of the last layer small for actors; biases zero."""
+    for network in networks:
+        *hidden, head = layers_of(network)
+        for layer in (*hidden, head):
+            gain = last if layer is head else 2.0**0.5
+            nn.init.orthogonal_(layer.weight[0], gain, generator=generator)
+            nn.init.zeros_(layer.bias)
+
+
+def _below(part: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    own = {name: array for name, array in arrays.items() if name.startswith(f"{part}/")}
+    return {name.removeprefix(f"{part}/"): array for name, array in own.items()}
+
+
+def _settings_of(policy: Policy) -> dict[str, Any]:
+    """The settings of actors like a policy's; each agent has its own, standardised by itself."""
+    network = next(iter(policy.networks.values()))
+    hidden = [len(bias) for _, bias in network.layers[:-1]]
+    return {
+        "hidden": hidden,
+        "norms": network.norms,
+        "squash": network.squash,
+        "share": False,
+    }
+
+
+ALGORITHM = Algorithm(
+    summary="PPO with shared parameters; a centralised critic makes it MAPPO",
+    settings=PpoSettings,
+    learner=Ppo,
+    collection=OnPolicy,
+    presets={
+        "mappo": Preset(
+            "every critic sees what all agents do and the state", {"centralised": True}
+        ),
+        "ippo": Preset("every critic sees what its agent does", {"centralised": False}),
+        "finetune": Preset(
+            "going on from a trained policy",
+            {"log_std": -1.6, "lr": 1e-4, "clip": 0.1},
+        ),
+    },
+    default_preset=lambda demos, init: "finetune" if init else "mappo",  # noqa: ARG005
+    cannot={"demos": "learns from no demonstrations; maddpg does"},
+    settings_of=_settings_of,
+)

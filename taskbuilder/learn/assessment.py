@@ -1,0 +1,73 @@
+"""Measuring a policy from Python: where it plays, and what its episodes say together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.jobs import cores, workers
+from taskbuilder.learn import evaluation
+from taskbuilder.learn.demonstrations import reference_of
+from taskbuilder.learn.plan import RUN_FILE, load_plan
+from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.zoo import load_policy
+from taskbuilder.task import Task, load_task
+
+
+@dataclass(frozen=True)
+class _EnvFactory:
+    """Makes a policy's environment, also in another process."""
+
+    task: str
+    options: tuple[tuple[str, Any], ...]
+
+    def __call__(self) -> TaskEnv:
+        return parallel_env(self.task, **dict(self.options))
+
+
+def evaluate(
+    policy: Policy | str | Path,
+    episodes: int = evaluation.EPISODES,
+    *,
+    task: str | Path | Task | None = None,
+    first_seed: int = evaluation.SEED,
+    jobs: int | None = None,
+    **options: Any,
+) -> evaluation.Summary:
+    """Play a policy in episodes that it has never seen, without exploration.
+
+    Args:
+        policy: The policy, or its name as for `load_policy`.
+        episodes: How many; seeds follow each other.
+        task: Where it plays; by default what it was trained on.
+        first_seed: Of the first episode.
+        jobs: Processes; by default as many as there are cores.
+        options: Of the environment, in place of those that it was trained with; see `Options`.
+
+    Returns:
+        What the episodes say together: success rate and its interval, returns, stages.
+
+    Raises:
+        UsageError: The policy does not fit the task, or there is no such file.
+        UnknownNameError: There is no such policy, or no such task.
+    """
+    named = "the policy"
+    if not isinstance(policy, Policy):
+        named = str(policy)
+        if task is None and (Path(named) / RUN_FILE).is_file():
+            task = load_plan(Path(named))[0].task
+        policy = load_policy(named)
+    place = task if task is not None else str(policy.about.get("task"))
+    loaded = place if isinstance(place, Task) else load_task(place)
+    where = reference_of(loaded) if isinstance(place, Task) else str(place)
+    made = {**evaluation.options_of(policy), **options}
+    factory = _EnvFactory(where, tuple(made.items()))
+    env = factory()
+    evaluation.check_fits(policy, env, named)
+    env.close()
+    seeds = range(first_seed, first_seed + episodes)
+    with workers(min(cores() if jobs is None else jobs, episodes)) as spread:
+        played = list(evaluation.evaluate(factory, policy, seeds, spread))
+    return evaluation.summarise(played, len(loaded.description.stages))

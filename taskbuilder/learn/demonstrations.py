@@ -1,0 +1,152 @@
+"""Demonstrations: episodes of the expert, recorded, kept, and turned into transitions.
+
+episodes = list(record("handover", 200, {"frame": "base", "rotation": "matrix"}))
+save_rollouts(Path("runs/first") / DEMONSTRATIONS_FILE, episodes)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.env.actions import HYSTERESIS
+from taskbuilder.env.parallel import parallel_env
+from taskbuilder.env.vector import TaskVectorEnv
+from taskbuilder.expert.player import Expert
+from taskbuilder.jobs import cores, workers
+from taskbuilder.learn.collector import Collector
+from taskbuilder.learn.shapes import Shapes
+from taskbuilder.learn.training_rewards import TrainingReward
+from taskbuilder.rollout.files import load_rollouts
+from taskbuilder.rollout.record import Rollout
+from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.spec.scene import RobotEntry
+from taskbuilder.task import Task, load_task
+
+DEMONSTRATIONS_FILE = "expert.npz"
+"""The demonstrations of a training run, in its folder."""
+
+SEEDS_FROM = 500_000
+"""Seeds of demonstrations begin here, apart from those of evaluations."""
+
+_Options = tuple[tuple[str, Any], ...]
+
+
+def record(
+    task: str | Path | Task,
+    episodes: int,
+    options: Mapping[str, Any] | None = None,
+    *,
+    first_seed: int = SEEDS_FROM,
+    jobs: int | None = None,
+    catalogue: Catalogue | None = None,
+) -> Iterator[Rollout]:
+    """Let the expert play episodes, in several processes.
+
+    Args:
+        task: Its name, the path of its YAML file, or the task itself.
+        episodes: How many; seeds follow each other.
+        options: Of the environment; see `Options`.
+        first_seed: Of the first episode.
+        jobs: Processes; by default as many as there are cores.
+        catalogue: Where names are looked up; by default that of this installation.
+
+    Yields:
+        The episodes in the order of their seeds, failed ones too, each as soon as it is played;
+        with binary grippers told at every step what to do.
+
+    Raises:
+        UsageError: The task has no expert, or an option does not fit.
+    """
+    named = reference_of(task) if isinstance(task, Task) else str(task)
+    play = partial(_play, named, catalogue, tuple((options or {}).items()))
+    seeds = range(first_seed, first_seed + episodes)
+    with workers(min(cores() if jobs is None else jobs, episodes)) as spread:
+        yield from spread(play, seeds)
+    _expert.cache_clear()
+
+
+def reference_of(task: Task) -> str:
+    """What a task can be loaded by elsewhere: its name in the catalogue, or else its path."""
+    entry = task.file.entry
+    return entry.name if entry.module else str(entry.file)
+
+
+def _play(task: str, catalogue: Catalogue | None, options: _Options, seed: int) -> Rollout:
+    expert = _expert(task, catalogue, options)
+    return with_explicit_grippers(expert.play(seed), expert.env.episode.world.scene.robots)
+
+
+@lru_cache(maxsize=1)
+def _expert(task: str, catalogue: Catalogue | None, options: _Options) -> Expert:
+    """An expert that is kept from one episode to the next."""
+    return Expert(parallel_env(load_task(task, catalogue=catalogue), **dict(options)))
+
+
+def with_explicit_grippers(rollout: Rollout, robots: Mapping[str, RobotEntry]) -> Rollout:
+    """The same with binary grippers told at every step what they were told last.
+
+    An expert says once that it opens or closes, and then leaves it. A network that imitates this
+    says something between the two at each step, which is nothing.
+
+    Args:
+        rollout: The episode.
+        robots: Those of its scene.
+    """
+    actions = {
+        agent: _explicit(done) if robots[agent].action.gripper == "binary" else done
+        for agent, done in rollout.actions.items()
+    }
+    return replace(rollout, actions=actions)
+
+
+def _explicit(actions: NDArray[np.float32]) -> NDArray[np.float32]:
+    explicit = actions.copy()
+    last = np.float32(1.0)
+    for row in explicit:
+        last = row[-1] = row[-1] if abs(row[-1]) > HYSTERESIS else last
+    return explicit
+
+
+def load_demonstrations(folder: Path) -> tuple[Rollout, ...]:
+    """Read the demonstrations of a run; none where it has no such file.
+
+    Raises:
+        StoreError: The file is damaged.
+    """
+    file = folder / DEMONSTRATIONS_FILE
+    return load_rollouts(file) if file.exists() else ()
+
+
+def transitions(
+    episodes: Sequence[Rollout], env: TaskVectorEnv, reward: TrainingReward, shapes: Shapes
+) -> NDArray[np.float32]:
+    """What happened in demonstrations, played again: (steps, width) rows, marked as such.
+
+    Args:
+        episodes: What the experts did.
+        env: One environment, with the options and wrappers of the run.
+        reward: The training reward, for one environment.
+        shapes: What agents and critics observe.
+    """
+    collector = Collector(env, reward, shapes)
+    parts = []
+    for episode in episodes:
+        collector.begin(episode.seed)
+        steps = min(len(done) for done in episode.actions.values())
+        for step in range(steps):
+            done = {agent: values[step : step + 1] for agent, values in episode.actions.items()}
+            collector.step_async(done)
+            rows, _, finished = collector.step_wait()
+            parts.append(rows)
+            if finished:  # what the expert did afterwards would be of another episode
+                break
+    rows = np.concatenate(parts)
+    rows[:, shapes.layout.demonstrated] = 1.0
+    return rows

@@ -1,0 +1,93 @@
+"""Learning from a replay memory: every transition is kept, and drawn many times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from taskbuilder.learn.learner import OffPolicyLearner
+from taskbuilder.learn.replay import Replay
+from taskbuilder.learn.shapes import Rows
+
+DEMO_SHARE = 0.5
+"""Of every batch, where there are demonstrations."""
+
+
+class OffPolicy:
+    """Keeps transitions, and lets its learner draw from them while the environments step.
+
+    Learning begins after the ``warm_up``, or at once where there are demonstrations; then there is
+    an update every ``update_every`` control steps.
+
+    Args:
+        learner: Who learns.
+        width: Numbers of a row.
+        envs: Environments that step at once.
+        demonstrations: Rows of demonstrations, or None.
+    """
+
+    at_rest = True
+
+    def __init__(
+        self, learner: OffPolicyLearner, width: int, envs: int, demonstrations: Rows | None = None
+    ) -> None:
+        self._learner, self._envs = learner, envs
+        self._due, self._begun = 0.0, False
+        self.experience = Replay(width, learner.settings.capacity)
+        self.demonstrations: Replay | None = None
+        if demonstrations is not None:
+            self.demonstrations = Replay(width, len(demonstrations))
+            self.demonstrations.add(demonstrations)
+
+    @property
+    def memories(self) -> dict[str, Replay]:
+        """The experience; demonstrations are played again instead."""
+        return {"experience": self.experience}
+
+    def before_step(self, rng: np.random.Generator, step: int) -> None:
+        """Begin to learn, if it is time."""
+        if self._begun:
+            return
+        if self.demonstrations is not None or step >= self._learner.settings.warm_up:
+            rows = (self.demonstrations or self.experience).since(0)
+            self._learner.begin(rows, rng)
+            self._begun = True
+
+    def during_step(self, rng: np.random.Generator, step: int) -> dict[str, float]:
+        """Make the updates that are due."""
+        losses: dict[str, float] = {}
+        if not self._begun:
+            return losses
+        self._due += self._envs / self._learner.settings.update_every
+        while self._due >= 1.0:
+            losses |= self._learner.update(self, rng, step)
+            self._due -= 1.0
+        return losses
+
+    def after_step(
+        self, rows: Rows, lost: Any, rng: np.random.Generator, progress_fraction: float
+    ) -> dict[str, float]:
+        """Keep the transitions."""
+        del rng, progress_fraction
+        self.experience.add(rows[~lost])
+        return {}
+
+    def sample(self, count: int, rng: np.random.Generator) -> Rows:
+        """See `Memory`; half are demonstrations, or all until there is experience."""
+        if self.demonstrations is None:
+            return self.experience.sample(count, rng)
+        shown = round(count * DEMO_SHARE) if len(self.experience) else count
+        rows = [self.demonstrations.sample(shown, rng)]
+        if shown < count:
+            rows.append(self.experience.sample(count - shown, rng))
+        return np.concatenate(rows)
+
+    def counters(self) -> dict[str, Any]:
+        """Updates that are owed, part of one included, and whether learning has begun."""
+        return {"due": self._due, "begun": self._begun}
+
+    def load(self, counters: Mapping[str, Any]) -> None:
+        """Go on from what `counters` gave."""
+        self._due, self._begun = counters["due"], counters["begun"]

@@ -1,0 +1,68 @@
+"""Standardising what is seen by what was met first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from taskbuilder.learn.networks import as_array
+from taskbuilder.learn.policy import Array
+from taskbuilder.learn.shapes import Layout, Rows
+
+LEAST_SCALE = 0.3
+"""What hardly moves while it is measured is not blown up by standardising."""
+
+
+class Standardizer:
+    """Rows of the replay memory less their mean, over their spread; observations and state alone.
+
+    Args:
+        layout: Where they lie in a row.
+        device: Where the networks are that see them.
+    """
+
+    def __init__(self, layout: Layout, device: torch.device) -> None:
+        self._layout, self._device = layout, device
+        self._mean = torch.zeros(layout.width, device=device)
+        self._scale = torch.ones(layout.width, device=device)
+
+    def measure(self, rows: Rows) -> None:
+        """Standardise by these rows from now on."""
+        layout = self._layout
+        pairs = [(layout.observations[a], layout.next_observations[a]) for a in layout.observations]
+        for now, later in (*pairs, (layout.state, layout.next_state)):
+            values = rows[:, now]
+            self._mean[now] = self._mean[later] = torch.from_numpy(values.mean(0)).to(self._device)
+            scale = torch.from_numpy(np.maximum(values.std(0), LEAST_SCALE)).to(self._device)
+            self._scale[now] = self._scale[later] = scale
+
+    def apply_(self, rows: Tensor) -> Tensor:
+        """Standardise rows in place."""
+        return rows.sub_(self._mean).div_(self._scale)
+
+    def observations(self, observations: Mapping[str, Array]) -> dict[str, Tensor]:
+        """What the agents observe, standardised."""
+        parts = self._layout.observations
+        return {
+            agent: (torch.from_numpy(observations[agent]).to(self._device) - self._mean[part])
+            / self._scale[part]
+            for agent, part in parts.items()
+        }
+
+    def by_agent(self) -> tuple[dict[str, Array], dict[str, Array]]:
+        """What is subtracted from each agent's observations, and what they are divided by."""
+        parts = self._layout.observations
+        mean, scale = as_array(self._mean), as_array(self._scale)
+        return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
+
+    def arrays(self) -> dict[str, Array]:
+        """All that it knows."""
+        return {"mean": as_array(self._mean), "scale": as_array(self._scale)}
+
+    def load(self, arrays: Mapping[str, Array]) -> None:
+        """Take over what `arrays` gave."""
+        self._mean.copy_(torch.from_numpy(arrays["mean"]))
+        self._scale.copy_(torch.from_numpy(arrays["scale"]))

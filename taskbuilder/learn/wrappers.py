@@ -1,0 +1,251 @@
+"""Wrappers that learners put around an environment: episodes that end early, or begin midway.
+
+A wrapper changes which episodes a learner trains on, and never the task: evaluations do without.
+`TrainingWrappers` puts several around an environment, also where `make_vec` runs it in a worker:
+
+    wrappers = TrainingWrappers(end_on_setback=True, no_progress_timeout_s=1.5)
+    envs = taskbuilder.make_vec("handover", 8, workers=2, wrap=wrappers)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pettingzoo.utils.wrappers import BaseParallelWrapper
+
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError
+from taskbuilder.rollout.record import Rollout
+from taskbuilder.world.randomness import EpisodeRandomness
+
+Infos = dict[str, dict[str, float]]
+Returned = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], Infos]
+"""What a step returns: observations, rewards, terminations, truncations and infos."""
+
+LEAST_RISE = 0.05
+"""What progress must rise by, above where it last did, for the time without progress to restart."""
+
+STEPS_WITHOUT_PROGRESS = "steps_without_progress"
+"""The info that `NoProgressTimeout` adds."""
+
+
+class EpisodeWrapper(BaseParallelWrapper):  # type: ignore[misc]  # pettingzoo ships no types
+    """Stands around a `TaskEnv` or another wrapper, and has all that it has.
+
+    Subclasses that keep something of their own between steps give it to `save` and `load`, so that
+    `save_state` and `load_state` go back to the whole of a moment.
+    """
+
+    def save(self) -> Any:
+        """What it keeps between steps."""
+        return None
+
+    def load(self, kept: Any) -> None:
+        """Take back what `save` gave."""
+
+    def save_state(self) -> tuple[Any, Any]:
+        """This moment; see `TaskEnv.save_state`."""
+        return self.env.save_state(), self.save()
+
+    def load_state(self, state: tuple[Any, Any]) -> Any:
+        """Go back to a moment of this environment; see `TaskEnv.load_state`."""
+        inner, kept = state
+        self.load(kept)
+        return self.env.load_state(inner)
+
+    def end_episode(self) -> None:
+        """Let no further step be taken before a reset."""
+        self.unwrapped.agents = []
+
+
+class EndOnSetback(EpisodeWrapper):
+    """Terminates episodes on the description's ``setback``."""
+
+    def step(self, actions: Mapping[str, Any]) -> Returned:
+        """Let every agent act; see `TaskEnv.step`."""
+        observations, rewards, terminations, truncations, infos = self.env.step(actions)
+        if next(iter(infos.values()))["condition/setback"]:
+            terminations = dict.fromkeys(terminations, True)
+            truncations = dict.fromkeys(truncations, False)
+            self.end_episode()
+        return observations, rewards, terminations, truncations, infos
+
+
+class NoProgressTimeout(EpisodeWrapper):
+    """Truncates episodes in which progress has not risen by 0.05 for a while.
+
+    Not while there is success. Infos have ``steps_without_progress``, in control steps.
+
+    Args:
+        env: The environment, wrapped or not.
+        seconds: How long progress may fail to rise.
+
+    Raises:
+        UsageError: That is no length of time.
+    """
+
+    def __init__(self, env: Any, seconds: float) -> None:
+        super().__init__(env)
+        if not seconds > 0.0:
+            raise UsageError(f"no_progress_timeout_s is {seconds}; seconds, more than 0")
+        self._limit = seconds * env.metadata["render_fps"]
+        self._highest, self._steps = 0.0, 0
+
+    @property
+    def info_keys(self) -> tuple[str, ...]:
+        """Names of the numbers in every agent's info."""
+        return (*self.env.info_keys, STEPS_WITHOUT_PROGRESS)
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], Infos]:
+        """Begin an episode."""
+        observations, infos = self.env.reset(seed=seed, options=options)
+        self._highest, self._steps = next(iter(infos.values()))["progress"], 0
+        return observations, self._with_steps(infos)
+
+    def step(self, actions: Mapping[str, Any]) -> Returned:
+        """Let every agent act; see `TaskEnv.step`."""
+        observations, rewards, terminations, truncations, infos = self.env.step(actions)
+        info = next(iter(infos.values()))
+        if not info["exploded"]:
+            self._count(info["progress"], success=info["success"] > 0.0)
+        if self._steps >= self._limit and not any(terminations.values()):
+            truncations = dict.fromkeys(truncations, True)
+            self.end_episode()
+        return observations, rewards, terminations, truncations, self._with_steps(infos)
+
+    def _count(self, progress: float, *, success: bool) -> None:
+        if success or progress >= self._highest + LEAST_RISE:
+            self._highest, self._steps = max(self._highest, progress), 0
+        else:
+            self._steps += 1
+
+    def _with_steps(self, infos: Infos) -> Infos:
+        steps = float(self._steps)
+        return {agent: {**info, STEPS_WITHOUT_PROGRESS: steps} for agent, info in infos.items()}
+
+    def save(self) -> tuple[float, int]:
+        """The highest progress, and the control steps since then."""
+        return self._highest, self._steps
+
+    def load(self, kept: tuple[float, int]) -> None:
+        """Take back what `save` gave."""
+        self._highest, self._steps = kept
+
+
+@dataclass(frozen=True)
+class StartPrefix:
+    """The first steps of a recorded episode, from any of which another may go on.
+
+    Attributes:
+        seed: Of its reset.
+        actions: What every agent did: (steps, n) each, as the environment takes them.
+    """
+
+    seed: int
+    actions: Mapping[str, NDArray[np.float32]]
+
+    @property
+    def steps(self) -> int:
+        """Its control steps."""
+        return min(len(actions) for actions in self.actions.values())
+
+    @classmethod
+    def before_success(cls, rollout: Rollout) -> StartPrefix:
+        """The part of an episode before its success."""
+        first = rollout.first_success or 0
+        end = first - 1 if first > 1 else None
+        return cls(rollout.seed, {agent: done[:end] for agent, done in rollout.actions.items()})
+
+
+class StartPrefixes(EpisodeWrapper):
+    """Begins a share of the episodes in the middle of recorded ones, with the time then left.
+
+    Args:
+        env: The environment, wrapped or not, of the variation that was recorded.
+        prefixes: Recorded beginnings; an episode goes on from a step of one that is drawn.
+        share: Of the episodes that do, from 0 to 1.
+
+    Raises:
+        UsageError: The share is none, or the environment draws its variation.
+    """
+
+    def __init__(self, env: Any, prefixes: Sequence[StartPrefix], share: float) -> None:
+        super().__init__(env)
+        if not 0.0 <= share <= 1.0:
+            raise UsageError(f"start_share is {share}; 0 to 1")
+        if env.options.variation == "random":
+            raise UsageError("start_prefixes belong to one variation; variation is random")
+        self._prefixes, self._share = tuple(prefixes), share
+        self._seeds = np.random.default_rng()
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], Infos]:
+        """Begin an episode, perhaps in the middle of a recorded one; the seed decides."""
+        if seed is not None:
+            self._seeds = np.random.default_rng(seed)
+        own = seed if seed is not None else int(self._seeds.integers(2**31))
+        rng = EpisodeRandomness(own).start()
+        if self._prefixes and rng.random() < self._share:
+            prefix = self._prefixes[rng.integers(len(self._prefixes))]
+            begun = self._play(prefix, int(rng.integers(1, prefix.steps + 1)), own)
+            if begun is not None:
+                return begun
+        started: tuple[dict[str, Any], Infos] = self.env.reset(seed=own, options=options)
+        return started
+
+    def _play(
+        self, prefix: StartPrefix, steps: int, seed: int
+    ) -> tuple[dict[str, Any], Infos] | None:
+        """Play the first steps of a recorded episode; None where that ends the episode."""
+        _, infos = self.env.reset(seed=prefix.seed)
+        for step in range(steps):
+            actions = {agent: values[step] for agent, values in prefix.actions.items()}
+            *_, infos = self.env.step(actions)
+            if not self.env.agents:  # it was recorded elsewhere, or to its very end
+                return None
+        env: TaskEnv = self.unwrapped
+        env.episode.noise_rng = EpisodeRandomness(seed).noise()  # its own, each time another
+        return env.observe(), infos
+
+    def save(self) -> Any:
+        """The generator of seeds."""
+        return self._seeds.bit_generator.state
+
+    def load(self, kept: Any) -> None:
+        """Take back what `save` gave."""
+        self._seeds.bit_generator.state = kept
+
+
+@dataclass(frozen=True)
+class TrainingWrappers:
+    """The wrappers of a training run, put around an environment by a call.
+
+    Attributes:
+        end_on_setback: Terminate episodes on a setback.
+        no_progress_timeout_s: Truncate episodes after so long without progress; None for never.
+        start_prefixes: Recorded beginnings that episodes may go on from.
+        start_share: Of the episodes that do.
+    """
+
+    end_on_setback: bool = False
+    no_progress_timeout_s: float | None = None
+    start_prefixes: tuple[StartPrefix, ...] = ()
+    start_share: float = 0.0
+
+    def __call__(self, env: TaskEnv) -> Any:
+        """The environment with the wrappers around it."""
+        wrapped: Any = env
+        if self.end_on_setback:
+            wrapped = EndOnSetback(wrapped)
+        if self.no_progress_timeout_s is not None:
+            wrapped = NoProgressTimeout(wrapped, self.no_progress_timeout_s)
+        if self.start_prefixes:
+            wrapped = StartPrefixes(wrapped, self.start_prefixes, self.start_share)
+        return wrapped
