@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import Field, dataclass, fields, is_dataclass
 from typing import Any
 
 from taskbuilder.description.custom import CustomCondition
@@ -137,7 +137,7 @@ def label(node: Condition) -> str:
     if isinstance(node, CustomCondition):
         return repr(node)
     told: list[str] = []
-    listed = fields(node) if is_dataclass(node) else ()
+    listed: tuple[Field[Any], ...] = fields(node) if is_dataclass(node) else ()
     for field in listed:
         names = [text for text in _names(getattr(node, field.name)) if _is_name(node, text)]
         if names:
