@@ -107,9 +107,9 @@ def _print_stages(summary: Summary, stages: Sequence[str]) -> None:
 
 def _print_reasons(played: Sequence[Rollout]) -> None:
     """What was wrong at the end of episodes, the most frequent first."""
-    counted = Counter(
-        name for episode in played for name in {_blamed(reason) for reason in episode.why}
-    )
+    # Once an episode, and in order: what is as frequent is told as it was met.
+    names = (dict.fromkeys(map(_blamed, episode.why)) for episode in played)
+    counted = Counter(name for each in names for name in each)
     if not counted:
         return
     print()
