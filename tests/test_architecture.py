@@ -73,7 +73,6 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
         "taskbuilder/sim/cameras.py",
     ),
     "matplotlib": ("taskbuilder/charts.py", "taskbuilder/curves.py"),
-    "ompl": ("taskbuilder/expert/",),
     "PIL": (
         *("taskbuilder/render.py", "taskbuilder/film/files.py"),
         "taskbuilder/validate/formats/pictures.py",
