@@ -15,8 +15,6 @@ from taskbuilder.world.world import World
 RESTING_M = 0.003
 """What is nearer than this to a thing below it lies on it."""
 
-Joints = Mapping[str, Sequence[float]]
-
 
 @dataclass(frozen=True)
 class Rider:
