@@ -9,11 +9,12 @@ from pathlib import Path
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.urdf import resolved_text
 from taskbuilder.geometry import Pose, add, norm, scale
+from taskbuilder.quiet import captured
 from taskbuilder.render import Pixels
 from taskbuilder.sim.bodies import load_urdf
 from taskbuilder.sim.cameras import STUDIO, CameraView, capture
-from taskbuilder.sim.chatter import captured, warnings
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
 
 _FROM = (0.72, -0.62, 0.32)  # from front right and above; robots look along +x
@@ -45,7 +46,7 @@ def take_portrait(
         copy.write_text(resolved_text(urdf), encoding="utf-8")
         if not trusted:
             probe(copy, kind="urdf")
-        with captured() as chatter:
+        with captured() as printed:
             body = load_urdf(client, copy, name=urdf.name, pose=Pose(), fixed_base=True)
         for name, position in joints.items():
             body.reset_joints((body.joints[name].index,), (position,))
@@ -56,4 +57,4 @@ def take_portrait(
             eye, extent.center, fov_deg=42, width=_SIZE[0], height=_SIZE[1], far=20 + 2 * distance
         )
         picture = capture(client, view, supersample=2, shadow=True, backdrop=STUDIO)
-    return picture.rgb, warnings(chatter.text)
+    return picture.rgb, warnings(printed.text)

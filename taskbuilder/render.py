@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont
 
 Modality = Literal["rgb", "depth", "mask"]
-MODALITIES: tuple[Modality, ...] = ("rgb", "depth", "mask")
 
 SUPERSAMPLE = 2
 """How many times larger stills are drawn than shown; edges become smooth."""

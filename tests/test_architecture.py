@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "wording")
+FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "quiet", "wording")
 
 FILES = ("spec", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -68,6 +68,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "processes": ("interpreters",),
     "geometry": (),
     "intervals": (),
+    "quiet": (),
     "errors": (),
     "wording": (),
     "interpreters": (),
@@ -78,7 +79,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # Packages that only some modules may import, so that they can be told apart, replaced, or left
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
-    "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/chatter.py"),
+    "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/engine_output.py"),
     "pydantic": ("taskbuilder/spec/", "taskbuilder/reference/"),
     "pydantic_core": ("taskbuilder/spec/",),
     "yaml": ("taskbuilder/spec/",),
@@ -88,7 +89,6 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
         "taskbuilder/sim/cameras.py",
     ),
     "matplotlib": ("taskbuilder/charts.py", "taskbuilder/curves.py"),
-    "ompl": ("taskbuilder/expert/",),
     "PIL": (
         *("taskbuilder/render.py", "taskbuilder/film/files.py"),
         "taskbuilder/validate/formats/pictures.py",

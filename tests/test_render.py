@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 import cv2
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 from taskbuilder.errors import SimulationError, UnknownNameError
 from taskbuilder.render import (
-    MODALITIES,
+    Modality,
     Still,
     contact_sheet,
     save_image,
@@ -25,6 +26,8 @@ from taskbuilder.spec.catalogue import Catalogue, Entry
 from taskbuilder.spec.load import TaskFile, read_task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
+
+MODALITIES = get_args(Modality)
 
 SCENE = """\
 task: wall

@@ -1,4 +1,4 @@
-"""Reading meshes far enough to know that the physics engine will read them right.
+"""Reading meshes, all of each, so that the physics engine is known to read them right.
 
 Bullet ends the process on an OBJ whose face refers to a vertex that does not exist, and loads
 an ASCII or empty STL as a body that nothing collides with. So every number is read here, which
@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 import re
-import struct
+from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 from taskbuilder.assets import codes
@@ -30,27 +31,33 @@ _UNIT_SCALE: Vec3 = (1.0, 1.0, 1.0)
 _CORNER = re.compile(rb"-?\d{1,9}(?:/-?\d{1,9}|/(?:-?\d{1,9})?/-?\d{1,9})?")
 
 _STL_HEADER_BYTES = 84
-_STL_TRIANGLE = struct.Struct("<12x9f2x")  # normal, three corners, attribute
-_STL_CHUNK_TRIANGLES = 10_000
+_STL_TRIANGLE_BYTES = 50  # a normal, three corners, an attribute
+_STL_CORNERS = slice(12, 48)
 
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """What is known about a mesh file that was read whole.
+    """A mesh file that was read whole.
 
     Attributes:
         path: Absolute path of the file.
-        vertices: Number of vertices; in an STL each triangle has three of its own.
-        triangles: Number of triangles, polygons counted as fans.
-        bounds: Smallest box around the vertices, in the units of the file.
+        points: x, y and z of one vertex after the other, in the units of the file.
+        corners: Numbers of the three vertices of one triangle after the other, polygons split
+            into fans; in an STL each triangle has vertices of its own.
+        bounds: Smallest box around the vertices.
         warnings: What is odd about the file without forbidding its use.
     """
 
     path: Path
-    vertices: int
-    triangles: int
+    points: array[float] = field(repr=False)
+    corners: array[int] = field(repr=False)
     bounds: Box
     warnings: tuple[str, ...] = ()
+
+    @property
+    def triangles(self) -> int:
+        """Number of triangles."""
+        return len(self.corners) // 3
 
 
 def read_mesh(path: Path) -> Mesh:
@@ -106,20 +113,11 @@ def _bad(path: Path, message: str, line: int = 0) -> AssetError:
 
 
 def _read_stl(path: Path, data: bytes) -> Mesh:
-    triangles = _stl_triangle_count(path, data)
-    low: list[float] = [math.inf] * 3
-    high: list[float] = [-math.inf] * 3
-    # In chunks, so that a large mesh does not become a hundred megabytes of floats.
-    step = _STL_TRIANGLE.size * _STL_CHUNK_TRIANGLES
-    for start in range(_STL_HEADER_BYTES, len(data), step):
-        columns = tuple(zip(*_STL_TRIANGLE.iter_unpack(data[start : start + step]), strict=True))
-        for column, values in enumerate(columns):
-            _require_sane(path, values)
-            axis = column % 3
-            low[axis] = min(low[axis], min(values))
-            high[axis] = max(high[axis], max(values))
-    bounds = Box.around((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-    return Mesh(path, 3 * triangles, triangles, bounds)
+    count = _stl_triangle_count(path, data)
+    starts = range(_STL_HEADER_BYTES, len(data), _STL_TRIANGLE_BYTES)
+    records = (data[start : start + _STL_TRIANGLE_BYTES] for start in starts)
+    points = array("f", b"".join(record[_STL_CORNERS] for record in records))
+    return Mesh(path, points, array("I", range(3 * count)), _bounds(path, points))
 
 
 def _stl_triangle_count(path: Path, data: bytes) -> int:
@@ -131,7 +129,7 @@ def _stl_triangle_count(path: Path, data: bytes) -> int:
     count = 0
     if len(data) >= _STL_HEADER_BYTES:
         count = int.from_bytes(data[_STL_HEADER_BYTES - 4 : _STL_HEADER_BYTES], "little")
-    expected = _STL_HEADER_BYTES + count * _STL_TRIANGLE.size
+    expected = _STL_HEADER_BYTES + count * _STL_TRIANGLE_BYTES
     # Some binary files begin with "solid" too; only the length tells them apart.
     if len(data) != expected and data.lstrip()[:5].lower() == b"solid":
         raise AssetError(
@@ -156,8 +154,8 @@ class _Obj:
         self._line = 0
         self._texture_points = 0
         self._normals = 0
-        self.columns: tuple[list[float], list[float], list[float]] = ([], [], [])
-        self.triangles = 0
+        self.points = array("d")
+        self.corners = array("I")
         self.warnings: list[str] = []
 
     def read(self, data: bytes) -> None:
@@ -190,11 +188,7 @@ class _Obj:
         return numbers
 
     def _vertex(self, words: Sequence[bytes]) -> None:
-        x, y, z, *_ = self._floats(words, 3)
-        xs, ys, zs = self.columns
-        xs.append(x)
-        ys.append(y)
-        zs.append(z)
+        self.points.extend(self._floats(words, 3)[:3])
 
     def _texture_point(self, words: Sequence[bytes]) -> None:
         self._floats(words, 2)
@@ -208,7 +202,7 @@ class _Obj:
         if len(words) < 3:
             raise self._bad(f"a face of {len(words)} corners; it needs three or more")
         # Only what came before counts: the engine may build the shape at the next group.
-        known = (len(self.columns[0]), self._texture_points, self._normals)
+        known = (len(self.points) // 3, self._texture_points, self._normals)
         for word in words:
             if not _CORNER.fullmatch(word):
                 raise self._bad(f"{_shown([word])} is no corner of a face; write 1, 1/1 or 1/1/1")
@@ -218,7 +212,10 @@ class _Obj:
                         f"a face refers to item {int(index)} of {count}; "
                         "indices run from 1, or from -1 backwards, over the lines above"
                     )
-        self.triangles += len(words) - 2
+        numbers = [int(word.partition(b"/")[0]) for word in words]
+        first, *others = [n - 1 if n > 0 else known[0] + n for n in numbers]
+        for second, third in pairwise(others):
+            self.corners.extend((first, second, third))
 
     def _material_file(self, words: Sequence[bytes]) -> None:
         for word in words:
@@ -229,12 +226,8 @@ def _read_obj(path: Path, data: bytes) -> Mesh:
     _require_text(path, data)
     obj = _Obj(path)
     obj.read(data)
-    _require_count(path, obj.triangles)
-    for column in obj.columns:
-        _require_sane(path, column)
-    xs, ys, zs = obj.columns
-    bounds = Box.around((min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs)))
-    return Mesh(path, len(xs), obj.triangles, bounds, tuple(obj.warnings))
+    _require_count(path, len(obj.corners) // 3)
+    return Mesh(path, obj.points, obj.corners, _bounds(path, obj.points), tuple(obj.warnings))
 
 
 def _require_text(path: Path, data: bytes) -> None:
@@ -296,11 +289,20 @@ def _require_count(path: Path, triangles: int) -> None:
         raise _bad(path, f"has {triangles} triangles; simplify it to at most {MAX_TRIANGLES}")
 
 
-def _require_sane(path: Path, values: Sequence[float]) -> None:
-    """Checks that coordinates are finite and bounded, at the speed of ``sum`` and ``max``."""
-    # A sum is finite only if every term is; min and max alone would overlook a nan.
-    if not math.isfinite(sum(values)) or max(max(values), -min(values)) > MAX_COORDINATE:
-        raise _bad(path, f"has a coordinate that is not finite or beyond {MAX_COORDINATE:g}")
+def _bounds(path: Path, points: array[float]) -> Box:
+    """The box around coordinates that are finite and bounded, at the speed of ``sum`` and ``max``.
+
+    Raises:
+        AssetError: One is not.
+    """
+    low, high = [0.0] * 3, [0.0] * 3
+    for axis in range(3):
+        values = points[axis::3]
+        low[axis], high[axis] = min(values), max(values)
+        # A sum is finite only if every term is; min and max alone would overlook a nan.
+        if not math.isfinite(sum(values)) or max(high[axis], -low[axis]) > MAX_COORDINATE:
+            raise _bad(path, f"has a coordinate that is not finite or beyond {MAX_COORDINATE:g}")
+    return Box.around((low[0], low[1], low[2]), (high[0], high[1], high[2]))
 
 
 def _shown(words: Sequence[bytes]) -> str:

@@ -5,7 +5,6 @@ The modules of commands import what they need when they run, so that ``--help`` 
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -42,7 +41,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except BrokenPipeError:
         # Whoever read the output has seen enough; what is left must not fail at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        from taskbuilder.quiet import drop  # takes a while to load
+
+        drop(sys.stdout.fileno())
         return OK
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)

@@ -35,7 +35,7 @@ def results_alone() -> Iterator[None]:
 
     What descriptions and the physics engine print meanwhile goes to standard error.
     """
-    from taskbuilder.description.aside import printing_aside  # loads what a command loads anyway
+    from taskbuilder.quiet import printing_to_stderr  # loads what a command loads anyway
 
     sys.stdout.flush()
     encoding = sys.stdout.encoding
@@ -43,7 +43,7 @@ def results_alone() -> Iterator[None]:
     with open(os.dup(1), "w", encoding=encoding, errors="backslashreplace") as stream:  # noqa: PTH123
         _result.append(stream)
         try:
-            with printing_aside():
+            with printing_to_stderr():
                 yield
         finally:
             _result.pop()

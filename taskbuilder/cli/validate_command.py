@@ -6,7 +6,6 @@ import argparse
 import shlex
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ from taskbuilder.cli.output import emit, paint, print_json, print_table, progres
 from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
+from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.validate.formats.blame import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     pages = _Pages(arguments.report, catalogue)
     reports: list[TaskReport] = []
     for name in names:
-        with redirect_stdout(sys.stderr):  # what a description prints is no part of the result
+        with printing_to_stderr():  # what a description prints is no part of the result
             report = validate_task(
                 name,
                 level=arguments.level,

@@ -22,12 +22,12 @@ import traceback
 from pathlib import Path
 from types import ModuleType
 
-from taskbuilder.description.aside import printing_aside
 from taskbuilder.description.description import Description
 from taskbuilder.description.node import ValueOfNodeError
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.interpreters import interpreter
 from taskbuilder.processes import environment_of_children, owned
+from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.spec.catalogue import Entry
 from taskbuilder.wording import suggestion
 
@@ -108,7 +108,7 @@ def try_import(entry: Entry, limit_s: float = TRIAL_LIMIT_S) -> None:
 
 def _import(entry: Entry, file: Path) -> ModuleType:
     try:
-        with printing_aside():
+        with printing_to_stderr():
             if entry.module:
                 return importlib.import_module(entry.module)
             return _import_path(file)

@@ -115,7 +115,7 @@ class RobotActions:
             joints: Positions within a control step's reach, rad or m; None to stay.
             opening: Of the gripper, from 0 (closed) to 1; None to leave it as it was told.
         """
-        arm = self._mode.leading_to(self.arm.commanded() if joints is None else joints)
+        arm = self._mode.leading_to(self.arm.robot.commanded() if joints is None else joints)
         return self.clipped([*arm, self._gripper.opening_to(opening)])
 
     def command(self, values: Sequence[float]) -> Targets:

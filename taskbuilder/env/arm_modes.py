@@ -67,11 +67,6 @@ class Arm:
         links = [norm(offset) for offset, _ in self.stepper.offsets]
         return sum(links) + norm(self.stepper.tool.position)
 
-    def commanded(self) -> Sequence[float]:
-        """The joints as last commanded, or as they are where no position was commanded."""
-        command = self.robot.arm.command
-        return command.values if command.mode == "position" else self.robot.arm_state()[0]
-
     def approach(self, joints: Sequence[float], goal: Sequence[float]) -> list[float]:
         """Joints on the straight line to a goal, as far as one control step allows."""
         gaps = [end - begin for begin, end in zip(joints, goal, strict=True)]

@@ -31,13 +31,13 @@ class JointDelta:
         return [
             min(max(joint + value, low), high)
             for joint, value, low, high in zip(
-                self.arm.commanded(), values, stepper.lower, stepper.upper, strict=True
+                self.arm.robot.commanded(), values, stepper.lower, stepper.upper, strict=True
             )
         ]
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
-        return [goal - at for goal, at in zip(joints, self.arm.commanded(), strict=True)]
+        return [goal - at for goal, at in zip(joints, self.arm.robot.commanded(), strict=True)]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class JointPosition:
 
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
-        return self.arm.approach(self.arm.commanded(), values)
+        return self.arm.approach(self.arm.robot.commanded(), values)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
@@ -83,7 +83,8 @@ class JointVelocity:
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
         return [
-            (goal - at) / self.arm.dt for goal, at in zip(joints, self.arm.commanded(), strict=True)
+            (goal - at) / self.arm.dt
+            for goal, at in zip(joints, self.arm.robot.commanded(), strict=True)
         ]
 
 

@@ -49,7 +49,7 @@ class TcpDelta:
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
         arm, spec = self.arm, self.arm.spec
-        joints = arm.commanded()
+        joints = arm.robot.commanded()
         frames = arm.stepper.frames(joints)
         tool = frames.tool
         shift = _shortened((values[0], values[1], values[2]), spec.max_step)
@@ -64,7 +64,7 @@ class TcpDelta:
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
         arm, spec = self.arm, self.arm.spec
-        tool, goal = arm.stepper.forward(arm.commanded()), arm.stepper.forward(joints)
+        tool, goal = arm.stepper.forward(arm.robot.commanded()), arm.stepper.forward(joints)
         shift = self._from_base(subtract(goal.position, tool.position), tool)
         if spec.turn == "none":
             return shift
@@ -118,7 +118,7 @@ class TcpPose:
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
         arm, spec = self.arm, self.arm.spec
-        joints = arm.commanded()
+        joints = arm.robot.commanded()
         tool = arm.stepper.forward(joints)
         goal = self.goal(values)
         shift = _shortened(subtract(goal.position, tool.position), spec.max_step)
@@ -178,7 +178,7 @@ class TcpPath:
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
         arm = self.arm
-        joints = arm.commanded()
+        joints = arm.robot.commanded()
         rng = np.random.default_rng(0)  # the same path for the same command
         found = solve(arm.robot.chain, TcpPose(arm).goal(values), start=joints, rng=rng)
         return arm.approach(joints, found.joints)

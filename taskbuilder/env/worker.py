@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
 
 from taskbuilder.processes import become_child
+from taskbuilder.quiet import drop
 
 if TYPE_CHECKING:  # imported by main, when a failure to import can already be told
     from taskbuilder.env.options import Options
@@ -81,7 +82,7 @@ def main() -> None:
     connection, lifeline, words, memory, start, stop = map(int, sys.argv[1:])
     last_words = os.fdopen(words, "wb", buffering=0)
     become_child(lifeline, last_words)
-    _fall_silent()
+    drop(2)  # standard error: until now, it was kept with the last words
     try:
         shard = WorkerConfig.read(sys.stdin.buffer).shard(memory, range(start, stop))
         _serve(shard, socket.socket(fileno=connection))
@@ -96,9 +97,3 @@ def _serve(shard: Shard, connection: socket.socket) -> None:
     while connection.recv(1):
         shard.advance()
         connection.sendall(b"!")
-
-
-def _fall_silent() -> None:
-    """Send what is printed nowhere; until now it was kept with the last words."""
-    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123  # its descriptor is what matters
-        os.dup2(nowhere.fileno(), 2)

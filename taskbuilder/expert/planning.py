@@ -8,14 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.errors import UsageError
 from taskbuilder.expert.blocked import Blocked
 from taskbuilder.expert.clearance import Clearance
 from taskbuilder.expert.goals import ends, goal_of
 from taskbuilder.expert.moves import Move, check_moves
-from taskbuilder.expert.ompl_trees import check_installed
 from taskbuilder.expert.parts import ArmJoints, Jointed, Part
-from taskbuilder.expert.search import Library, Search, Way
+from taskbuilder.expert.search import Search, Way
 from taskbuilder.expert.shadow import Rider, Shadow
 from taskbuilder.expert.spaces import Space
 from taskbuilder.expert.timing import Trajectory, timed
@@ -40,20 +38,10 @@ class Planner:
 
     Args:
         env: Any environment of a task.
-        library: Whose search looks for ways of joints: this one's, which is the same on every
-            call with the same generator, or ``ompl``, which is so only without threads.
-
-    Raises:
-        UsageError: The library is not known, or not installed.
     """
 
-    def __init__(self, env: TaskEnv, library: Library = "own") -> None:
-        if library not in ("own", "ompl"):
-            raise UsageError(f'no planning library "{library}"; there are own and ompl')
-        if library == "ompl":
-            check_installed()
+    def __init__(self, env: TaskEnv) -> None:
         self._env = env
-        self._library: Library = library
         self._shadows: dict[int, Shadow] = {}
 
     def plan(
@@ -85,7 +73,7 @@ class Planner:
         joints = shadow.copy(live)
         moving = tuple(name for move in moves for name in move.carriers)
         riders = shadow.riders(live, dict(sorted(held.items(), key=lambda i: i[0] not in moving)))
-        motion = _Motion(shadow, moves, moving, joints, held, riders, rng, self._library)
+        motion = _Motion(shadow, moves, moving, joints, held, riders, rng)
         space, way = motion.way()
         speeds = {name: move.speed for move in moves for name in move.carriers}
         laden = {rider.robot for rider in riders}
@@ -115,7 +103,6 @@ class _Motion:
     held: Mapping[str, str]
     riders: Sequence[Rider]
     rng: np.random.Generator
-    library: Library
 
     def way(self) -> tuple[Space, Way]:
         """The first way that is found.
@@ -200,4 +187,4 @@ class _Motion:
         touching = {name: move.touching for move in self.moves for name in move.carriers}
         clearance = Clearance(self.shadow, self.moving, self.riders, self.held, touching)
         clearance.between(start.posture, goal.posture)
-        return Search(space, clearance, start, goal, self.rng, self.library)
+        return Search(space, clearance, start, goal, self.rng)

@@ -12,7 +12,7 @@ from taskbuilder.expert.performance import Performance, StageError
 from taskbuilder.expert.planning import Planner
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
-from taskbuilder.spec.expert import ExpertStage
+from taskbuilder.spec.expert import ExpertStage, in_words
 
 
 class Expert:
@@ -181,7 +181,7 @@ class _Script:
 
     def _out_of_time(self) -> Trouble | None:
         """Why a stage was not done when the episode ended; None if that was in success."""
-        episode, stage = self._env.episode, words(self._stages[self._stage - 1])
+        episode, stage = self._env.episode, in_words(self._stages[self._stage - 1])
         if episode.exploded:
             cause, message = "physics diverged", "the physics diverged"
         elif episode.succeeded:
@@ -190,11 +190,3 @@ class _Script:
             cause = "no time left"
             message = f"the episode's {episode.steps} control steps are over"
         return Trouble(self._stage, stage, "", cause, message, episode.steps)
-
-
-def words(stage: ExpertStage) -> str:
-    """A stage in words: ``left: release, right: bring stick to goal``."""
-    if isinstance(stage, dict):
-        return ", ".join(f"{robot}: {order}" for robot, order in stage.items())
-    robots = getattr(stage, "together", ())
-    return f"{' and '.join(robots)}: {stage}" if robots else str(stage)

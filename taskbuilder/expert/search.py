@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 
-from taskbuilder.expert import ompl_trees, trees
+from taskbuilder.expert import trees
 from taskbuilder.expert.blocked import Blocked
 from taskbuilder.expert.clearance import Clearance, Near
 from taskbuilder.expert.detours import detours
-from taskbuilder.expert.parts import Coordinates, Jointed
+from taskbuilder.expert.parts import Coordinates
 from taskbuilder.expert.spaces import Off, Point, Space
 
 SHORTCUTS, MANY_SHORTCUTS = 24, 60
 """How often it is tried to cut corners of a simple way, and of one that trees have found."""
 
 Way = list[Point]
-Library = Literal["own", "ompl"]
 
 
 class Search:
@@ -31,7 +29,6 @@ class Search:
         start: Where it begins.
         goal: Where it is to go, if it can.
         rng: For the trees and for shortcuts.
-        library: Whose trees grow where joints are commanded.
     """
 
     def __init__(
@@ -41,14 +38,12 @@ class Search:
         start: Point,
         goal: Point,
         rng: np.random.Generator,
-        library: Library = "own",
     ) -> None:
         self.space = space
         self._start = start
         self._goal = goal
         self._clearance = clearance
         self._rng = rng
-        self._library = library
         self._met: Counter[tuple[str, str]] = Counter()
         self._worst: dict[tuple[str, str], Near] = {}
         self._astray = Off()
@@ -88,10 +83,8 @@ class Search:
         """A way found by trees that grow from both ends."""
         if len(self.space.begin) == 1:
             return None  # a single line leads round nothing
-        by_joints = all(isinstance(part, Jointed) for part in self.space.parts)
-        grow = ompl_trees.connect if by_joints and self._library == "ompl" else trees.connect
         ends = (self._start, self._goal)
-        for line in grow(self.space, ends, self._free, self._rng):
+        for line in trees.connect(self.space, ends, self._free, self._rng):
             way = self._along(self._start, line)
             if way is not None:
                 return self._shortened(way, MANY_SHORTCUTS)

@@ -9,13 +9,10 @@ from taskbuilder.expert.reach import Reach
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.contacts import gaps, pose_joints
 from taskbuilder.world.building import build_world
-from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
 RESTING_M = 0.003
 """What is nearer than this to a thing below it lies on it."""
-
-Joints = Mapping[str, Sequence[float]]
 
 
 @dataclass(frozen=True)
@@ -67,7 +64,7 @@ class Shadow:
             thing.body.place(original.pose())
             if thing.joints:
                 pose_joints(thing.body, thing.joints, original.joint_states(thing.joints)[0])
-        commanded = {name: commanded_joints(robot) for name, robot in live.robots.items()}
+        commanded = {name: robot.commanded() for name, robot in live.robots.items()}
         for name, robot in self.world.robots.items():
             indices = self._moving[name]
             pose_joints(robot.body, indices, live.robots[name].body.joint_states(indices)[0])
@@ -112,9 +109,3 @@ class Shadow:
             body = self.world.objects[name].body
             if name != below and any(gap.up > 0.5 for gap in gaps(body, carrier, RESTING_M)):
                 yield name
-
-
-def commanded_joints(robot: Robot) -> tuple[float, ...]:
-    """An arm's joints as last commanded, or as they are where no position was commanded."""
-    command = robot.arm.command
-    return tuple(command.values if command.mode == "position" else robot.arm_state()[0])

@@ -144,10 +144,6 @@ class Body:
         state = self._bullet.getLinkState(self.id, index, computeForwardKinematics=1)
         return Pose(state[4], state[5])
 
-    def link_velocity(self, index: int) -> Velocity:
-        """Velocity of a link frame's origin."""
-        return self.link_state(index).velocity
-
     def link_state(self, index: int) -> LinkState:
         """Pose and velocity of a link's frame, in one call to Bullet."""
         if index == BASE:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from taskbuilder.errors import SimulationError
-from taskbuilder.sim.chatter import import_pybullet
+from taskbuilder.sim.engine_output import import_pybullet
 from taskbuilder.sim.single import Single
 
 __all__ = ["Calls", "p"]

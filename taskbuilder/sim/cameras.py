@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.errors import SimulationError
-from taskbuilder.geometry import Pose, Vec3, add, cross, from_axes, norm, scale, subtract, unit
+from taskbuilder.geometry import Pose, Vec3, cross, from_axes, norm, scale, subtract, unit
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
 
@@ -69,22 +68,6 @@ class CameraView:
                 f"the camera at {self.eye} looks along its up vector {self.up}, so which way is "
                 "up in the picture is undecided; give another up, such as (0, 1, 0)"
             )
-
-    @classmethod
-    def from_pose(
-        cls, world_from_camera: Pose, *, fov_deg: float, width: int, height: int, **lens: float
-    ) -> Self:
-        """The view of a camera whose frame (x right, y down, z forward) is given."""
-        eye = world_from_camera.position
-        return cls(
-            eye=eye,
-            target=add(eye, world_from_camera.axis(2)),
-            up=scale(world_from_camera.axis(1), -1.0),
-            fov_deg=fov_deg,
-            width=width,
-            height=height,
-            **lens,
-        )
 
     @property
     def pose(self) -> Pose:

@@ -8,8 +8,8 @@ from typing import Self
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Vec3
+from taskbuilder.quiet import captured
 from taskbuilder.sim.bullet import Calls, p
-from taskbuilder.sim.chatter import captured
 from taskbuilder.sim.renderers import Renderer, load_egl
 from taskbuilder.sim.single import Single
 

@@ -3,29 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from taskbuilder.errors import ExplosionError
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.body import Body, Velocity
 
 # Bullet clamps joint speeds at 100 rad/s (or m/s): a joint that reaches it has exploded.
 JOINT_SPEED_LIMIT = 99.0
 REACH_M = 50.0
 SPEED_LIMIT = 1e3
-
-
-def check(bodies: Iterable[Body]) -> None:
-    """Read every body's state and refuse one that has diverged.
-
-    Raises:
-        ExplosionError: See `check_pose`, `check_velocity` and `check_joints`.
-    """
-    for body in bodies:
-        check_pose(body.name, body.pose())
-        check_velocity(body.name, body.velocity())
-        _, speeds = body.joint_states(tuple(range(len(body.joints))))
-        check_joints(body.name, speeds)
 
 
 def check_pose(name: str, pose: Pose) -> None:
@@ -40,17 +26,6 @@ def check_pose(name: str, pose: Pose) -> None:
         raise _explosion(name, f"is at ({x:.4g}, {y:.4g}, {z:.4g}) m")
     if not math.isfinite(sum(pose.quaternion)):
         raise _explosion(name, "has an orientation that is not finite")
-
-
-def check_velocity(name: str, velocity: Velocity) -> None:
-    """Refuse a velocity that was read and cannot be.
-
-    Raises:
-        ExplosionError: A component is not finite, or above 1000 m/s or rad/s.
-    """
-    for vector, unit in ((velocity.linear, "m/s"), (velocity.angular, "rad/s")):
-        if not max(map(abs, vector)) < SPEED_LIMIT or not math.isfinite(sum(vector)):
-            raise _explosion(name, f"moves at {vector} {unit}")
 
 
 def check_joints(name: str, speeds: Sequence[float]) -> None:

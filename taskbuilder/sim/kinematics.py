@@ -197,18 +197,6 @@ def solve(
     return best
 
 
-def follow(
-    chain: Chain, target: Pose, *, start: Sequence[float], iterations: int = 3
-) -> tuple[float, ...]:
-    """A few steps from ``start`` towards a nearby pose: inverse kinematics for a control loop.
-
-    Stays inside the limits and continuous in ``start``; where the pose is out of reach, it comes
-    as near as it gets.
-    """
-    beginning = np.clip(np.asarray(start, dtype=np.float64), chain.lower, chain.upper)
-    return tuple(_descend(chain, _matrix(target), beginning, iterations).tolist())
-
-
 def _descend(chain: Chain, goal: Floats, positions: Floats, iterations: int) -> Floats:
     """Levenberg-Marquardt from one beginning.
 

@@ -21,7 +21,8 @@ from typing import Any, Literal
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError, require_readable
 from taskbuilder.interpreters import interpreter
-from taskbuilder.sim.chatter import captured, import_pybullet, warnings
+from taskbuilder.quiet import captured
+from taskbuilder.sim.engine_output import import_pybullet, warnings
 
 Kind = Literal["urdf", "mesh"]
 
@@ -73,13 +74,13 @@ def main(arguments: Sequence[str]) -> int:
     _forbid_core_dumps()
     bullet = import_pybullet()
     complaint = ""
-    with captured() as chatter:
+    with captured() as printed:
         try:
             _load(bullet, Path(path), kind)
         except (bullet.error, ValueError) as error:
             complaint = str(error)
     if complaint:
-        sys.stdout.write("; ".join((complaint.rstrip("."), *warnings(chatter.text))))
+        sys.stdout.write("; ".join((complaint.rstrip("."), *warnings(printed.text))))
         return _REFUSED
     sys.stdout.write(_LOADED)
     return 0

@@ -15,8 +15,8 @@ from typing import Literal
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.interpreters import interpreter
+from taskbuilder.quiet import captured
 from taskbuilder.sim.bullet import Calls
-from taskbuilder.sim.chatter import captured
 
 Renderer = Literal["tiny", "egl"]
 
@@ -111,10 +111,10 @@ def load_egl(bullet: Calls) -> None:
     """
     choose("egl")
     spec = find_spec("eglRenderer")
-    with captured() as chatter:
+    with captured() as printed:
         plugin = bullet.loadPlugin(spec and spec.origin, "_eglRendererPlugin")
     if plugin < 0:
-        raise SimulationError(f"Bullet's EGL plugin does not load: {chatter.text.strip()}")
+        raise SimulationError(f"Bullet's EGL plugin does not load: {printed.text.strip()}")
     with captured():
         for _ in range(2):  # its first two images differ from all later ones
             bullet.getCameraImage(8, 8)

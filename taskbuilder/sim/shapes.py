@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.assets.mesh import read_mesh
+from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, bounding_box, from_axes
-from taskbuilder.sim.meshes import Mesh, read_mesh
 
 RGBA = tuple[float, float, float, float]
 
@@ -124,8 +125,8 @@ def solid(shape: Shape) -> Solid:
             return Solid(math.pi * r * r * h, Pose(), (across, across, r * r / 2))
         case CapsuleShape(r, h):
             return _capsule_solid(r, h)
-        case MeshShape(path, scale):
-            return _mesh_solid(read_mesh(path).scaled(scale))
+        case MeshShape():
+            return _mesh_solid(mesh_corners(shape))
 
 
 def bounds(shape: Shape) -> Box:
@@ -158,9 +159,23 @@ def placed_bounds(shape: Shape, pose: Pose) -> Box:
         case CapsuleShape(r, h):
             x, y, z = (h / 2 * abs(a) + r for a in pose.axis(2))
             return Box(pose.position, (x, y, z))
-        case MeshShape(path, scale):
-            points = np.unique(read_mesh(path).scaled(scale).corners.reshape(-1, 3), axis=0)
+        case MeshShape():
+            points = np.unique(mesh_corners(shape).reshape(-1, 3), axis=0)
             return bounding_box([pose.apply((x, y, z)) for x, y, z in points.tolist()])
+
+
+def mesh_corners(shape: MeshShape) -> NDArray[np.float64]:
+    """(triangles, 3, 3) corner positions of a mesh's triangles, m.
+
+    Raises:
+        SimulationError: The file cannot be read, or the physics engine would misread it.
+    """
+    try:
+        mesh = read_mesh(shape.path)
+    except AssetError as error:
+        raise SimulationError(str(error)) from error
+    points = np.asarray(mesh.points, dtype=np.float64).reshape(-1, 3) * np.asarray(shape.scale)
+    return points[np.asarray(mesh.corners, dtype=np.intp).reshape(-1, 3)]
 
 
 def _capsule_solid(r: float, h: float) -> Solid:
@@ -173,14 +188,13 @@ def _capsule_solid(r: float, h: float) -> Solid:
     return Solid(volume, Pose(), (across, across, along))
 
 
-def _mesh_solid(mesh: Mesh) -> Solid:
+def _mesh_solid(corners: NDArray[np.float64]) -> Solid:
     """Integrate over the tetrahedra that the triangles span with the origin.
 
     Blow and Binstock, "How to find the inertia tensor (or other mass properties) of a 3D solid
     body represented by a triangle mesh" (2004). A mesh that is not closed has no inside; its
     bounding box stands in.
     """
-    corners = mesh.corners
     if not _is_closed(corners):
         return _box_stand_in(corners)
     determinants = np.linalg.det(corners)

@@ -317,6 +317,22 @@ ExpertStage = Annotated[
 ]
 
 
+def orders_of(stage: ExpertStage) -> tuple[tuple[str, Order | Together], ...]:
+    """Who is told what in a stage; empty for one that waits, or repeats others.
+
+    Returns:
+        Robots in words, such as ``left and right``, and their order.
+    """
+    if isinstance(stage, Together):
+        return ((" and ".join(stage.together), stage),)
+    return () if isinstance(stage, Wait | Repeat) else tuple(stage.items())
+
+
+def in_words(stage: ExpertStage) -> str:
+    """A stage in words: ``left: release, right: bring stick to goal``."""
+    return ", ".join(f"{who}: {order}" for who, order in orders_of(stage)) or str(stage)
+
+
 def waits(
     stages: Sequence[Any], path: tuple[str | int, ...] = ("expert",)
 ) -> Iterator[tuple[tuple[str | int, ...], str]]:

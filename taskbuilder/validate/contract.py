@@ -8,8 +8,6 @@ ship; they are not run where what is observed is wrong, which they would only sa
 from __future__ import annotations
 
 import contextlib
-import io
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
@@ -23,6 +21,7 @@ from pettingzoo.utils.conversions import parallel_to_aec
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.quiet import without_remarks
 from taskbuilder.task import Task
 from taskbuilder.validate.environments import check_ended, check_kept, check_picture, regions
 from taskbuilder.validate.observing import (
@@ -123,8 +122,7 @@ def check_suite(task: Task, code: str) -> Result:
     name, suite = SUITES[code]
     findings = []
     try:
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with without_remarks():
             suite(task)
     except Exception as error:  # whatever the tests of others raise
         if arose_in_description(error, task.file.entry):

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import os
 import resource
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +18,7 @@ from pettingzoo.test import parallel_api_test
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.episode import Episode
 from taskbuilder.errors import Finding, TaskbuilderError, UsageError, in_reading_order
+from taskbuilder.quiet import without_remarks
 from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.spec.source import dotted
 from taskbuilder.validate.observing import (
@@ -226,8 +224,7 @@ def _passes(env: Any, steps: int) -> Result:
     code, name = ("TB521", "parallel_api_test") if parallel else ("TB523", "check_env")
     found = []
     try:
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with without_remarks():
             if parallel:
                 parallel_api_test(env, num_cycles=min(steps + 10, CYCLES))
             else:

@@ -25,6 +25,7 @@ from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.spec.expert import in_words
 from taskbuilder.validate.needs import NOTHING, RANDOM
 from taskbuilder.validate.places import finding_in_description
 from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, wild_terms
@@ -283,7 +284,4 @@ def _stage_of(run: Run, way: str) -> str:
     number = way.rpartition("stage ")[2]
     if not number.isdigit():
         return ""
-    stage = run.task.file.spec.expert[int(number) - 1]
-    orders = stage.items() if isinstance(stage, dict) else ()
-    said = ", ".join(f"{robot}: {order}" for robot, order in orders) or str(stage)
-    return f" ({said})"
+    return f" ({in_words(run.task.file.spec.expert[int(number) - 1])})"

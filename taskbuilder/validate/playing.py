@@ -103,5 +103,5 @@ class ThrowAll(HoldStill):
 def _swung(env: TaskEnv, agent: str) -> list[float]:
     """An arm's commanded joints with the first one as far on as a control step takes it."""
     arm = env.episode.actions[agent].arm
-    first, *rest = arm.commanded()
+    first, *rest = arm.robot.commanded()
     return [min(first + arm.longest[0], arm.stepper.upper[0]), *rest]

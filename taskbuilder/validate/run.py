@@ -42,7 +42,6 @@ from taskbuilder.wording import suggestion
 if TYPE_CHECKING:  # a static validation loads no physics
     from taskbuilder.validate.running import Run
 
-LEVELS: tuple[Level, ...] = ("static", "build", "full")
 SEEDS = 40
 QUICK_SEEDS = 5
 

@@ -14,10 +14,11 @@ from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import resolved_text
 from taskbuilder.errors import FileError, Finding, SimulationError
 from taskbuilder.geometry import Pose
+from taskbuilder.quiet import captured
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.chatter import captured, warnings
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
 from taskbuilder.sim.shapes import MeshShape, Part
 from taskbuilder.spec.load import TaskFile
@@ -100,14 +101,14 @@ class Loader:
 
     @contextmanager
     def _listening(self, name: str) -> Iterator[None]:
-        """Keep Bullet's chatter off the terminal; what it warns of becomes findings."""
+        """Keep what Bullet prints off the terminal; what it warns of becomes findings."""
         place = self._place(name)
         try:
-            with captured() as chatter:
+            with captured() as printed:
                 yield
         except SimulationError as error:
             raise FileError([self.finding("TB407", str(error), *place)]) from error
         if not self._trusts(name):
-            for sentence in warnings(chatter.text):
+            for sentence in warnings(printed.text):
                 location = self.task.source.locate(place)
                 self.heard.append(Finding("TB407", sentence, ".".join(place), location, "warning"))

@@ -76,6 +76,11 @@ class Robot:
         ]
         return sum(shares) / len(shares)
 
+    def commanded(self) -> tuple[float, ...]:
+        """The arm's joints as last commanded, or as they are where no position was commanded."""
+        command = self.arm.command
+        return command.values if command.mode == "position" else self.arm_state()[0]
+
     def move_arm(self, positions: Sequence[float]) -> None:
         """Drive the arm's joints to positions, in rad or m."""
         self.arm.position(positions)
@@ -85,8 +90,7 @@ class Robot:
 
         A target that jumps once a control step makes the arm jerk and overshoot.
         """
-        command = self.arm.command
-        start = np.array(command.values if command.mode == "position" else self.arm_state()[0])
+        start = np.array(self.commanded())
         way = np.array(positions) - start
         for waypoint in (start + _shares(steps) * way).tolist():
             self.arm.pass_by(waypoint)

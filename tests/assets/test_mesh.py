@@ -32,7 +32,9 @@ def written(tmp_path: Path, name: str, content: str | bytes) -> Path:
 
 def test_reads_an_obj(tmp_path: Path) -> None:
     mesh = read_mesh(written(tmp_path, "a.obj", TETRAHEDRON))
-    assert (mesh.vertices, mesh.triangles) == (4, 4)
+    assert mesh.points.tolist() == [0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3]
+    assert mesh.corners.tolist() == [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]
+    assert mesh.triangles == 4
     assert mesh.bounds.low == (0, 0, 0)
     assert mesh.bounds.high == (1, 2, 3)
 
@@ -40,14 +42,15 @@ def test_reads_an_obj(tmp_path: Path) -> None:
 @pytest.mark.parametrize("faces", ["f -4 -3 -2 -1", "f 1/1 2/1 3/1 4/1", "f 1//1 2//1 3//-1 4//1"])
 def test_reads_negative_indices_polygons_and_all_corners(tmp_path: Path, faces: str) -> None:
     text = TETRAHEDRON.split("f")[0] + "vt 0 0\nvn 0 0 1\n" + faces + "\n"
-    assert read_mesh(written(tmp_path, "a.obj", text)).triangles == 2
+    assert read_mesh(written(tmp_path, "a.obj", text)).corners.tolist() == [0, 1, 2, 0, 2, 3]
 
 
 def test_reads_a_binary_stl_even_one_that_begins_with_solid(tmp_path: Path) -> None:
     content = bytearray(stl(TRIANGLE, TRIANGLE))
     content[:5] = b"solid"
     mesh = read_mesh(written(tmp_path, "a.STL", bytes(content)))
-    assert (mesh.vertices, mesh.triangles) == (6, 2)
+    assert mesh.points.tolist() == [*TRIANGLE, *TRIANGLE]
+    assert mesh.corners.tolist() == [0, 1, 2, 3, 4, 5]
     assert mesh.bounds.high == (1, 2, 0)
 
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from taskbuilder.assets import Urdf, codes, read_urdf, resolved_text
 from taskbuilder.assets.paths import pybullet_data_folder
 from taskbuilder.errors import FileError, UnknownNameError
-from taskbuilder.sim.chatter import captured, import_pybullet
+from taskbuilder.quiet import captured
+from taskbuilder.sim.engine_output import import_pybullet
 
 ARM = """<?xml version="1.0"?>
 <robot name="arm">

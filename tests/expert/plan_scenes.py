@@ -79,9 +79,9 @@ class Scene:
         touched: Pairs of names that touched while trajectories were carried out.
     """
 
-    def __init__(self, env: TaskEnv, seed: int = 0, **options: str) -> None:
+    def __init__(self, env: TaskEnv, seed: int = 0) -> None:
         self.env = env
-        self.planner = Planner(env, **options)  # type: ignore[arg-type]
+        self.planner = Planner(env)
         self.touched: set[tuple[str, str]] = set()
         env.reset(seed=seed)
 
@@ -196,10 +196,10 @@ def facing(*, action: str = "") -> str:
     return FACING.format(action=action)
 
 
-def made(folder: Path, text: str, *, variation: int = 0, **options: str) -> Scene:
+def made(folder: Path, text: str, *, variation: int = 0) -> Scene:
     """A scene of a text, or of a task of the library."""
     task: str | Path = text
     if "\n" in text:
         folder.mkdir(exist_ok=True)
         task = write_scene(folder, text)
-    return Scene(parallel_env(task, variation=variation), **options)
+    return Scene(parallel_env(task, variation=variation))

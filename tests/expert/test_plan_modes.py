@@ -34,8 +34,8 @@ def scene(tmp_path):
     """Makes scenes of texts."""
     scenes: list[Scene] = []
 
-    def make(text: str, **options: str) -> Scene:
-        scenes.append(made(tmp_path / f"made{len(scenes)}", text, **options))
+    def make(text: str) -> Scene:
+        scenes.append(made(tmp_path / f"made{len(scenes)}", text))
         return scenes[-1]
 
     yield make
@@ -165,27 +165,3 @@ def test_two_arms_by_joints_make_way_for_each_other(scene):
     plan = both.go(*(both.at(robot, goal) for robot, goal in goals.items()))
     assert both.nearest(plan, "left", "right") > 0.007
     assert ("left", "right") not in both.touched
-
-
-class TestOmpl:
-    def test_finds_ways_of_joints_too(self, scene):
-        pytest.importorskip("ompl")
-        barred = scene(walled(action="arm: joint_position", height=2.0), library="ompl")
-        plan = barred.go(barred.at("arm", BEYOND))
-        assert norm(subtract(barred.world.position("arm.tcp"), BEYOND)) < 0.004
-        assert barred.nearest(plan, "arm", "wall") > 0.007
-        assert not barred.touched
-
-    def test_finds_the_same_way_again(self, scene):
-        pytest.importorskip("ompl")
-        barred = scene(walled(action="arm: joint_position", height=2.0), library="ompl")
-        first, other, again = (
-            barred.plan(barred.at("arm", BEYOND), seed=seed) for seed in (3, 4, 3)
-        )
-        assert first == again
-        assert first != other
-
-    def test_says_where_it_is_not_installed(self, scene, monkeypatch):
-        monkeypatch.setitem(__import__("sys").modules, "ompl.base", None)
-        with pytest.raises(UsageError, match=r'pip install "taskbuilder\[plan\]"'):
-            scene(walled(), library="ompl")

@@ -9,7 +9,7 @@ import pytest
 from plan_scenes import Scene, facing, made, walled
 
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.planning import Blocked, Move, Planner
+from taskbuilder.expert.planning import Blocked, Move
 from taskbuilder.geometry import Pose, from_rpy_deg, norm, subtract, turn_between
 
 BEYOND = (0.45, 0.25, 0.3)
@@ -192,8 +192,3 @@ class TestMistakes:
         free = scene(walled())
         with pytest.raises(UsageError, match="above 0 and at most 1"):
             free.plan(Move({"arm": Pose()}, free.commanded("arm"), speed=speed))
-
-    def test_there_are_two_libraries(self, scene):
-        free = scene(walled())
-        with pytest.raises(UsageError, match="own and ompl"):
-            Planner(free.env, "rrt")  # type: ignore[arg-type]

@@ -6,22 +6,23 @@ import pytest
 
 from taskbuilder.errors import ExplosionError
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.body import Velocity
 from taskbuilder.sim.bullet import p
-from taskbuilder.sim.faults import check, check_joints, check_pose, check_velocity
+from taskbuilder.sim.faults import check_joints, check_pose
 
 STILL = (0.0, 0.0, 0.0)
 
 
 def test_a_calm_scene_passes(client, table, tray, panda):
     client.step(10)
-    check([table, tray, panda])
+    for body in (table, tray, panda):
+        check_pose(body.name, body.pose())
+    check_joints("panda", panda.joint_speeds(range(9)))
 
 
-def test_a_body_far_away_is_named(client, table, make_cube):
+def test_a_body_far_away_is_named(make_cube):
     cube = make_cube((0.0, 0.0, 60.0))
     with pytest.raises(ExplosionError, match=r"cube is at .*60"):
-        check([table, cube])
+        check_pose("cube", cube.pose())
 
 
 def test_a_joint_at_bullets_clamp_is_an_explosion(client, panda):
@@ -29,7 +30,7 @@ def test_a_joint_at_bullets_clamp_is_an_explosion(client, panda):
         client.bullet.setJointMotorControl2(panda.id, 0, p.TORQUE_CONTROL, force=1e9)
         client.step(1)
     with pytest.raises(ExplosionError, match="panda has its joint 0"):
-        check([panda])
+        check_joints("panda", panda.joint_speeds([0]))
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
@@ -38,9 +39,5 @@ def test_numbers_that_are_not_finite_are_explosions(bad):
         check_pose("stick", Pose((0.0, bad, 0.0)))
     with pytest.raises(ExplosionError, match="orientation"):
         check_pose("stick", Pose(STILL, (0.0, bad, 0.0, 1.0)))
-    with pytest.raises(ExplosionError, match="m/s"):
-        check_velocity("stick", Velocity((0.0, 0.0, bad), STILL))
-    with pytest.raises(ExplosionError, match="rad/s"):
-        check_velocity("stick", Velocity(STILL, (bad, 0.0, 0.0)))
     with pytest.raises(ExplosionError, match="joint 1"):
         check_joints("arm", (0.0, bad))

@@ -8,7 +8,7 @@ import pytest
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
 from taskbuilder.sim.bodies import load_urdf
-from taskbuilder.sim.kinematics import Chain, follow, solve
+from taskbuilder.sim.kinematics import Chain, solve
 
 BASE = Pose.from_rpy_deg((1.0, 0.2, 0.3), (10, 20, 30))
 TOOL = Pose.from_rpy_deg((0.01, 0.02, 0.1), (5, 10, 15))
@@ -101,17 +101,6 @@ def test_joints_that_turn_on_and_on_stay_at_the_turn_they_are_on(client, assets)
     away = solve(chain, target, start=start + np.array([-0.3, 0.2, 0.1, 0.2, -0.1, 0.3]), rng=rng)
     assert away.ok
     assert away.joints == pytest.approx(start.tolist(), abs=0.02)
-
-
-def test_following_tracks_a_moving_pose(chain):
-    positions = tuple(
-        0.5 * low + 0.5 * high + 0.2 for low, high in zip(chain.lower, chain.upper, strict=True)
-    )
-    pose = chain.forward(positions)
-    for step in range(20):
-        pose = pose.moved((-0.004, 0.003 * math.cos(step / 5), -0.002))
-        positions = follow(chain, pose, start=positions)
-    assert norm(subtract(chain.forward(positions).position, pose.position)) < 2e-3
 
 
 def test_joints_off_the_way_are_refused(client, assets):

@@ -6,7 +6,7 @@ from base64 import b64encode
 from collections.abc import Iterator, Sequence
 
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait, orders_of
 from taskbuilder.validate.formats.markup import Content, Html, element
 from taskbuilder.validate.formats.pictures import Failure, Moment, Picture, Pictures
 from taskbuilder.validate.formats.words import number
@@ -76,13 +76,11 @@ def does(stage: ExpertStage) -> list[Does]:
     """Who does what in a stage; the stages of one that repeats follow it."""
     if isinstance(stage, Wait):
         return [("all", f"wait {stage}, at most {stage.within:g} s")]
-    if isinstance(stage, Together):
-        return [(" and ".join(stage.together), f"{stage}{_beside(stage)}")]
     if isinstance(stage, Repeat):
         unless = f", unless {stage.unless}" if stage.unless else ""
         inner = [pair for part in stage.stages for pair in does(part)]
         return [("all", f"{stage}{unless}:"), *inner]
-    return [(robot, f"{order}{_beside(order)}") for robot, order in stage.items()]
+    return [(who, f"{order}{_beside(order)}") for who, order in orders_of(stage)]
 
 
 def _beside(order: Order | Together) -> str:
