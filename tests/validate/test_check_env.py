@@ -42,8 +42,8 @@ class Own(TaskEnv):
 class Reusing(Own):
     """Gives the same arrays at every step."""
 
-    def _look(self):
-        seen = super()._look()
+    def observe(self):
+        seen = super().observe()
         kept = self.__dict__.setdefault("kept", {a: s.copy() for a, s in seen.items()})
         for agent, array in kept.items():
             array[:] = seen[agent]
@@ -92,8 +92,8 @@ class Endless(Own):
 
 
 class Blind(Own):
-    def _look(self):
-        return {agent: seen for agent, seen in super()._look().items() if agent != "left"}
+    def observe(self):
+        return {agent: seen for agent, seen in super().observe().items() if agent != "left"}
 
 
 class Pictured(Own):

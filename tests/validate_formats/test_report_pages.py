@@ -150,7 +150,7 @@ def test_every_camera_has_its_picture(task, passed):
 def test_without_pictures_the_stages_are_listed(task, passed):
     page = Parsed(task_page(Page(passed, task)))
     assert not page.all("img")
-    assert "right reach stick.right_end, 10 cm above" in page.text
+    assert "right reach stick.right_end, 6 cm above" in page.text
 
 
 def test_a_scene_that_cannot_be_shown_is_no_reason_to_show_nothing(task, full, monkeypatch):
