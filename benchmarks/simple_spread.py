@@ -1,11 +1,12 @@
 """Whether the learner solves what others have curves for: simple_spread, beside a published one.
 
     pip install mpe2
-    python benchmarks/simple_spread.py
+    python benchmarks/simple_spread.py [--algorithm ppo]
 
-trains `maddpg` on simple_spread of the particle environments (three agents, three landmarks, 25
-steps, continuous actions, half of the reward local) and writes, after each evaluation, a row to
-benchmarks/results/simple_spread.csv and, at the end, benchmarks/results/simple_spread.json.
+trains `maddpg` or `ppo` on simple_spread of the particle environments (three agents, three
+landmarks, 25 steps, continuous actions, half of the reward local) and writes, after each
+evaluation, a row to benchmarks/results/simple_spread.csv and, at the end,
+benchmarks/results/simple_spread.json; those of `ppo` have its name: simple_spread_ppo.csv.
 
 What is compared is the return of an episode: the sum of an agent's own reward over the 25 steps,
 undiscounted, mean of the three agents. Figures of the particle environments' older versions, of
@@ -14,7 +15,8 @@ discrete actions or of rewards that are summed over the agents are other quantit
 The published curve is of episodes of training, with noise that fell to 0.01. Ours is of episodes
 without noise, from seeds that training never saw; what training itself got is there too. As the
 published learner's, the agents here have an actor and critics each, two layers of 64, a step size
-of 0.001, a discount of 0.95, and values go on beyond the time limit, which they cannot see.
+of 0.001, a discount of 0.95, and values go on beyond the time limit, which they cannot see. PPO's
+share an actor and a centralised critic, as in Yu et al. (2022).
 """
 
 from __future__ import annotations
@@ -34,14 +36,31 @@ import torch
 from machine import describe_machine
 from mpe2 import simple_spread_v3
 
-from taskbuilder.learn.algorithms.maddpg import Maddpg, MaddpgSettings
-from taskbuilder.learn.replay import Replay
+from taskbuilder.learn.algorithms import find_algorithm
+from taskbuilder.learn.algorithms.maddpg import MaddpgSettings
+from taskbuilder.learn.algorithms.ppo import PpoSettings
+from taskbuilder.learn.learner import Learner
 from taskbuilder.learn.shapes import Shapes
 
 RESULTS = Path(__file__).parent / "results"
 OPTIONS = {"N": 3, "local_ratio": 0.5, "max_cycles": 25, "continuous_actions": True}
-SETTINGS = MaddpgSettings(hidden=(64, 64), lr=1e-3, discount=0.95, share=False, update_every=2.0)
-ENVS = 4
+SETTINGS = {
+    "maddpg": MaddpgSettings(
+        hidden=(64, 64), lr=1e-3, discount=0.95, share=False, update_every=2.0
+    ),
+    "ppo": PpoSettings(
+        hidden=(64, 64),
+        lr=7e-4,
+        discount=0.95,
+        rollout_steps=125,
+        entropy_weight=0.01,
+        bootstrap_time_limit=True,
+    ),
+}
+ENVS = {"maddpg": 4, "ppo": 8}
+PLAYED = 4
+"""Environments at once in evaluations."""
+
 HELD_OUT = 1_000_000_000
 FIELDS = ("seed", "step", "episodes", "training_return", "return", "error", "updates", "seconds")
 
@@ -108,45 +127,49 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Run:
+class Training:
     """What to train."""
 
+    algorithm: str
     seed: int
     steps: int
     every: int
     episodes: int
 
 
-def train(run: Run) -> Iterator[dict[str, Any]]:
+def train(run: Training) -> Iterator[dict[str, Any]]:
     """Train a seed; gives a row of the table at each evaluation."""
     torch.set_num_threads(1)
-    spread = Spread(ENVS, first_seed=run.seed * 10_000_000)
+    algorithm, settings = find_algorithm(run.algorithm), SETTINGS[run.algorithm]
+    envs = ENVS[run.algorithm]
+    spread = Spread(envs, first_seed=run.seed * 10_000_000)
     shapes, rng = spread.shapes, np.random.default_rng(run.seed)
-    learner = Maddpg(shapes, SETTINGS, shared_reward=False, seed=run.seed)
-    replay = Replay(shapes.layout.width, SETTINGS.capacity)
-    never, nothing = np.zeros(ENVS, dtype=np.bool_), np.zeros((ENVS, 0), dtype=np.float32)
-    step, updates, begun, started = 0, 0, False, time.perf_counter()
+    learner = algorithm.learner(shapes, settings, shared_reward=False, seed=run.seed)
+    collection = algorithm.collection(learner, shapes.layout.width, envs)
+    never, nothing = np.zeros(envs, dtype=np.bool_), np.zeros((envs, 0), dtype=np.float32)
+    step, updates, started = 0, 0, time.perf_counter()
     finished: list[float] = []
-    seen, total = spread.reset(), np.zeros(ENVS)
+    seen, total = spread.reset(), np.zeros(envs)
     while step < run.steps:
+        collection.before_step(rng, step)
         actions = learner.act(seen, rng, step / run.steps)
-        later, rewards, over = spread.step(actions)
-        row = (nothing, actions, rewards, never, never, later, nothing)
-        replay.add(shapes.layout.rows(seen, *row))
-        step += ENVS
+        later, rewards, over = spread.step(
+            {agent: np.clip(values, -1.0, 1.0) for agent, values in actions.items()}
+        )
+        if collection.during_step(rng, step):
+            updates += round(envs / SETTINGS["maddpg"].update_every)
+        # To maddpg no episode ever ends: values go on. PPO has to know where the next one begins.
+        ended = np.full(envs, over) if run.algorithm == "ppo" else never
+        row = (nothing, actions, rewards, ended, never, later, nothing)
+        step += envs
+        rows = shapes.layout.rows(seen, *row)
+        updates += bool(collection.after_step(rows, never, rng, min(step / run.steps, 1.0)))
         total += rewards.mean(1)
         seen = later
         if over:
             finished += total.tolist()
-            seen, total = spread.reset(), np.zeros(ENVS)
-        if step >= SETTINGS.warm_up:
-            if not begun:
-                learner.begin(replay.since(0), rng)
-                begun = True
-            for _ in range(round(ENVS / SETTINGS.update_every)):
-                learner.update(replay, rng, step)
-                updates += 1
-        if step % run.every < ENVS or step >= run.steps:
+            seen, total = spread.reset(), np.zeros(envs)
+        if step % run.every < envs or step >= run.steps:
             last = step >= run.steps
             returns = play(learner, 10 * run.episodes if last else run.episodes)
             yield {
@@ -161,25 +184,25 @@ def train(run: Run) -> Iterator[dict[str, Any]]:
             }
 
 
-def play(learner: Maddpg | None, episodes: int) -> Any:
+def play(learner: Learner | None, episodes: int) -> Any:
     """Returns of episodes without noise, mean of the agents; by chance if there is no learner."""
-    spread, rng = Spread(ENVS, first_seed=HELD_OUT), np.random.default_rng(0)
+    spread, rng = Spread(PLAYED, first_seed=HELD_OUT), np.random.default_rng(0)
     policy = learner.policy({}) if learner else None
     returns: list[float] = []
     while len(returns) < episodes:
-        seen, total, over = spread.reset(), np.zeros(ENVS), False
+        seen, total, over = spread.reset(), np.zeros(PLAYED), False
         while not over:
             if policy:
                 actions = policy.act(seen)
             else:
-                actions = {a: rng.uniform(-1.0, 1.0, (ENVS, 5)) for a in spread.agents}
+                actions = {a: rng.uniform(-1.0, 1.0, (PLAYED, 5)) for a in spread.agents}
             seen, rewards, over = spread.step({a: x.astype(np.float32) for a, x in actions.items()})
             total += rewards.mean(1)
         returns += total.tolist()
     return np.array(returns[:episodes])
 
 
-def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
+def summary(algorithm: str, rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
     """What came of it, beside what was published."""
     chance = play(None, 1000)
     finals = {row["seed"]: row for row in rows}
@@ -189,7 +212,8 @@ def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
         "environment": {"name": "simple_spread_v3", "mpe2": version("mpe2"), **OPTIONS},
         "torch": torch.__version__,
         "return": "sum of an agent's reward over an episode, mean of the agents",
-        "settings": asdict(SETTINGS) | {"envs": ENVS},
+        "algorithm": algorithm,
+        "settings": asdict(SETTINGS[algorithm]) | {"envs": ENVS[algorithm]},
         "chance": {"return": round(float(chance.mean()), 3), "episodes": len(chance)},
         "ours": {str(seed): row for seed, row in sorted(finals.items())},
         "published": PUBLISHED,
@@ -198,6 +222,7 @@ def summary(rows: list[dict[str, Any]], command: str) -> dict[str, Any]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--algorithm", choices=SETTINGS, default="maddpg")
     parser.add_argument("--seeds", nargs="+", type=int, default=[0])
     parser.add_argument("--steps", type=int, default=250_000)
     parser.add_argument("--every", type=int, default=25_000, help="steps between evaluations")
@@ -206,19 +231,23 @@ def main() -> int:
     asked = parser.parse_args()
     numbers = [f"--{name} {getattr(asked, name)}" for name in ("steps", "every", "episodes")]
     seeds = " ".join(map(str, asked.seeds))
-    command = f"python benchmarks/simple_spread.py --seeds {seeds} {' '.join(numbers)}"
+    options = f"--algorithm {asked.algorithm} --seeds {seeds} {' '.join(numbers)}"
+    command = f"python benchmarks/simple_spread.py {options}"
+    name = "simple_spread" if asked.algorithm == "maddpg" else f"simple_spread_{asked.algorithm}"
     rows: list[dict[str, Any]] = []
-    with (asked.out / "simple_spread.csv").open("w", encoding="utf-8", newline="") as file:
+    with (asked.out / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, FIELDS, lineterminator="\n")
         table.writeheader()
         for seed in asked.seeds:
-            for row in train(Run(seed, asked.steps, asked.every, asked.episodes)):
+            for row in train(
+                Training(asked.algorithm, seed, asked.steps, asked.every, asked.episodes)
+            ):
                 rows.append(row)
                 table.writerow(row)
                 file.flush()
-                print(*(f"{name} {value}" for name, value in row.items()), flush=True)
-    text = json.dumps(summary(rows, command), indent=2)
-    (asked.out / "simple_spread.json").write_text(text + "\n", encoding="utf-8")
+                print(*(f"{key} {value}" for key, value in row.items()), flush=True)
+    text = json.dumps(summary(asked.algorithm, rows, command), indent=2)
+    (asked.out / f"{name}.json").write_text(text + "\n", encoding="utf-8")
     return 0
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import copy
 import shlex
 from collections.abc import Iterable
 from dataclasses import fields
@@ -43,12 +42,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _of_seed(arguments: argparse.Namespace, seed: int, *, alone: bool) -> argparse.Namespace:
-    """The arguments of one run of several."""
-    one = copy.copy(arguments)
-    one.seed = seed
+    """What one run of several is asked for, in a form that other processes can be told."""
+    names = [*(field.name for field in fields(Plan)), "out", "set", "task_path", "words"]
+    one = {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
     if arguments.out and not alone:
-        one.out = arguments.out.with_name(f"{arguments.out.name}-{seed}")
-    return one
+        one["out"] = arguments.out.with_name(f"{arguments.out.name}-{seed}")
+    return argparse.Namespace(**{**one, "seed": seed})
 
 
 def _train_one(arguments: argparse.Namespace) -> None:

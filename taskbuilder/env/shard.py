@@ -78,8 +78,8 @@ class Shard:
         board.terminated[row] = terminations[first]
         board.truncated[row] = truncations[first]
         another = self._same_step and not env.agents
-        moment = board.final if another else board.now
-        moment.write(row, observations, env.state(), infos[first])
+        view = board.final if another else board.now
+        view.write(row, observations, env.state(), infos[first])
         if another:
             self._begin(row, env)
 

@@ -78,8 +78,8 @@ class Arena:
         return np.ndarray(shape, dtype, self._block, start)
 
 
-class Moment:
-    """How every environment looks at some moment.
+class StepView:
+    """How every environment looks after a step.
 
     Attributes:
         observations: By agent: (num_envs, …), or a dictionary of such arrays.
@@ -109,8 +109,8 @@ class Moment:
         self.state[row] = state
         self.infos[row] = [info[key] for key in self._keys]
 
-    def copy(self, source: Moment, rows: Rows = slice(None)) -> None:
-        """Take over rows of another moment."""
+    def copy(self, source: StepView, rows: Rows = slice(None)) -> None:
+        """Take over rows of another."""
         part = slice(rows.start, rows.stop)
         for mine, theirs in zip(self._arrays, source._arrays, strict=True):
             mine[part] = theirs[part]
@@ -141,8 +141,8 @@ class Board:
         }
         self.begin: NDArray[np.bool_] = arena.take((num_envs,), np.bool_)
         self.seeds: NDArray[np.int64] = arena.take((num_envs,), np.int64)
-        self.now = Moment(form, num_envs, arena)
-        self.final = Moment(form, num_envs, arena)
+        self.now = StepView(form, num_envs, arena)
+        self.final = StepView(form, num_envs, arena)
         self.rewards: NDArray[np.float64] = arena.take((num_envs, len(form.agents)), np.float64)
         self.terminated: NDArray[np.bool_] = arena.take((num_envs,), np.bool_)
         self.truncated: NDArray[np.bool_] = arena.take((num_envs,), np.bool_)

@@ -19,7 +19,7 @@ from taskbuilder.env.errors import EpisodeOverError
 from taskbuilder.env.options import EnvOptions, Options, make_options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.shard import Wrap, unwrapped
-from taskbuilder.env.shared import Arena, Form, Moment, copied, row_of
+from taskbuilder.env.shared import Arena, Form, StepView, copied, row_of
 from taskbuilder.env.worker import WorkerConfig
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task, load_task
@@ -68,7 +68,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         self._crew = crew
         self._board = crew.board
         # What was returned last. Workers may die while they write to the board, but not to this.
-        self._seen = Moment(form, num_envs, Arena())
+        self._seen = StepView(form, num_envs, Arena())
         self._running = self._under_way = False
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self._draw_seeds(np.ones(num_envs, dtype=np.bool_))

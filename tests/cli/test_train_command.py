@@ -14,6 +14,7 @@ import pytest
 from made_runs import write_task
 
 from taskbuilder.arrays import read_arrays
+from taskbuilder.learn.plan import load_plan, make_plan
 from taskbuilder.learn.zoo import load_policy
 
 pytest.importorskip("torch")
@@ -61,6 +62,84 @@ def test_settings_fit_learning_from_nothing_and_with_demonstrations(run):
     reference = ("--set", "hidden=[8]", "batch=16")
     assert run(*paper, *SHORT, *reference, "--steps", "60", "--out", "paper").status == 0
     assert plan_of("paper")["settings"] == {"hidden": [8], "batch": 16}
+
+
+def test_the_papers_preset_says_what_the_paper_does_and_gives_way_to_what_is_asked_for(run):
+    words = ("train", "handover", "--algorithm", "maddpg_openai", "--preset", "paper")
+    assert run(*words, *SHORT[2:], "--steps", "60", "--out", "paper").status == 0
+    plan = plan_of("paper")
+    assert (plan["preset"], plan["envs"], plan["steps"]) == ("paper", 1, 60)
+    assert (plan["reward"], plan["observe"], plan["frame"]) == ("team", "task", "task")
+    assert (plan["rotation"], plan["settings"]) == ("quaternion", {})
+    assert make_plan("handover", algorithm="maddpg_openai", preset="paper").steps == 3_750_000
+
+
+def test_settings_by_their_old_names_are_taken_with_a_warning(run):
+    with pytest.warns(FutureWarning, match="the setting renew is called reset_networks_after now"):
+        assert run(*TRAIN, "renew=0", "--steps", "60", "--out", "old").status == 0
+    assert plan_of("old")["settings"]["reset_networks_after"] == 0
+    file = Path("old/run.json")
+    file.write_text(file.read_text().replace("reset_networks_after", "renew"))
+    with pytest.warns(FutureWarning, match="renew is called reset_networks_after"):
+        plan, _ = load_plan(Path("old"))
+    assert plan.settings["reset_networks_after"] == 0
+
+
+def test_several_seeds_are_a_run_each(run, tmp_path):
+    write_task(tmp_path)
+    words = ("train", "sideways.yaml", "--reward", "team", "--steps", "60", *SHORT, *TINY)
+    assert run(*words, "--seed", "1", "2", "--out", "mine").status == 0
+    assert [plan_of(f"mine-{seed}")["seed"] for seed in (1, 2)] == [1, 2]
+    assert run(*words, "--seeds", "1", "2", "--jobs", "2", "--out", "spread").status == 0
+    for seed in (1, 2):
+        last = "checkpoints/step-000000060.npz"
+        one, other = (
+            read_arrays(Path(f"{name}-{seed}") / last, "checkpoint")[0]
+            for name in ("mine", "spread")
+        )
+        assert all((one[name] == other[name]).all() for name in one)
+
+
+@pytest.mark.parametrize("algorithm", ["maddpg", "ppo"])
+def test_a_run_starts_from_a_trained_policy_and_goes_on_exactly(algorithm, run, tmp_path):
+    write_task(tmp_path)
+    common = ("train", "sideways.yaml", "--reward", "team", *SHORT)
+    assert run(*common, *TINY, "--steps", "60", "--out", "first").status == 0
+    few = {
+        "maddpg": ("warm_up=20", "batch=16", "critic_warmup_updates=3"),
+        "ppo": ("rollout_steps=10", "epochs=1"),
+    }
+    words = (*common, "--algorithm", algorithm, "--init", "first", "--steps", "120", "--set")
+    assert run(*words, *few[algorithm], "--out", "second").status == 0
+    plan = plan_of("second")
+    assert (plan["init"], plan["track"], plan["preset"]) == ("first", "finetuned", "finetune")
+    assert plan["settings"]["hidden"] == [8]
+    assert Path("second/init.npz").exists()
+
+
+def test_variations_and_quantities_can_be_drawn_anew_for_each_episode(run, tmp_path):
+    write_task(tmp_path)
+    words = ("train", "sideways.yaml", "--reward", "team", "--steps", "60", *SHORT, *TINY)
+    assert run(*words, "--variation", "random", "--randomize", "--out", "all").status == 0
+    assert plan_of("all")["env"]["variation"] == "random"
+    assert plan_of("all")["env"]["randomize"] is True
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--algorithm", "maddpg_openai", "--device", "cuda"), "maddpg_openai runs on the CPU"),
+        (("--algorithm", "maddpg_openai", "--init", "zoo:handover/demos"), "from no trained"),
+        (("--algorithm", "ppo", "--demos", "3"), "ppo learns from no demonstrations; maddpg does"),
+        (("--preset", "demo"), 'no preset "demo"; did you mean "demos"?'),
+        (("--variation", "random", "--starts", "0.5"), "the expert plays one variation"),
+        (("--device", "gpu"), 'no device "gpu"; did you mean "cpu"?'),
+    ],
+)
+def test_what_an_algorithm_cannot_do_is_refused_in_words(words, message, run):
+    ran = run("train", "handover", *words)
+    assert (ran.status, ran.out) == (2, "")
+    assert message in ran.err
 
 
 def test_a_task_of_ones_own_without_progress_is_trained_on_its_reward(run, tmp_path):
