@@ -153,7 +153,7 @@ def leave_stages(studio: Studio, job: Replayed) -> dict[str, Rollout]:
         if step in ends and step < whole.steps:
             saved.append((ends[step], step, env.save_state()))
 
-    replay(env, whole, save)
+    replay(env, whole.until(max((end for end in ends if end < whole.steps), default=0)), save)
     last = len(studio.task.file.spec.expert)
     plays: dict[str, Rollout] = {}
     lost = False
