@@ -122,7 +122,7 @@ class ArmStepper:
 
     @cached_property
     def _known_frames(self) -> Callable[[tuple[float, ...]], Frames]:
-        """`frames`, kept for a while: the joints that a step ends with are where the next begins."""
+        """`frames`, kept for a while: where one step ends, the next begins."""
         return lru_cache(maxsize=64)(self._frames)
 
     def _frames(self, positions: Sequence[float]) -> Frames:
