@@ -144,7 +144,7 @@ class Referee:
         values: list[Any] = []
         remembered = []
         for update, parts, memory in zip(self._updates, self._parts, memories, strict=True):
-            value, kept = update(world, tuple(values[part] for part in parts), memory)
+            value, kept = update(world, tuple([values[part] for part in parts]), memory)
             values.append(value)
             remembered.append(kept)
         for number, reached in enumerate(self._stages, start=1):

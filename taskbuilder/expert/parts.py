@@ -7,8 +7,9 @@ its joints.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 from taskbuilder.expert.reach import Reach, between
@@ -125,6 +126,14 @@ class Carried:
 
     def aims(self, at: Coordinates) -> Mapping[str, Pose]:
         """See `Part.aims`."""
+        return self._known_aims(at)
+
+    @cached_property
+    def _known_aims(self) -> Callable[[Coordinates], Mapping[str, Pose]]:
+        """`aims`, kept for a while: every point is asked about more than once."""
+        return lru_cache(maxsize=256)(self._aims)
+
+    def _aims(self, at: Coordinates) -> Mapping[str, Pose]:
         frame = self.frame(at)
         aims = {}
         for name, reach in self.arms.items():

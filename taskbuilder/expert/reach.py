@@ -20,7 +20,6 @@ from taskbuilder.geometry import (
     subtract,
     turn_between,
 )
-from taskbuilder.sim.stepper import Frames
 from taskbuilder.world.world import World
 
 TCP_MODES = ("tcp_delta", "tcp_pose", "tcp_path")
@@ -68,17 +67,20 @@ class Reach:
 
     def tool(self, joints: tuple[float, ...]) -> Pose:
         """Pose of the tool in the world."""
-        return self.world_from_base @ self._frames(joints).tool
+        return self.world_from_base @ self.arm.stepper.forward(joints)
 
     def follow(self, joints: tuple[float, ...], tool: Pose) -> tuple[float, ...]:
         """Joints that bring the tool to a pose in the world that is a small step away."""
-        target = self.arm.base_from_world @ tool
-        return self.arm.stepper.step(joints, target, self._boldest, self._frames(joints))
+        return self._known_steps(joints, tool)
 
     @cached_property
-    def _frames(self) -> Callable[[tuple[float, ...]], Frames]:
-        """Kinematics of joints; a small step begins where the one before ended."""
-        return lru_cache(maxsize=64)(self.arm.stepper.frames)
+    def _known_steps(self) -> Callable[[tuple[float, ...], Pose], tuple[float, ...]]:
+        """`follow`, kept for a while: one search goes along the same lines again and again."""
+        return lru_cache(maxsize=2048)(self._step_towards)
+
+    def _step_towards(self, joints: tuple[float, ...], tool: Pose) -> tuple[float, ...]:
+        target = self.arm.base_from_world @ tool
+        return self.arm.stepper.step(joints, target, self._boldest)
 
     @cached_property
     def _boldest(self) -> tuple[float, ...]:
@@ -92,13 +94,18 @@ class Reach:
         spec = self.arm.spec
         if not self.in_tool_space or spec.turn == "full":
             return tool
-        home = multiply(self.world_from_base.quaternion, self.arm.home)
+        home = self._home
         if spec.turn == "none":
             return Pose(tool.position, home)
         _, _, z, w = multiply(conjugate(home), tool.quaternion)
         size = math.hypot(z, w)
         turn: Quat = (0.0, 0.0, z / size, w / size) if size > 1e-9 else (0.0, 0.0, 0.0, 1.0)
         return Pose(tool.position, multiply(home, turn))
+
+    @cached_property
+    def _home(self) -> Quat:
+        """Orientation of the tool at home, in the world."""
+        return multiply(self.world_from_base.quaternion, self.arm.home)
 
     def cost(
         self,

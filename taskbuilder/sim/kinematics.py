@@ -111,14 +111,24 @@ class Chain:
 
     def _motions(self, positions: Floats) -> Floats:
         """(n, 4, 4) what each joint does at its position: Rodrigues' formula, or a shift."""
-        angles = np.where(self.revolute, positions, 0.0)[:, None, None]
-        motions = np.zeros((len(positions), 4, 4))
-        motions[:, 3, 3] = 1.0
-        motions[:, :3, :3] = (
-            np.eye(3) + np.sin(angles) * self._turns + (1.0 - np.cos(angles)) * self._turns_twice
-        )
-        motions[:, :3, 3] = self.axes * np.where(self.revolute, 0.0, positions)[:, None]
+        motions = self._at_zero.copy()
+        angles = positions
+        if not self._all_turn:
+            angles = np.where(self.revolute, positions, 0.0)
+            motions[:, :3, 3] = self.axes * np.where(self.revolute, 0.0, positions)[:, None]
+        angles = angles[:, None, None]
+        motions[:, :3, :3] += np.sin(angles) * self._turns
+        motions[:, :3, :3] += (1.0 - np.cos(angles)) * self._turns_twice
         return motions
+
+    @cached_property
+    def _at_zero(self) -> Floats:
+        """(n, 4, 4) what each joint does at zero: nothing."""
+        return np.tile(np.eye(4), (len(self.axes), 1, 1))
+
+    @cached_property
+    def _all_turn(self) -> bool:
+        return bool(self.revolute.all())
 
     @cached_property
     def _turns(self) -> Floats:
@@ -136,8 +146,9 @@ class Chain:
         axes = (frames[:-1, :3, :3] @ self.axes[:, :, None])[:, :, 0]
         arms = frames[-1, :3, 3] - frames[:-1, :3, 3]
         jacobian = np.empty((6, len(axes)))
-        jacobian[:3] = np.where(self.revolute, _cross(axes, arms), axes.T)
-        jacobian[3:] = np.where(self.revolute, axes.T, 0.0)
+        turned = _cross(axes, arms)
+        jacobian[:3] = turned if self._all_turn else np.where(self.revolute, turned, axes.T)
+        jacobian[3:] = axes.T if self._all_turn else np.where(self.revolute, axes.T, 0.0)
         return jacobian
 
 
@@ -227,7 +238,8 @@ def _descend(chain: Chain, goal: Floats, positions: Floats, iterations: int) -> 
         longest = float(np.abs(step).max())
         if longest > LONGEST_STEP:
             step *= LONGEST_STEP / longest
-        positions = np.clip(positions + step, chain.lower, chain.upper)
+        # np.clip takes four times as long.
+        positions = np.minimum(np.maximum(positions + step, chain.lower), chain.upper)
     else:
         error = _error(chain._frames_at(positions)[-1], goal)
         if math.sqrt(error @ error) < best_error:

@@ -6,8 +6,9 @@ In plain floats rather than arrays: for six joints the arithmetic costs less tha
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -105,7 +106,7 @@ class ArmStepper:
         inverse = self._damped_inverse(here)
         first = (inverse @ _error(here.tool, target)).tolist()
         halfway = [q + d for q, d in zip(positions, first, strict=True)]
-        second = (inverse @ _error(self.forward(halfway), target)).tolist()
+        second = (inverse @ _error(self._frames(halfway).tool, target)).tolist()
         move = [a + b for a, b in zip(first, second, strict=True)]
         share = max(abs(d) / most for d, most in zip(move, longest, strict=True))
         if share > 1.0:
@@ -117,6 +118,14 @@ class ArmStepper:
 
     def frames(self, positions: Sequence[float]) -> Frames:
         """The tool's pose, and each joint's axis and origin, in the base link's frame."""
+        return self._known_frames(tuple(positions))
+
+    @cached_property
+    def _known_frames(self) -> Callable[[tuple[float, ...]], Frames]:
+        """`frames`, kept for a while: where one step ends, the next begins."""
+        return lru_cache(maxsize=64)(self._frames)
+
+    def _frames(self, positions: Sequence[float]) -> Frames:
         # Written out, for this is most of a control step's Python: `at` moves by the offset turned
         # by the quaternion so far, which then takes the offset's turn and the joint's own.
         x, y, z, w = 0.0, 0.0, 0.0, 1.0
