@@ -8,7 +8,8 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from taskbuilder.description.measures import Measure
-from taskbuilder.description.node import Condition, Refers
+from taskbuilder.description.node import Condition
+from taskbuilder.spec.names import Refers
 
 _WORDS = {
     bool: "True or False",

@@ -15,6 +15,7 @@ from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.spec import expert, robot, scene, task, values
 from taskbuilder.spec.expert import ONLY_WITH, VERBS
+from taskbuilder.spec.names import Refers
 from taskbuilder.spec.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
@@ -121,6 +122,7 @@ def colours(_: str) -> str:
 
 def describe(hint: Any) -> str:
     """What a value of an annotation is, in a few words."""
+    hint = _unmarked(hint)
     origin, inner = get_origin(hint), get_args(hint)
     for alias, words in _ALIASES:
         if hint == alias:
@@ -145,6 +147,13 @@ def describe(hint: Any) -> str:
     return {bool: "true or false", int: "whole number", float: "number", str: "text"}.get(
         hint, "any value"
     )
+
+
+def _unmarked(hint: Any) -> Any:
+    """An annotation without what it says its text refers to."""
+    inner = get_args(hint) if get_origin(hint) is Annotated else ()
+    kept = tuple(extra for extra in inner if not isinstance(extra, Refers))
+    return Annotated[kept] if len(kept) < len(inner) else hint
 
 
 def _annotated(inner: tuple[Any, ...]) -> str:

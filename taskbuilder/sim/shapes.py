@@ -175,8 +175,8 @@ def mesh_corners(shape: MeshShape) -> NDArray[np.float64]:
     except AssetError as error:
         raise SimulationError(str(error)) from error
     points = np.asarray(mesh.points, dtype=np.float64).reshape(-1, 3) * np.asarray(shape.scale)
-    triangles: NDArray[np.float64] = points[np.asarray(mesh.corners, dtype=np.intp).reshape(-1, 3)]
-    return triangles
+    corners: NDArray[np.float64] = points[np.asarray(mesh.corners, dtype=np.intp).reshape(-1, 3)]
+    return corners
 
 
 def _capsule_solid(r: float, h: float) -> Solid:

@@ -16,14 +16,17 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from taskbuilder.spec.names import Refers
 from taskbuilder.spec.values import (
     Coordinate,
     Extent,
+    FrameName,
     Length,
     Model,
-    Name,
+    ObjectName,
     Position,
     Reference,
+    RobotName,
     RpyDeg,
     Shorthand,
     exactly_one,
@@ -44,7 +47,7 @@ Above = Annotated[Coordinate, Field(description="Metres above the named frame.")
 Offset = Annotated[Position, Field(description="Beside the named frame, along its own axes.")]
 Straight = Annotated[bool, Field(description="Along a straight line or not at all.")]
 Touching = Annotated[
-    tuple[Reference, ...],
+    tuple[ObjectName, ...],
     Field(description="Objects that may be touched on the way: to push them, or to press them."),
 ]
 Speed = Annotated[
@@ -77,19 +80,19 @@ class Order(Model):
         **dict.fromkeys(("push", "press", "slide"), _PUSH),
     }
 
-    grasp: Reference | None = Field(
+    grasp: Annotated[Reference, Refers("grasp")] | None = Field(
         None, description="Grasp point to take, such as stick.left_end."
     )
-    reach: Reference | None = Field(None, description="Grasp point or frame to go to.")
-    bring: Reference | None = Field(
+    reach: FrameName | None = Field(None, description="Grasp point or frame to go to.")
+    bring: ObjectName | None = Field(
         None, description="Held object, or one that lies on it, to bring somewhere."
     )
     retreat: Extent | None = Field(None, description="Metres to back off against the approach.")
     release: Literal[True] | None = Field(None, description="Open the gripper.")
-    close: Reference | None = Field(
+    close: Annotated[Reference, Refers("object", besides=NOTHING)] | None = Field(
         None, description="Close the gripper on an object until it is held, or on nothing."
     )
-    to: Reference | None = Field(None, description="Frame that the brought object goes to.")
+    to: FrameName | None = Field(None, description="Frame that the brought object goes to.")
     above: Above = 0.0
     offset: Offset = (0.0, 0.0, 0.0)
     approach: Extent | None = Field(
@@ -184,11 +187,11 @@ def _different(robots: tuple[str, ...]) -> tuple[str, ...]:
 class Together(Model):
     """One load held by several grippers, moved as one and kept level."""
 
-    together: Annotated[tuple[Name, ...], Field(min_length=2), AfterValidator(_different)] = Field(
-        description="The robots that hold the load."
+    together: Annotated[tuple[RobotName, ...], Field(min_length=2), AfterValidator(_different)] = (
+        Field(description="The robots that hold the load.")
     )
-    bring: Reference = Field(description="The load, or something on it.")
-    to: Reference = Field(description="Frame that it goes to.")
+    bring: ObjectName = Field(description="The load, or something on it.")
+    to: FrameName = Field(description="Frame that it goes to.")
     above: Above = 0.0
     offset: Offset = (0.0, 0.0, 0.0)
     straight: Straight = False
@@ -242,13 +245,13 @@ def _order_like(value: Any) -> Any:
 
 Stage = Annotated[
     Mapping[
-        Name,
+        RobotName,
         Annotated[Order, Shorthand("release", {"release": True}), BeforeValidator(_order_like)],
     ],
     Field(min_length=1),
 ]
 
-_KINDS: Mapping[str, type[Model]] = {"together": Together, "until": Wait, "repeat": Repeat}
+STAGES: Mapping[str, type[Model]] = {"together": Together, "until": Wait, "repeat": Repeat}
 """Key that tells what a stage is -> its model; any other has an order for each robot."""
 
 
@@ -263,13 +266,13 @@ def kind_of_stage(stage: Any) -> str:
         order.
     """
     if not isinstance(stage, Mapping):
-        return next((key for key, kind in _KINDS.items() if isinstance(stage, kind)), "each")
-    if given := [key for key in _KINDS if key in stage and not isinstance(stage[key], Mapping)]:
+        return next((key for key, kind in STAGES.items() if isinstance(stage, kind)), "each")
+    if given := [key for key in STAGES if key in stage and not isinstance(stage[key], Mapping)]:
         return given[0]
     for key, value in stage.items():
         if not _is_order(value) and key not in Order.model_fields:
-            keys = {own: tag for tag, kind in _KINDS.items() for own in kind.model_fields}
-            if meant := keys.get(key) or closest(key, _KINDS):
+            keys = {own: tag for tag, kind in STAGES.items() for own in kind.model_fields}
+            if meant := keys.get(key) or closest(key, STAGES):
                 return meant
     return "each"
 
@@ -287,12 +290,12 @@ def _unmixed(stage: Any) -> Any:
     """Refuse what is several stages in one, or an order that nobody is given."""
     if not isinstance(stage, Mapping):
         return stage
-    kind = _KINDS.get(kind_of_stage(stage))
+    kind = STAGES.get(kind_of_stage(stage))
     if kind:
         strange = [key for key in stage if key not in kind.model_fields]
-        mixed = [k for k in strange if k in _KINDS or k in VERBS or _is_order(stage[k])]
+        mixed = [k for k in strange if k in STAGES or k in VERBS or _is_order(stage[k])]
         if mixed:
-            own = [key for key in stage if key in _KINDS and key not in mixed]
+            own = [key for key in stage if key in STAGES and key not in mixed]
             raise PydanticCustomError(
                 "choice",
                 "has {keys}; together, until, repeat and orders for robots are stages of their own",

@@ -37,6 +37,19 @@ ROBOT_FRAMES = ("tcp", "base")
 
 
 @dataclass(frozen=True)
+class Refers:
+    """Marks a field, key or parameter whose text is a name in the scene.
+
+    Attributes:
+        kind: What the name stands for.
+        besides: A word that may stand there without being a name.
+    """
+
+    kind: Kind
+    besides: str | None = None
+
+
+@dataclass(frozen=True)
 class ObjectNames:
     """The names inside one object.
 

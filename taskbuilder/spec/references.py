@@ -6,15 +6,19 @@ run in which shapes are wrong.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from taskbuilder.errors import Finding
 from taskbuilder.spec.channels import parse_channel
-from taskbuilder.spec.expert import NOTHING, directed, kind_of_stage
-from taskbuilder.spec.names import Kind, ObjectNames, SceneNames
+from taskbuilder.spec.expert import STAGES, ExpertStage, Order, directed, kind_of_stage
+from taskbuilder.spec.names import Kind, ObjectNames, Refers, SceneNames
 from taskbuilder.spec.source import Path_, Source, dotted
+from taskbuilder.spec.task import TaskSpec
+from taskbuilder.spec.values import Model
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,7 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
 def check_names(source: Source, names: SceneNames) -> Iterator[Finding]:
     """Every name of a task file that is used twice, stands for nothing, or runs in a circle."""
     yield from _clashes(source)
-    for reference in _references(source):
+    for reference in _references(TaskSpec, source.data):
         if problem := names.problem(reference.kind, reference.name):
             location = source.locate(reference.path, key=reference.on_key)
             yield Finding("TB201", problem, dotted(reference.path), location)
@@ -80,63 +84,68 @@ def _clashes(source: Source) -> Iterator[Finding]:
             first.setdefault(name, path)
 
 
-def _references(source: Source) -> Iterator[_Reference]:
-    for group in ("objects", "sites"):
-        for name, _ in source.entries("scene", group):
-            path: Path_ = ("scene", group, name)
-            yield from _texts(source, (*path, "in"), "frame")
-            yield from _texts(source, (*path, "place", "in"), "frame")
-            yield from _texts(source, (*path, "place", "surface"), "surface")
-    for name, _ in source.entries("scene", "cameras"):
-        yield from _texts(source, ("scene", "cameras", name, "mount"), "frame")
-    for block in ("observe", "observation_noise"):
-        for robot, _ in source.entries(block):
-            yield _Reference((block, robot), robot, "robot", on_key=True)
-    stages = source.get("expert")
-    for index in range(len(stages) if isinstance(stages, tuple) else 0):
-        yield from _stage(source, ("expert", index))
+def _references(hint: Any, value: Any, path: Path_ = ()) -> Iterator[_Reference]:
+    """The references in a value, as the annotations of its model tell; its shape may be wrong."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        refers = next((extra for extra in inner if isinstance(extra, Refers)), None)
+        if refers:
+            yield from _texts(refers, value, path)
+        elif hint == ExpertStage:
+            yield from _stage(value, path)
+        else:
+            yield from _references(inner[0], value, path)
+    elif origin in (Union, UnionType):
+        for member in inner:
+            yield from _references(member, value, path)
+    elif origin is tuple:
+        for place, item in _items(value, path):
+            yield from _references(inner[0], item, place)
+    elif origin is Mapping and isinstance(value, dict):
+        for key, held in value.items():
+            for refers in get_args(inner[0]):
+                if isinstance(refers, Refers):
+                    yield _Reference((*path, key), key, refers.kind, on_key=True)
+            yield from _references(inner[1], held, (*path, key))
+    elif isinstance(hint, type) and issubclass(hint, Model) and isinstance(value, dict):
+        for key, annotation in _annotations(hint).items():
+            if key in value:
+                yield from _references(annotation, value[key], (*path, key))
 
 
-def _texts(source: Source, path: Path_, kind: Kind) -> Iterator[_Reference]:
-    """The reference at a path, or the references in the list there; none if it holds no text."""
-    value = source.get(*path)
-    if isinstance(value, str) and not (value == "world" and path[-1] == "in"):
-        yield _Reference(path, value, kind)
-    if isinstance(value, tuple):
-        for index in range(len(value)):
-            yield from _texts(source, (*path, index), kind)
+@cache
+def _annotations(model: type[Model]) -> dict[str, Any]:
+    """The annotation of each key of a model."""
+    hints = get_type_hints(model, include_extras=True)
+    return {field.alias or name: hints[name] for name, field in model.model_fields.items()}
 
 
-_OPERANDS: dict[str, Kind] = {
-    "grasp": "grasp",
-    "bring": "object",
-    "to": "frame",
-    "reach": "frame",
-    "close": "object",
-    "touching": "object",
-}
-
-
-def _stage(source: Source, path: Path_) -> Iterator[_Reference]:
-    stage = source.get(*path)
-    kind = kind_of_stage(stage)
-    if kind == "repeat":
-        inner = source.get(*path, "stages")
-        for index in range(len(inner) if isinstance(inner, tuple) else 0):
-            yield from _stage(source, (*path, "stages", index))
-    if kind == "together":
-        yield from _texts(source, (*path, "together"), "robot")
-        yield from _operands(source, path)
-    if kind == "each" and isinstance(stage, dict):
+def _stage(stage: Any, path: Path_) -> Iterator[_Reference]:
+    """The references in a stage, which is taken for what it seems meant to be."""
+    if model := STAGES.get(kind_of_stage(stage)):
+        yield from _references(model, stage, path)
+    elif isinstance(stage, dict):
         for robot in directed(stage):
             yield _Reference((*path, robot), robot, "robot", on_key=True)
-            yield from _operands(source, (*path, robot))
+            yield from _references(Order, stage[robot], (*path, robot))
 
 
-def _operands(source: Source, path: Path_) -> Iterator[_Reference]:
-    for key, kind in _OPERANDS.items():
-        if (key, source.get(*path, key)) != ("close", NOTHING):
-            yield from _texts(source, (*path, key), kind)
+def _texts(refers: Refers, value: Any, path: Path_) -> Iterator[_Reference]:
+    """The reference that a value is, or those in a list; none if it holds no text."""
+    if isinstance(value, tuple):
+        for place, item in _items(value, path):
+            yield from _texts(refers, item, place)
+    elif isinstance(value, str) and value != refers.besides:
+        yield _Reference(path, value, refers.kind)
+
+
+def _items(value: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
+    """The items of a list and where they are; what is no list counts as an item by itself."""
+    if not isinstance(value, tuple):
+        yield path, value
+        return
+    for index, item in enumerate(value):
+        yield (*path, index), item
 
 
 def _circles(source: Source) -> Iterator[Finding]:

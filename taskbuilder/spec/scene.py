@@ -13,12 +13,15 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
+from taskbuilder.spec.names import Refers
 from taskbuilder.spec.values import (
     Color,
     Coordinate,
     Degrees,
     Edges,
     Extent,
+    FrameName,
+    FrameOrWorld,
     Friction,
     Length,
     Mass,
@@ -114,10 +117,10 @@ class Grasp(Model):
 class Place(Model):
     """A region to be placed in at random: on a surface (x, y) or in the air (x, y, z)."""
 
-    surface: Reference | None = Field(
+    surface: Annotated[Reference, Refers("surface")] | None = Field(
         None, description="Object, or part of one, on whose top the body is put."
     )
-    frame: Reference = Field("world", alias="in", description="Frame of center and size.")
+    frame: FrameOrWorld = Field("world", alias="in", description="Frame of center and size.")
     center: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
     size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
     yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Least and greatest yaw.")
@@ -139,7 +142,7 @@ class _Placed(Model):
 
     position: Position | None = None
     rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
-    frame: Reference = Field(
+    frame: FrameOrWorld = Field(
         "world", alias="in", description="Frame of the position: a body, site or robot frame."
     )
     place: Place | None = None
@@ -225,7 +228,7 @@ class SiteSpec(_Placed):
 class CameraSpec(Model):
     """A camera that stands in the world or is mounted on a frame."""
 
-    mount: Reference | None = Field(None, description="Frame to ride on, such as left.tcp.")
+    mount: FrameName | None = Field(None, description="Frame to ride on, such as left.tcp.")
     position: Position | None = None
     look_at: Position | None = None
     fov_deg: Annotated[float, Field(ge=5.0, le=150.0)] = 50.0

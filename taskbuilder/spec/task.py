@@ -10,7 +10,16 @@ from pydantic_core import PydanticCustomError
 
 from taskbuilder.spec.expert import ExpertStage
 from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.values import Extent, Model, Name, Reference, Shorthand, Text, frozen
+from taskbuilder.spec.values import (
+    Extent,
+    Model,
+    Name,
+    Reference,
+    RobotName,
+    Shorthand,
+    Text,
+    frozen,
+)
 
 
 class Timing(Model):
@@ -80,11 +89,11 @@ class TaskSpec(Model):
     )
     timing: Timing = Timing()
     scene: SceneSpec = Field(description="What is there: robots, objects, sites, cameras.")
-    observe: Annotated[Mapping[Name, tuple[Reference, ...]], AfterValidator(frozen)] | None = Field(
-        None, description="Channels of each agent; where not given, all of the scene."
+    observe: Annotated[Mapping[RobotName, tuple[Reference, ...]], AfterValidator(frozen)] | None = (
+        Field(None, description="Channels of each agent; where not given, all of the scene.")
     )
     observation_noise: Annotated[
-        Mapping[Name, Mapping[Reference, Noise]], AfterValidator(frozen)
+        Mapping[RobotName, Mapping[Reference, Noise]], AfterValidator(frozen)
     ] = Field(default_factory=lambda: frozen({}))
     state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
         ("all",), description="Channels that a centralised critic sees, or all."

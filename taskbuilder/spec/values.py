@@ -20,6 +20,8 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
+from taskbuilder.spec.names import Refers
+
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
@@ -103,6 +105,11 @@ Name = Annotated[
 Text = Annotated[str, Field(min_length=1, max_length=2000)]
 Reference = Annotated[str, Field(min_length=1, max_length=100)]
 """A name, or a dotted name such as ``tray.left_handle``, to be resolved in the scene."""
+
+RobotName = Annotated[Name, Refers("robot")]
+ObjectName = Annotated[Reference, Refers("object")]
+FrameName = Annotated[Reference, Refers("frame")]
+FrameOrWorld = Annotated[Reference, Refers("frame", besides="world")]
 
 Coordinate = Annotated[float, Field(ge=-100.0, le=100.0)]
 Length = Annotated[float, Field(ge=0.0005, le=100.0)]
