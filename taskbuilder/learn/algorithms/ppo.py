@@ -281,8 +281,10 @@ class Ppo:
         """Of what each agent did: (n, agents); and the mean entropy of the agents' policies."""
         policy = self._policy(self.shapes.layout.observed(batch))
         sizes = list(self.shapes.actions.values())
-        parts = policy.log_prob(actions).split(sizes, 1)
-        entropy = policy.entropy().sum(1).mean() / len(sizes)
+        log_prob: Tensor = policy.log_prob(actions)  # type: ignore[no-untyped-call]
+        parts = log_prob.split(sizes, 1)
+        entropies: Tensor = policy.entropy()  # type: ignore[no-untyped-call]
+        entropy = entropies.sum(1).mean() / len(sizes)
         return torch.stack([part.sum(1) for part in parts], 1), entropy
 
     def _tensor(self, array: NDArray[np.floating]) -> Tensor:
@@ -334,8 +336,9 @@ class Ppo:
 def _begin_orthogonal(networks: SharedNetworks, last: float, generator: torch.Generator) -> None:
     """Make initial weights orthogonal, those of the last layer small for actors; biases zero."""
     for network in networks:
-        for layer in network.layers:
-            gain = last if layer is network.layers[-1] else 2.0**0.5
+        layers: Any = network.layers
+        for layer in layers:
+            gain = last if layer is layers[-1] else 2.0**0.5
             nn.init.orthogonal_(layer.weight[0], gain, generator=generator)
             nn.init.zeros_(layer.bias)
 
