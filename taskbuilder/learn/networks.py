@@ -142,10 +142,14 @@ class SharedNetworks(nn.ModuleList):
         for group in groups:  # (group, 1, group)
             self.register_buffer(_key(group), torch.eye(len(group))[:, None], persistent=False)
 
+    def _pairs(self) -> Iterable[tuple[tuple[str, ...], Any]]:
+        """Every group and its network."""
+        return zip(self.groups, self, strict=True)
+
     def forward(self, inputs: Mapping[str, Tensor]) -> Tensor:
         """What comes out for all agents, in their order: (n, outs), from (n, ins) each."""
         parts: dict[str, Tensor] = {}
-        for group, network in zip(self.groups, self, strict=True):
+        for group, network in self._pairs():
             stacked = torch.stack([inputs[agent] for agent in group])
             if len(group) > 1:
                 roles = self.get_buffer(_key(group)).expand(-1, stacked.shape[1], -1)
@@ -165,7 +169,7 @@ class SharedNetworks(nn.ModuleList):
             squash: Whether a tanh ends them.
         """
         networks = {}
-        for group, own in zip(self.groups, self, strict=True):
+        for group, own in self._pairs():
             pairs = [
                 (as_array(layer.weight[0]), as_array(layer.bias[0, 0])) for layer in layers_of(own)
             ]
@@ -182,7 +186,7 @@ class SharedNetworks(nn.ModuleList):
             UsageError: Its networks are of another kind or size, or agents share a network here:
                 what each observes is standardised by itself.
         """
-        for group, own in zip(self.groups, self, strict=True):
+        for group, own in self._pairs():
             if len(group) > 1:
                 raise UsageError("to start from a policy, agents share no actor; set share=false")
             (agent,) = group

@@ -284,7 +284,7 @@ class Maddpg:
 
     def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
         """What the critics think of the present policies, over its size; and imitation."""
-        raw = self._actors(self.shapes.layout.observed(batch))
+        raw: Tensor = self._actors(self.shapes.layout.observed(batch))
         actions = raw.tanh()
         loss: Tensor = self.settings.regulariser * raw.square().mean()
         paid = self.shapes.agents[: self._rewards]
