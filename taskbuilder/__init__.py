@@ -14,6 +14,14 @@ if TYPE_CHECKING:
     from taskbuilder.env.joint import JointEnv
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
+    from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
+    from taskbuilder.expert.player import Expert
+    from taskbuilder.learn.assessment import evaluate
+    from taskbuilder.learn.policy import Policy
+    from taskbuilder.learn.runs import train
+    from taskbuilder.learn.zoo import load_policy
+    from taskbuilder.rollout.play import play, replay
+    from taskbuilder.rollout.record import Rollout
     from taskbuilder.spec.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.environments import check_env
@@ -23,33 +31,57 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Catalogue",
+    "Expert",
+    "FileError",
     "JointEnv",
+    "Policy",
+    "Rollout",
     "Task",
     "TaskEnv",
     "TaskVectorEnv",
+    "TaskbuilderError",
+    "UnknownNameError",
+    "UsageError",
     "World",
     "__version__",
     "build_world",
     "catalogue",
     "check_env",
+    "evaluate",
+    "load_policy",
     "load_task",
     "make_vec",
     "parallel_env",
+    "play",
+    "replay",
+    "train",
     "validate_task",
 ]
 
 _HOMES = {
     "Catalogue": "taskbuilder.spec.catalogue",
+    "Expert": "taskbuilder.expert.player",
+    "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
+    "Policy": "taskbuilder.learn.policy",
+    "Rollout": "taskbuilder.rollout.record",
     "Task": "taskbuilder.task",
     "TaskEnv": "taskbuilder.env.parallel",
     "TaskVectorEnv": "taskbuilder.env.vector",
+    "TaskbuilderError": "taskbuilder.errors",
+    "UnknownNameError": "taskbuilder.errors",
+    "UsageError": "taskbuilder.errors",
     "World": "taskbuilder.world.world",
     "build_world": "taskbuilder.world.building",
     "check_env": "taskbuilder.validate.environments",
+    "evaluate": "taskbuilder.learn.assessment",
+    "load_policy": "taskbuilder.learn.zoo",
     "load_task": "taskbuilder.task",
     "make_vec": "taskbuilder.env.vector",
     "parallel_env": "taskbuilder.env.parallel",
+    "play": "taskbuilder.rollout.play",
+    "replay": "taskbuilder.rollout.play",
+    "train": "taskbuilder.learn.runs",
     "validate_task": "taskbuilder.validate.run",
 }
 

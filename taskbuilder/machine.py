@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import sys
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,10 +12,10 @@ import numpy as np
 from taskbuilder.digests import digest
 
 PACKAGES = (
-    *("taskbuilder", "pybullet", "numpy", "gymnasium", "pettingzoo", "ompl"),
+    *("taskbuilder", "pybullet", "numpy", "gymnasium", "pettingzoo"),
     *("pydantic", "PyYAML", "torch"),
 )
-"""Packages whose versions are told where they are installed; torch only where it was loaded."""
+"""Packages whose versions are told where they are installed."""
 
 
 def versions() -> dict[str, str]:
@@ -25,8 +24,6 @@ def versions() -> dict[str, str]:
     python = f"{platform.python_implementation()} {platform.python_version()}"
     found = {"python": python, "python build": f"{build}, {platform.python_compiler()}"}
     for name in PACKAGES:
-        if name == "torch" and "torch" not in sys.modules:
-            continue
         try:
             found[name] = version(name)
         except PackageNotFoundError:

@@ -127,9 +127,9 @@ def add_evaluate(adder: Adder) -> None:
     parser.add_argument(
         "--seed",
         type=whole(0, 2**32 - 1),
-        default=1_000_000,
+        default=2_000_000,
         metavar="N",
-        help="first episode (default 1000000, which no training sees); others follow",
+        help="first episode (default 2000000, which no training sees); others follow",
     )
     parser.add_argument(
         "--variation",

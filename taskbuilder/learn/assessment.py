@@ -10,9 +10,11 @@ from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn import evaluation
 from taskbuilder.learn.demonstrations import reference_of
-from taskbuilder.learn.plan import RUN_FILE, load_plan
+from taskbuilder.learn.plan import RUN_FILE
 from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.runs import named_task, task_of_run
 from taskbuilder.learn.zoo import load_policy
+from taskbuilder.spec.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
 
@@ -57,9 +59,11 @@ def evaluate(
     if not isinstance(policy, Policy):
         named = str(policy)
         if task is None and (Path(named) / RUN_FILE).is_file():
-            task = load_plan(Path(named))[0].task
+            task = task_of_run(Path(named), Catalogue.discover())
         policy = load_policy(named)
-    place = task if task is not None else str(policy.about.get("task"))
+    place = task
+    if place is None:  # a file names its task by a plain name: whoever made it may be a stranger
+        place = named_task(named, policy.about.get("task"), Catalogue.discover())
     loaded = place if isinstance(place, Task) else load_task(place)
     where = reference_of(loaded) if isinstance(place, Task) else str(place)
     made = {**evaluation.options_of(policy), **options}

@@ -24,7 +24,7 @@ from taskbuilder.learn.statistics import iqm
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
 
-SEED = 1_000_000
+SEED = 2_000_000
 """First of the episodes that nothing was chosen by."""
 
 EPISODES = 300

@@ -41,7 +41,7 @@ class Limits:
         step_s: and so much more for each control step that an episode has.
     """
 
-    import_s: float = 10.0
+    import_s: float = 30.0
     piece_s: float = 20.0
     step_s: float = 0.8
 

@@ -153,4 +153,5 @@ def test_the_sound_task_passes_every_check_that_the_others_fail():
     checks = {check.code for family in report.families for check in family.checks}
     of_worlds = {task.code for task in BROKEN.values() if task.code > "TB303"}
     of_files = {code for code in of_worlds if code[:3] == "TB4"}
-    assert checks >= of_worlds - of_files - {"TB534"}  # which is about variations
+    # One is about variations, the other about the process that validation plays in.
+    assert checks >= of_worlds - of_files - {"TB534", "TB315"}

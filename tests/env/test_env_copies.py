@@ -15,7 +15,6 @@ import pytest
 from env_tasks import TWO, arm, digest, facing, moment, play, random_actions
 
 from taskbuilder.env.joint import JointEnv
-from taskbuilder.env.options import Opening
 from taskbuilder.errors import ExplosionError, UsageError
 
 WAYS = {
@@ -82,11 +81,8 @@ def test_a_copy_between_episodes_has_the_next_ones_before_it(way, make, copies):
     assert digest(env.reset()) == digest(over.reset())
 
 
-def test_a_copy_of_a_copy_and_one_of_an_episode_with_an_opening_are_whole(make, copies):
-    plain = make(TEXT)
-    actions = random_actions(plain, 1, 6)
-    opening = Opening(40, {a: np.array([s[a] for s in actions]) for a in plain.possible_agents})
-    env = make(TEXT, openings=(opening,), opening_share=1.0)
+def test_a_copy_of_a_copy_is_whole(make, copies):
+    env = make(TEXT)
     env.reset(seed=5)
     play(env, random_actions(env, 3, 2))
     other = copies(copy.deepcopy, copies(copy.deepcopy, env))

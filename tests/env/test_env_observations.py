@@ -266,7 +266,7 @@ def test_velocities_are_what_positions_change_by(make):
     body = world.objects["other"].body
     body.place(body.pose().moved((0.0, 0.0, 1.0)))
     world.client.bullet.resetBaseVelocity(body.id, (0.3, -0.2, 1.0), (1.0, 2.0, 3.0))
-    push = {"arm": np.array([0.02, 0.03, 0.05, 0.05]), "gripper": np.zeros(1)}
+    push = {"arm": np.array([0.24, 0.36, 0.6, 0.6]), "gripper": np.zeros(1)}
     views = [env.step({"left": push, "right": push})[0]["left"] for _ in range(30)]
     for before, after in itertools.pairwise(views):
         for channel, speed in (

@@ -159,7 +159,7 @@ def test_a_demonstration_of_one_task_is_not_replayed_in_another(expert, tmp_path
     demonstration = expert(GRASP).play(0)
     (tmp_path / "other").mkdir()
     other = made(tmp_path / "other", GRASP)
-    with pytest.raises(UsageError, match="not of other"):
+    with pytest.raises(UsageError, match="cannot be replayed in other"):
         replay(other, demonstration)
     other.close()
 

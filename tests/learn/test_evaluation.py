@@ -195,7 +195,7 @@ def test_summaries_do_not_depend_on_the_order_of_equals():
 
 
 def test_measuring_and_plotting_need_no_torch():
-    names = ("evaluation", "statistics", "comparison", "logs", "policy", "zoo")
+    names = ("evaluation", "statistics", "run_groups", "logs", "policy", "zoo")
     modules = ", ".join(f"taskbuilder.learn.{name}" for name in names)
     code = f"import sys; sys.modules['torch'] = None; import {modules}"
     subprocess.run([sys.executable, "-c", code], check=True)
