@@ -134,7 +134,7 @@ def test_the_zoo_is_known_by_name(tmp_path, monkeypatch):
     assert load_policy("zoo:handover/scratch").about["task"] == "handover"
     with pytest.raises(UnknownNameError, match='did you mean "zoo:handover/scratch"'):
         load_policy("zoo:handover/scratsh")
-    with pytest.raises(UnknownNameError, match='the zoo has "zoo:handover/scratch"'):
+    with pytest.raises(UnknownNameError, match="the zoo has: zoo:handover/scratch"):
         load_policy("zoo:../../elsewhere")
 
 
