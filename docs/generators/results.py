@@ -75,23 +75,33 @@ def _stages(stages: dict[str, int]) -> str:
 
 
 def zoo(_: str) -> str:
-    """The policies that come with the package, and the commands that made them."""
+    """The policies that come with the package, what they achieve, and what made them."""
     rows, commands = [], []
     runs = {run["run"]: run for run in _read("learning.json")["runs"]}
+    measured = _read("zoo.json")
     for name in zoo_names():
         about = load_policy(name).about
         run = runs[f"{about['task']}-{about['track']}-{about['seed']}"]
-        helped = {"scratch": "nothing", "demos": "demonstrations", "resets": "starts of the expert"}
-        saw = {"scene": "the whole scene", "task": "as the task says"}[about["env"]["observe"]]
-        success = f"{100.0 * run['success_rate']:.1f} %"
-        steps = f"{about['step']:,}"
-        rows.append([f"`{name}`", helped[about["track"]], saw, steps, success])
+        found = measured["policies"][name]
+        low, high = (100.0 * bound for bound in found["interval"])
+        rows.append(
+            [
+                f"`{name}`",
+                f"{about['step']:,}",
+                f"{found['successes']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
+                f"{100.0 * found['success_at_end_rate']:.1f} %",
+                f"{found['peak_robot_force']['median']:.0f} N",
+                f"{100.0 * run['success_rate']:.1f} %",
+            ]
+        )
         commands.append(run["command"])
     if not rows:
         return "None yet."
-    head = ["policy", "helped by", "sees", "control steps", "success, 300 episodes"]
+    head = ["policy", "control steps", "success that lasts (95 % interval)", "at the last step"]
+    head += ["force between robots, median peak", "success for a moment, as trained for"]
     made = "\n".join(["Made by", "", "```text", *commands, "```"])
-    return f"{table(head, rows)}\n\n{made}"
+    asked = f"Measured by `{measured['command']}`, for as many episodes as the table says."
+    return f"{table(head, rows)}\n\n{asked}\n\n{made}"
 
 
 def _read(name: str) -> Any:
