@@ -80,7 +80,7 @@ class Keeping(Own):
 
 class Hoarding(Own):
     def reset(self, seed=None, options=None):
-        self.__dict__.setdefault("kept", []).append(np.ones(100_000))
+        self.__dict__.setdefault("kept", []).append(np.ones(5_000_000))
         return super().reset(seed=seed, options=options)
 
 
