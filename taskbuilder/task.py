@@ -24,7 +24,7 @@ class Task:
 
     Attributes:
         file: What its YAML file holds and names.
-        description: What counts as success and what is paid.
+        description: Success and reward.
         warnings: What is doubtful without keeping the task from being used.
     """
 

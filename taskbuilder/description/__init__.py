@@ -1,4 +1,4 @@
-"""What counts as success and what is paid: conditions, rewards, and descriptions made of them.
+"""Success and reward: conditions, rewards, and descriptions made of them.
 
 Everything that a description file needs is importable from here.
 """

@@ -25,7 +25,7 @@ from taskbuilder.description.view import WorldView
 
 
 class Description:
-    """What counts as success and what is paid; one subclass in the file beside a task's YAML.
+    """Success and reward; one subclass in the file beside a task's YAML.
 
     Attributes:
         success: When the task is done. Required.
