@@ -20,7 +20,7 @@ import numpy as np
 from taskbuilder.cli import main as taskbuilder
 from taskbuilder.learn.zoo import zoo_names
 from taskbuilder.render import Pixels, save_image
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 
 IMAGES = Path(__file__).parent / "images"
 RUNS = Path(__file__).parents[1] / "benchmarks" / "results" / "learning"

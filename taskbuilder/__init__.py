@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from taskbuilder.learn.zoo import load_policy
     from taskbuilder.rollout.play import play, replay
     from taskbuilder.rollout.record import Rollout
-    from taskbuilder.spec.catalogue import Catalogue
+    from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.environments import check_env
     from taskbuilder.validate.run import validate_task
@@ -59,7 +59,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Catalogue": "taskbuilder.spec.catalogue",
+    "Catalogue": "taskbuilder.schema.catalogue",
     "Expert": "taskbuilder.expert.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
@@ -107,6 +107,6 @@ def catalogue(*folders: str) -> Catalogue:
     Raises:
         UnknownNameError: A folder does not exist.
     """
-    from taskbuilder.spec.catalogue import Catalogue
+    from taskbuilder.schema.catalogue import Catalogue
 
     return Catalogue.discover(folders)

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "quiet", "wording")
 
-FILES = ("spec", "assets", *FOUNDATION)
+FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
 SIMULATED = ("world", "sim", *TASKS_LOADED)
 
@@ -63,7 +63,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "world": ("sim", *FILES),
     "sim": ("assets", *FOUNDATION),
     "description": ("processes", *FILES),
-    "spec": ("assets", "_library", *FOUNDATION),
+    "schema": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
     "processes": ("interpreters",),
     "geometry": (),
@@ -80,9 +80,9 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/engine_output.py"),
-    "pydantic": ("taskbuilder/spec/", "taskbuilder/reference/"),
-    "pydantic_core": ("taskbuilder/spec/",),
-    "yaml": ("taskbuilder/spec/",),
+    "pydantic": ("taskbuilder/schema/", "taskbuilder/reference/"),
+    "pydantic_core": ("taskbuilder/schema/",),
+    "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),
     "cv2": (
         *("taskbuilder/render.py", "taskbuilder/portrait.py", "taskbuilder/film/"),

@@ -18,8 +18,8 @@ import yaml
 from taskbuilder.assets import codes as asset_codes
 from taskbuilder.codes import CODES, Example
 from taskbuilder.errors import FileError, Finding
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.source import read_source
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.source import read_source
 from taskbuilder.validate.run import validate_task
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -152,7 +152,7 @@ def test_the_registry_imports_nothing_else_of_the_library():
     )
     loaded = {name for name in done.stdout.split() if not name.startswith("taskbuilder.codes")}
     assert not {name for name in loaded if name.count(".") > 1}
-    assert not loaded & {"taskbuilder.errors", "taskbuilder.spec", "taskbuilder.assets"}
+    assert not loaded & {"taskbuilder.errors", "taskbuilder.schema", "taskbuilder.assets"}
 
 
 def updated(text: str, under: str, keys: Path) -> str:

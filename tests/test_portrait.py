@@ -9,9 +9,9 @@ import pytest
 
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.portrait import take_portrait
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.robots import load_robot
 from taskbuilder.sim.cameras import STUDIO
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.robots import load_robot
 
 BALL = """\
 <robot name="ball">

@@ -20,10 +20,10 @@ from taskbuilder.render import (
     save_still,
     take_still,
 )
+from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.load import TaskFile, read_task
 from taskbuilder.sim.cameras import Image
 from taskbuilder.sim.renderers import probe_egl
-from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.load import TaskFile, read_task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 

@@ -28,7 +28,7 @@ from taskbuilder.learn.zoo import load_policy
 from taskbuilder.render import save_image
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
 

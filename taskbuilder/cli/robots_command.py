@@ -24,8 +24,8 @@ from taskbuilder.errors import (
 )
 from taskbuilder.portrait import take_portrait
 from taskbuilder.render import save_image
-from taskbuilder.spec.catalogue import Catalogue, Entry, similar
-from taskbuilder.spec.robots import RobotModel, load_robot
+from taskbuilder.schema.catalogue import Catalogue, Entry, similar
+from taskbuilder.schema.robots import RobotModel, load_robot
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -25,7 +25,7 @@ from taskbuilder.description.node import (
     ValueOfNodeError,
 )
 from taskbuilder.description.view import WorldView
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 
 class Measure(Node):

@@ -22,7 +22,7 @@ from typing import Annotated, Any, NamedTuple, SupportsFloat, get_args, get_type
 from taskbuilder.description.origin import is_ours, place_of
 from taskbuilder.description.view import WorldView
 from taskbuilder.errors import Location, TaskbuilderError
-from taskbuilder.spec.names import Kind, Refers, SceneNames
+from taskbuilder.schema.names import Kind, Refers, SceneNames
 
 RobotName = Annotated[str, Refers("robot")]
 ObjectName = Annotated[str, Refers("object")]

@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Protocol
 
 from taskbuilder.geometry import Pose, Quat, norm
+from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.sim.stepper import ArmStepper
-from taskbuilder.spec.scene import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 

@@ -29,8 +29,8 @@ from taskbuilder.geometry import (
     turn_between,
     unit,
 )
-from taskbuilder.spec.expert import NOTHING, Order, Together
-from taskbuilder.spec.scene import Grasp, SceneSpec
+from taskbuilder.schema.expert import NOTHING, Order, Together
+from taskbuilder.schema.scene import Grasp, SceneSpec
 
 APPROACH_M = 0.08
 """How far before a grasp point the straight way in begins."""

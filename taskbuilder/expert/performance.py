@@ -17,8 +17,8 @@ from taskbuilder.errors import TaskbuilderError
 from taskbuilder.expert.orders import Foreseen, Go, Grip, NothingHeldError, Phase, bring, phases
 from taskbuilder.expert.planning import Blocked, Move, Planner, Trajectory
 from taskbuilder.geometry import Pose
-from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait
-from taskbuilder.spec.scene import SceneSpec
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.scene import SceneSpec
 
 SETTLE_S = 0.6
 """How long a motion may take to arrive after its last command."""

@@ -12,7 +12,7 @@ from taskbuilder.expert.performance import Performance, StageError
 from taskbuilder.expert.planning import Planner
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
-from taskbuilder.spec.expert import ExpertStage, in_words
+from taskbuilder.schema.expert import ExpertStage, in_words
 
 
 class Expert:

@@ -14,8 +14,8 @@ from itertools import zip_longest
 from taskbuilder.expert.foresight import Foresight
 from taskbuilder.expert.orders import Go, NothingHeldError, Phase, bring, phases
 from taskbuilder.geometry import Pose
-from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait
-from taskbuilder.spec.scene import SceneSpec
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.world.world import World
 
 

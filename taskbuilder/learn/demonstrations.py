@@ -25,8 +25,8 @@ from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TrainingReward
 from taskbuilder.rollout.files import load_rollouts
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.scene import RobotEntry
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.scene import RobotEntry
 from taskbuilder.task import Task, load_task
 
 DEMONSTRATIONS_FILE = "expert.npz"

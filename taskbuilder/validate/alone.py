@@ -19,9 +19,9 @@ from taskbuilder.expert.rehearsal import rehearse
 from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together
-from taskbuilder.spec.robots import joint_values
-from taskbuilder.spec.scene import ObjectSpec, SceneSpec
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together
+from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.playing import DropAll
 from taskbuilder.validate.reach import reaches

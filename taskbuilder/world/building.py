@@ -10,6 +10,10 @@ import numpy as np
 from taskbuilder.assets.model import Urdf
 from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
+from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
@@ -18,10 +22,6 @@ from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.renderers import choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.robots import joint_values
-from taskbuilder.spec.scene import ObjectSpec, RobotEntry, SiteSpec
-from taskbuilder.spec.values import rgb
 from taskbuilder.world.gripper import build_gripper
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.placement import placement_order, put

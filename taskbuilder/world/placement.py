@@ -14,9 +14,9 @@ import numpy as np
 
 from taskbuilder.errors import Finding, PlacementError
 from taskbuilder.geometry import Pose, from_rpy_deg, multiply
+from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import closest_distance
-from taskbuilder.spec.scene import Place, SceneSpec
 from taskbuilder.world.things import Site, Thing
 
 if TYPE_CHECKING:

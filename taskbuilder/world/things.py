@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from taskbuilder.geometry import Box, Pose
+from taskbuilder.schema.scene import ObjectSpec, SiteSpec
 from taskbuilder.sim.body import Body
-from taskbuilder.spec.scene import ObjectSpec, SiteSpec
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from typing import Any
 
 from taskbuilder.errors import Finding, UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, scale, subtract
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim import faults
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
@@ -16,8 +18,6 @@ from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import Contact, contacts
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Snapshot, release, restore, save
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, Pair, Reading
 from taskbuilder.world.frames import Frames

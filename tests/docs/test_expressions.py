@@ -10,7 +10,7 @@ import pytest
 from taskbuilder import description
 from taskbuilder.description import Closeness, Gap, Height, Held, Ladder, Least, Near, Share
 from taskbuilder.description.space import Upright
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))

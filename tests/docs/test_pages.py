@@ -9,7 +9,7 @@ import pytest
 from written_pages import written
 
 from taskbuilder import validate_task
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 MOST_BYTES = 150_000

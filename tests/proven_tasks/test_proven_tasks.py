@@ -15,7 +15,7 @@ from taskbuilder.env.parallel import parallel_env
 from taskbuilder.expert.foresight import Foresight
 from taskbuilder.expert.player import Expert
 from taskbuilder.expert.rehearsal import rehearse
-from taskbuilder.spec.expert import Order
+from taskbuilder.schema.expert import Order
 from taskbuilder.task import load_task
 from taskbuilder.validate.run import validate_task
 

@@ -11,7 +11,7 @@ from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError
 from taskbuilder.files import write_whole
 from taskbuilder.jobs import LostError, crew
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 from taskbuilder.validate.formats.page import Page, index_page, task_page
 from taskbuilder.validate.formats.pictures import Pictures, take_pictures

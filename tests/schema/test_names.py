@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from taskbuilder.spec.channels import Channel, parse_channel
-from taskbuilder.spec.names import ObjectNames, SceneNames
+from taskbuilder.schema.channels import Channel, parse_channel
+from taskbuilder.schema.names import ObjectNames, SceneNames
 
 SCENE = SceneNames(
     robots=("left", "right"),

@@ -16,8 +16,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from taskbuilder.spec.names import Refers
-from taskbuilder.spec.values import (
+from taskbuilder.schema.names import Refers
+from taskbuilder.schema.values import (
     Coordinate,
     Extent,
     FrameName,

@@ -9,8 +9,8 @@ import pytest
 from task_texts import PLAIN
 
 from taskbuilder.errors import FileError, UnknownNameError
-from taskbuilder.spec.catalogue import Catalogue, looks_like_path
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.load import read_task
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 

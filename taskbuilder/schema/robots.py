@@ -12,10 +12,10 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding
-from taskbuilder.spec.catalogue import Entry
-from taskbuilder.spec.explain import parse
-from taskbuilder.spec.robot import RobotSpec
-from taskbuilder.spec.source import Path_, Source, dotted, read_source
+from taskbuilder.schema.catalogue import Entry
+from taskbuilder.schema.explain import parse
+from taskbuilder.schema.robot import RobotSpec
+from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.wording import suggestion
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.dump import as_yaml
-from taskbuilder.spec.expert import Order, Repeat, Together, Wait, kind_of_stage, waits
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.dump import as_yaml
+from taskbuilder.schema.expert import Order, Repeat, Together, Wait, kind_of_stage, waits
+from taskbuilder.schema.load import read_task
 
 LAST = "  - left: {bring: cube, to: goal}\n"
 VERBS = "grasp, reach, bring, retreat, release, close"

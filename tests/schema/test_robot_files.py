@@ -7,8 +7,8 @@ import math
 import pytest
 
 from taskbuilder.errors import FileError
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.robots import joint_values, load_robot
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.robots import joint_values, load_robot
 
 INERTIAL = """<inertial>
       <mass value="0.5"/>

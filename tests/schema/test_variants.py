@@ -6,7 +6,7 @@ import pytest
 from task_texts import CABINET, TETRAHEDRON
 
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.spec.load import fill
+from taskbuilder.schema.load import fill
 
 ROBOT = "left: {model: ur5e, base: {position: [-0.8, 0, 0.4]}}"
 

@@ -13,8 +13,8 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
-from taskbuilder.spec.names import Refers
-from taskbuilder.spec.values import (
+from taskbuilder.schema.names import Refers
+from taskbuilder.schema.values import (
     Color,
     Coordinate,
     Degrees,

@@ -12,16 +12,16 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.spec.catalogue import Catalogue, Entry, looks_like_path
-from taskbuilder.spec.explain import parse
-from taskbuilder.spec.names import ObjectNames, SceneNames
-from taskbuilder.spec.references import check_names, read_names
-from taskbuilder.spec.robots import RobotModel, check_joint_values, load_robot
-from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.source import Path_, Source, dotted, read_source
-from taskbuilder.spec.task import TaskSpec
-from taskbuilder.spec.values import Model
-from taskbuilder.spec.variants import check_randomize, read_variations
+from taskbuilder.schema.catalogue import Catalogue, Entry, looks_like_path
+from taskbuilder.schema.explain import parse
+from taskbuilder.schema.names import ObjectNames, SceneNames
+from taskbuilder.schema.references import check_names, read_names
+from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.source import Path_, Source, dotted, read_source
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.values import Model
+from taskbuilder.schema.variants import check_randomize, read_variations
 from taskbuilder.wording import suggestion
 
 

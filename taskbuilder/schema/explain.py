@@ -11,8 +11,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from taskbuilder.errors import Finding
-from taskbuilder.spec.source import Path_, Source, dotted
-from taskbuilder.spec.values import Model
+from taskbuilder.schema.source import Path_, Source, dotted
+from taskbuilder.schema.values import Model
 from taskbuilder.wording import closest, suggestion
 
 Spec = TypeVar("Spec", bound=Model)

@@ -15,7 +15,7 @@ from typing import Any
 from zlib import crc32  # SHA-256 would take longer to import than all tasks to read
 
 from taskbuilder.errors import FileError
-from taskbuilder.spec.catalogue import Catalogue, Entry
+from taskbuilder.schema.catalogue import Catalogue, Entry
 
 INDEX = "index.json"
 
@@ -55,7 +55,7 @@ def index_text(folder: Path) -> str:
 
 
 def _read(entry: Entry, catalogue: Catalogue) -> Summary:
-    from taskbuilder.spec.load import read_task  # takes longer than all else that `list` does
+    from taskbuilder.schema.load import read_task  # takes longer than all else that `list` does
 
     try:
         spec = read_task(entry, catalogue).spec

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 from taskbuilder.wording import suggestion
 
 ROBOT_QUANTITIES = (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from task_texts import CABINET, ONE_OF_EVERYTHING, PLAIN, TETRAHEDRON
 
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.dump import as_yaml
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.dump import as_yaml
+from taskbuilder.schema.load import read_task
 
 CATALOGUE = Catalogue()
 

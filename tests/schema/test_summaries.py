@@ -7,10 +7,10 @@ import json
 import pytest
 
 from taskbuilder._library import folder
-from taskbuilder.spec import summaries
-from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.load import read_task
-from taskbuilder.spec.summaries import INDEX, Summary, index_text, summarize
+from taskbuilder.schema import summaries
+from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.load import read_task
+from taskbuilder.schema.summaries import INDEX, Summary, index_text, summarize
 
 TASKS = folder("tasks")
 

@@ -13,12 +13,12 @@ from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from taskbuilder.errors import Finding
-from taskbuilder.spec.channels import parse_channel
-from taskbuilder.spec.expert import STAGES, ExpertStage, Order, directed, kind_of_stage
-from taskbuilder.spec.names import Kind, ObjectNames, Refers, SceneNames
-from taskbuilder.spec.source import Path_, Source, dotted
-from taskbuilder.spec.task import TaskSpec
-from taskbuilder.spec.values import Model
+from taskbuilder.schema.channels import parse_channel
+from taskbuilder.schema.expert import STAGES, ExpertStage, Order, directed, kind_of_stage
+from taskbuilder.schema.names import Kind, ObjectNames, Refers, SceneNames
+from taskbuilder.schema.source import Path_, Source, dotted
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.values import Model
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from typing import Any, Literal
 
 import yaml
 
-from taskbuilder.spec.channels import default_channels
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.robot import RobotSpec
-from taskbuilder.spec.source import is_text
-from taskbuilder.spec.task import TaskSpec
-from taskbuilder.spec.values import Model
+from taskbuilder.schema.channels import default_channels
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.robot import RobotSpec
+from taskbuilder.schema.source import is_text
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.values import Model
 
 _WIDTH = 100
 _FLOW_WIDTH = 72

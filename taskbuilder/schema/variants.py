@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from taskbuilder.errors import Finding
-from taskbuilder.spec.explain import parse
-from taskbuilder.spec.names import SceneNames
-from taskbuilder.spec.references import check_names
-from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.source import Path_, Source, dotted
-from taskbuilder.spec.task import TaskSpec
+from taskbuilder.schema.explain import parse
+from taskbuilder.schema.names import SceneNames
+from taskbuilder.schema.references import check_names
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.source import Path_, Source, dotted
+from taskbuilder.schema.task import TaskSpec
 from taskbuilder.wording import suggestion
 
 _GROUPS = ("robots", "objects", "sites", "cameras")

@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
-from taskbuilder.spec.names import Refers
+from taskbuilder.schema.names import Refers
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")

@@ -9,9 +9,9 @@ import pytest
 from task_texts import PLAIN
 
 from taskbuilder.errors import FileError
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import TaskFile, read_task
-from taskbuilder.spec.source import Source, read_source
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import TaskFile, read_task
+from taskbuilder.schema.source import Source, read_source
 
 CATALOGUE = Catalogue()
 

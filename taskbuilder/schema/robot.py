@@ -8,7 +8,16 @@ from typing import Annotated
 from pydantic import AfterValidator, Field
 
 from taskbuilder.geometry import Pose
-from taskbuilder.spec.values import Friction, Model, Name, Position, Positive, RpyDeg, Text, frozen
+from taskbuilder.schema.values import (
+    Friction,
+    Model,
+    Name,
+    Position,
+    Positive,
+    RpyDeg,
+    Text,
+    frozen,
+)
 
 LinkName = Annotated[str, Field(min_length=1, max_length=200)]
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from taskbuilder.spec.expert import ExpertStage
-from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.values import (
+from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.values import (
     Extent,
     Model,
     Name,

@@ -13,12 +13,12 @@ from pydantic import BaseModel, ValidationError
 from task_texts import CABINET, ONE_OF_EVERYTHING, TETRAHEDRON
 
 from taskbuilder.geometry import Pose
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import TaskFile, read_task
-from taskbuilder.spec.robot import RobotSpec
-from taskbuilder.spec.source import read_source
-from taskbuilder.spec.task import TaskSpec
-from taskbuilder.spec.values import PALETTE, FrozenDict, frozen, rgb
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import TaskFile, read_task
+from taskbuilder.schema.robot import RobotSpec
+from taskbuilder.schema.source import read_source
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.values import PALETTE, FrozenDict, frozen, rgb
 
 CATALOGUE = Catalogue()
 TASKS = [entry.file for entry in CATALOGUE.tasks.values()]
