@@ -27,7 +27,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "env",
             "digests",
             "reference",
-            "codes",
+            "diagnostics",
             "curves",
             "charts",
             "jobs",
@@ -38,7 +38,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "validate": (
         *("bench", "film", "expert", "render", "rollout", "env"),
-        *("codes", "jobs", "files", "processes", *SIMULATED),
+        *("diagnostics", "jobs", "files", "processes", *SIMULATED),
     ),
     "bench": ("expert", "render", "rollout", "env", *SIMULATED),
     "trial": (*("learn", "expert", "rollout", "env", "machine", "digests", "files", *SIMULATED),),
@@ -50,8 +50,8 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "render": ("files", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
     "env": ("processes", *SIMULATED),
-    "reference": ("codes", "description", *FILES),
-    "codes": (),
+    "reference": ("diagnostics", "description", *FILES),
+    "diagnostics": (),
     "curves": ("charts",),
     "charts": (),
     "jobs": ("processes", "errors"),
@@ -96,7 +96,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
 }
 
 # Checking files takes no numpy, so that it takes no time.
-WITHOUT_NUMPY = {"codes", "reference", *TASKS_LOADED}
+WITHOUT_NUMPY = {"diagnostics", "reference", *TASKS_LOADED}
 
 # These stand above the layers: they hand out, by name, what is below.
 ABOVE = tuple(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.codes.entry import Code, Example, block, within
+from taskbuilder.diagnostics.entry import Code, Example, block, within
 
 ENTRIES = {
     "TB300": Code(

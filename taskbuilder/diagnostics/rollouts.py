@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.codes.entry import Code, Example, within
+from taskbuilder.diagnostics.entry import Code, Example, within
 
 _OURS = " No task file is known to fail this; please report one that does."
 

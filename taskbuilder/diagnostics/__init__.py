@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from taskbuilder.codes import files, names, proofs, worlds
-from taskbuilder.codes.entry import Code, Example, Where
+from taskbuilder.diagnostics import names, rollouts, scene, yaml
+from taskbuilder.diagnostics.entry import Code, Example, Where
 
 __all__ = ["CODES", "Code", "Example", "Where"]
 
 CODES: Mapping[str, Code] = MappingProxyType(
-    {**files.ENTRIES, **names.ENTRIES, **worlds.ENTRIES, **proofs.ENTRIES}
+    {**yaml.ENTRIES, **names.ENTRIES, **scene.ENTRIES, **rollouts.ENTRIES}
 )
 """Every code, in order."""

@@ -16,14 +16,14 @@ import pytest
 import yaml
 
 from taskbuilder.assets import codes as asset_codes
-from taskbuilder.codes import CODES, Example
+from taskbuilder.diagnostics import CODES, Example
 from taskbuilder.errors import FileError, Finding
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.source import read_source
 from taskbuilder.validate.run import validate_task
 
 ROOT = Path(__file__).resolve().parents[1]
-REGISTRIES = ("taskbuilder/codes/", "taskbuilder/assets/codes.py")
+REGISTRIES = ("taskbuilder/diagnostics/", "taskbuilder/assets/codes.py")
 SOURCES = sorted((ROOT / "taskbuilder").rglob("*.py"))
 
 TASK = """
@@ -146,11 +146,15 @@ def test_only_what_no_task_file_is_known_to_cause_has_no_example():
 
 
 def test_the_registry_imports_nothing_else_of_the_library():
-    command = "import sys, taskbuilder.codes; print(*(n for n in sys.modules if n[:5] == 'taskb'))"
+    command = (
+        "import sys, taskbuilder.diagnostics; print(*(n for n in sys.modules if n[:5] == 'taskb'))"
+    )
     done = subprocess.run(
         [sys.executable, "-c", command], capture_output=True, text=True, check=True
     )
-    loaded = {name for name in done.stdout.split() if not name.startswith("taskbuilder.codes")}
+    loaded = {
+        name for name in done.stdout.split() if not name.startswith("taskbuilder.diagnostics")
+    }
     assert not {name for name in loaded if name.count(".") > 1}
     assert not loaded & {"taskbuilder.errors", "taskbuilder.schema", "taskbuilder.assets"}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.codes.entry import Code, Example, within
+from taskbuilder.diagnostics.entry import Code, Example, within
 
 ENTRIES = {
     "TB200": Code(
