@@ -34,7 +34,7 @@ DAMPING = 0.02
 """Metres of tool motion per radian below which a direction counts as singular and is damped."""
 
 
-class Frames(NamedTuple):
+class LinkFrames(NamedTuple):
     """Where everything is at some joint positions, in the base link's frame."""
 
     tool: Pose
@@ -43,7 +43,7 @@ class Frames(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ArmStepper:
+class DifferentialIK:
     """A chain, prepared for stepping: every joint turns about, or slides along, its own z axis.
 
     Attributes:
@@ -88,7 +88,7 @@ class ArmStepper:
         positions: Sequence[float],
         target: Pose,
         longest: Sequence[float],
-        frames: Frames | None = None,
+        frames: LinkFrames | None = None,
     ) -> tuple[float, ...]:
         """Joint positions that bring the tool near a pose that is a step away.
 
@@ -116,16 +116,16 @@ class ArmStepper:
             for q, d, low, high in zip(positions, move, self.lower, self.upper, strict=True)
         )
 
-    def frames(self, positions: Sequence[float]) -> Frames:
+    def frames(self, positions: Sequence[float]) -> LinkFrames:
         """The tool's pose, and each joint's axis and origin, in the base link's frame."""
         return self._known_frames(tuple(positions))
 
     @cached_property
-    def _known_frames(self) -> Callable[[tuple[float, ...]], Frames]:
+    def _known_frames(self) -> Callable[[tuple[float, ...]], LinkFrames]:
         """`frames`, kept for a while: where one step ends, the next begins."""
         return lru_cache(maxsize=64)(self._frames)
 
-    def _frames(self, positions: Sequence[float]) -> Frames:
+    def _frames(self, positions: Sequence[float]) -> LinkFrames:
         # Written out, for this is most of a control step's Python: `at` moves by the offset turned
         # by the quaternion so far, which then takes the offset's turn and the joint's own.
         x, y, z, w = 0.0, 0.0, 0.0, 1.0
@@ -153,9 +153,9 @@ class ArmStepper:
             axes.append(axis)
             origins.append((px, py, pz))
         tool = Pose((px, py, pz), (x, y, z, w)) @ self.tool
-        return Frames(tool, axes, origins)
+        return LinkFrames(tool, axes, origins)
 
-    def _damped_inverse(self, frames: Frames) -> NDArray[np.float64]:
+    def _damped_inverse(self, frames: LinkFrames) -> NDArray[np.float64]:
         """(n, 6) damped inverse of the Jacobian, rotations weighed in metres."""
         columns = []
         tx, ty, tz = frames.tool.position

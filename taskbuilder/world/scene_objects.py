@@ -11,7 +11,7 @@ from taskbuilder.sim.body import Body
 
 
 @dataclass(frozen=True)
-class Thing:
+class SceneObject:
     """An object, built.
 
     Attributes:

@@ -7,7 +7,7 @@ import pytest
 from taskbuilder.errors import ExplosionError
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.bullet import p
-from taskbuilder.sim.faults import check_joints, check_pose
+from taskbuilder.sim.divergence import check_joints, check_pose
 
 STILL = (0.0, 0.0, 0.0)
 
