@@ -25,7 +25,7 @@ Rows = range | slice
 
 
 @dataclass(frozen=True)
-class Form:
+class Signature:
     """What all environments of a task have alike.
 
     Attributes:
@@ -45,7 +45,7 @@ class Form:
     info_keys: tuple[str, ...]
 
     @classmethod
-    def of(cls, env: TaskEnv) -> Form:
+    def of(cls, env: TaskEnv) -> Signature:
         """Read it off an environment, which need not have been reset."""
         return cls(
             agents=tuple(env.possible_agents),
@@ -57,7 +57,7 @@ class Form:
         )
 
 
-class Arena:
+class Allocator:
     """Hands out arrays one after the other from a block of memory, or without one from the heap.
 
     Attributes:
@@ -84,17 +84,17 @@ class StepView:
     Attributes:
         observations: By agent: (num_envs, …), or a dictionary of such arrays.
         state: (num_envs, state_dim) float32, for centralised critics.
-        infos: (num_envs, keys) float64, in the order of the form's `info_keys`.
+        infos: (num_envs, keys) float64, in the order of the signature's `info_keys`.
     """
 
-    def __init__(self, form: Form, num_envs: int, arena: Arena) -> None:
-        self._keys = form.info_keys
+    def __init__(self, signature: Signature, num_envs: int, allocator: Allocator) -> None:
+        self._keys = signature.info_keys
         self.observations: dict[str, Any] = {
-            agent: _rows_of(space, num_envs, arena)
-            for agent, space in form.observation_spaces.items()
+            agent: _rows_of(space, num_envs, allocator)
+            for agent, space in signature.observation_spaces.items()
         }
-        self.state = arena.take((num_envs, *form.state_space.shape), np.float32)
-        self.infos = arena.take((num_envs, len(form.info_keys)), np.float64)
+        self.state = allocator.take((num_envs, *signature.state_space.shape), np.float32)
+        self.infos = allocator.take((num_envs, len(signature.info_keys)), np.float64)
         self._arrays = (*_leaves(self.observations), self.state, self.infos)
 
     def write(
@@ -116,7 +116,7 @@ class StepView:
             mine[part] = theirs[part]
 
 
-class Board:
+class SharedBuffers:
     """All arrays of a vector of environments.
 
     The owner writes what is to be done, lets the environments do it, and reads what came of it;
@@ -134,18 +134,20 @@ class Board:
         truncated: (num_envs,) bool.
     """
 
-    def __init__(self, form: Form, num_envs: int, arena: Arena) -> None:
+    def __init__(self, signature: Signature, num_envs: int, allocator: Allocator) -> None:
         self.actions: dict[str, NDArray[np.float64]] = {
-            agent: arena.take((num_envs, size), np.float64)
-            for agent, size in form.action_sizes.items()
+            agent: allocator.take((num_envs, size), np.float64)
+            for agent, size in signature.action_sizes.items()
         }
-        self.begin: NDArray[np.bool_] = arena.take((num_envs,), np.bool_)
-        self.seeds: NDArray[np.int64] = arena.take((num_envs,), np.int64)
-        self.now = StepView(form, num_envs, arena)
-        self.final = StepView(form, num_envs, arena)
-        self.rewards: NDArray[np.float64] = arena.take((num_envs, len(form.agents)), np.float64)
-        self.terminated: NDArray[np.bool_] = arena.take((num_envs,), np.bool_)
-        self.truncated: NDArray[np.bool_] = arena.take((num_envs,), np.bool_)
+        self.begin: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
+        self.seeds: NDArray[np.int64] = allocator.take((num_envs,), np.int64)
+        self.now = StepView(signature, num_envs, allocator)
+        self.final = StepView(signature, num_envs, allocator)
+        self.rewards: NDArray[np.float64] = allocator.take(
+            (num_envs, len(signature.agents)), np.float64
+        )
+        self.terminated: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
+        self.truncated: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
 
 
 def make_block(size: int) -> int:
@@ -180,12 +182,12 @@ def row_of(tree: Mapping[str, Any], row: int) -> dict[str, Any]:
     }
 
 
-def _rows_of(space: spaces.Space[Any], num_envs: int, arena: Arena) -> Any:
+def _rows_of(space: spaces.Space[Any], num_envs: int, allocator: Allocator) -> Any:
     if isinstance(space, spaces.Dict):
-        return {key: _rows_of(part, num_envs, arena) for key, part in space.items()}
+        return {key: _rows_of(part, num_envs, allocator) for key, part in space.items()}
     if space.shape is None or space.dtype is None:
         raise TypeError(f"observations in {space} cannot be laid out in arrays")
-    return arena.take((num_envs, *space.shape), space.dtype)
+    return allocator.take((num_envs, *space.shape), space.dtype)
 
 
 def _leaves(tree: Mapping[str, Any]) -> Iterator[NDArray[Any]]:

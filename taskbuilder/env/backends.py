@@ -1,7 +1,7 @@
-"""Who runs a vector's environments: this process, or a crew of workers that are replaced when lost.
+"""What runs a vector's environments: this process, or workers that are replaced when lost.
 
-An owner and a worker exchange single bytes; everything else is on the board that they share. A
-worker holds nothing that outlives it, so it is ended by being killed.
+An owner and a worker exchange single bytes; everything else is in buffers that they share. A worker
+holds nothing that outlives it, so it is ended by being killed.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import pickle
 from collections.abc import Sequence
 from typing import Protocol
 
+from taskbuilder.env.env_group import EnvGroup
 from taskbuilder.env.process import WorkerProcess
-from taskbuilder.env.shard import Shard
-from taskbuilder.env.shared import Arena, Board, make_block, map_block
+from taskbuilder.env.shared_buffers import Allocator, SharedBuffers, make_block, map_block
 from taskbuilder.env.worker import WorkerConfig
 from taskbuilder.errors import TaskbuilderError, UsageError
 from taskbuilder.processes import Fault
@@ -45,11 +45,11 @@ class WorkerError(TaskbuilderError):
         super().__init__(f"{title} {fault.cause} ({times} in a row)\n{fault.words}".rstrip())
 
 
-class Crew(Protocol):
-    """Runs the environments of a board."""
+class Backend(Protocol):
+    """Runs the environments of a vector."""
 
     @property
-    def board(self) -> Board:
+    def buffers(self) -> SharedBuffers:
         """What the environments are told and tell."""
 
     @property
@@ -57,14 +57,14 @@ class Crew(Protocol):
         """The processes of the workers, if there are any."""
 
     def settle(self) -> None:
-        """Wait until nobody works on the board any more, whatever was begun or interrupted.
+        """Wait until nobody uses the buffers any more, whatever was begun or interrupted.
 
         Raises:
             WorkerError: A worker is lost again and again.
         """
 
     def go(self) -> None:
-        """Let every environment do what the board says, without waiting for it."""
+        """Let every environment do what the buffers say, without waiting for it."""
 
     def wait(self, *, begin_anew: bool) -> list[range]:
         """Wait until all have done it.
@@ -80,44 +80,44 @@ class Crew(Protocol):
         """
 
     def close(self) -> None:
-        """Free the environments; the board stays."""
+        """Free the environments; the buffers stay."""
 
 
-class Alone:
+class InProcess:
     """No workers: the environments run in this process, and errors in them are raised here."""
 
     pids: tuple[int, ...] = ()
 
     def __init__(self, config: WorkerConfig) -> None:
-        self.board = Board(config.form, config.num_envs, Arena())
-        self._shard = Shard(
+        self.buffers = SharedBuffers(config.signature, config.num_envs, Allocator())
+        self._group = EnvGroup(
             config.task,
             config.options,
             config.wrap,
-            self.board,
+            self.buffers,
             range(config.num_envs),
             same_step=config.same_step,
         )
 
     def settle(self) -> None:
-        """See `Crew.settle`."""
+        """See `Backend.settle`."""
 
     def go(self) -> None:
-        """See `Crew.go`; there is nobody else to do it meanwhile."""
+        """See `Backend.go`; there is nobody else to do it meanwhile."""
 
     def wait(self, *, begin_anew: bool) -> list[range]:
-        """See `Crew.wait`; no environment is ever lost here."""
+        """See `Backend.wait`; no environment is ever lost here."""
         del begin_anew
-        self._shard.advance()
+        self._group.advance()
         return []
 
     def close(self) -> None:
-        """See `Crew.close`."""
-        self._shard.close()
+        """See `Backend.close`."""
+        self._group.close()
 
 
-class Workers:
-    """Processes that run a shard each.
+class Subprocesses:
+    """Processes that run a group each.
 
     Args:
         config: What to run.
@@ -126,7 +126,7 @@ class Workers:
         retries: How many times in a row a worker is replaced.
 
     Attributes:
-        board: The board that they share.
+        buffers: The buffers that they share.
 
     Raises:
         UsageError: The description cannot be sent to other processes.
@@ -139,7 +139,9 @@ class Workers:
         self._retries = retries
         self._config = _packed(config)
         self._memory = make_block(_bytes_of(config))
-        self.board = Board(config.form, config.num_envs, Arena(map_block(self._memory)))
+        self.buffers = SharedBuffers(
+            config.signature, config.num_envs, Allocator(map_block(self._memory))
+        )
         bounds = [config.num_envs * number // count for number in range(count + 1)]
         self._workers = [
             WorkerProcess(number, range(bounds[number], bounds[number + 1]))
@@ -153,23 +155,23 @@ class Workers:
 
     @property
     def pids(self) -> tuple[int, ...]:
-        """See `Crew.pids`."""
+        """See `Backend.pids`."""
         return tuple(worker.pid for worker in self._workers)
 
     def settle(self) -> None:
-        """See `Crew.settle`; starts workers that are not running, too."""
+        """See `Backend.settle`; starts workers that are not running, too."""
         for worker in self._workers:
             if worker.busy:
                 worker.wait(self._timeout_s)
         self._start([worker for worker in self._workers if worker.pid < 0])
 
     def go(self) -> None:
-        """See `Crew.go`."""
+        """See `Backend.go`."""
         for worker in self._workers:
             worker.go()
 
     def wait(self, *, begin_anew: bool) -> list[range]:
-        """See `Crew.wait`."""
+        """See `Backend.wait`."""
         faults = [(worker, worker.wait(self._timeout_s)) for worker in self._workers]
         lost = []
         for worker, fault in faults:
@@ -181,7 +183,7 @@ class Workers:
         return lost
 
     def close(self) -> None:
-        """See `Crew.close`."""
+        """See `Backend.close`."""
         if os.getpid() != self._owner:  # a fork of the owner must leave the workers alone
             return
         for worker in self._workers:
@@ -210,7 +212,7 @@ class Workers:
             worker.start(self._config, self._memory)
             reason = worker.wait(START_LIMIT_S)
             if begin_anew and not reason:
-                self.board.begin[worker.rows.start : worker.rows.stop] = True
+                self.buffers.begin[worker.rows.start : worker.rows.stop] = True
                 worker.go()
                 reason = worker.wait(self._timeout_s)
 
@@ -228,9 +230,9 @@ def _packed(config: WorkerConfig) -> bytes:
 
 
 def _bytes_of(config: WorkerConfig) -> int:
-    arena = Arena()
-    Board(config.form, config.num_envs, arena)
-    return arena.size
+    allocator = Allocator()
+    SharedBuffers(config.signature, config.num_envs, allocator)
+    return allocator.size
 
 
 def _title(number: int, rows: Sequence[int]) -> str:

@@ -1,4 +1,4 @@
-"""A shard: some of a vector's environments, stepped one after the other in one process."""
+"""Some of a vector's environments, stepped one after the other in one process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.env.shared import Board
+from taskbuilder.env.shared_buffers import SharedBuffers
 from taskbuilder.task import Task
 
 Wrap = Callable[[TaskEnv], Any]
@@ -23,14 +23,14 @@ def unwrapped(env: TaskEnv) -> TaskEnv:
     return env
 
 
-class Shard:
-    """Environments that read what to do from a board, and write there what came of it.
+class EnvGroup:
+    """Environments that read what to do from shared buffers, and write there what came of it.
 
     Args:
         task: The task.
         options: How it is made into environments.
         wrap: Put around each of them.
-        board: Where this shard's rows are.
+        buffers: Where this group's rows are.
         rows: Which they are.
         same_step: Let an episode that ends be followed by another within the step.
     """
@@ -40,22 +40,22 @@ class Shard:
         task: Task,
         options: Options,
         wrap: Wrap,
-        board: Board,
+        buffers: SharedBuffers,
         rows: range,
         *,
         same_step: bool,
     ) -> None:
-        self._board = board
+        self._buffers = buffers
         self._same_step = same_step
         self._envs = {row: wrap(TaskEnv(task, options)) for row in rows}
 
     def advance(self) -> None:
-        """Let every environment begin an episode or act, as the board says."""
-        board = self._board
+        """Let every environment begin an episode or act, as the buffers say."""
+        buffers = self._buffers
         for row, env in self._envs.items():
-            if board.begin[row]:
-                board.rewards[row] = 0.0
-                board.terminated[row] = board.truncated[row] = False
+            if buffers.begin[row]:
+                buffers.rewards[row] = 0.0
+                buffers.terminated[row] = buffers.truncated[row] = False
                 self._begin(row, env)
             else:
                 self._act(row, env)
@@ -66,28 +66,28 @@ class Shard:
             env.close()
 
     def _begin(self, row: int, env: TaskEnv) -> None:
-        observations, infos = env.reset(seed=int(self._board.seeds[row]))
+        observations, infos = env.reset(seed=int(self._buffers.seeds[row]))
         first = env.possible_agents[0]  # infos are the same for all
-        self._board.now.write(row, observations, env.state(), infos[first])
+        self._buffers.now.write(row, observations, env.state(), infos[first])
 
     def _act(self, row: int, env: TaskEnv) -> None:
-        board = self._board
+        buffers = self._buffers
         first = env.possible_agents[0]  # all end together, and infos are the same for all
         observations, rewards, terminations, truncations, infos = env.step(self._actions(row, env))
-        board.rewards[row] = [rewards[agent] for agent in env.possible_agents]
-        board.terminated[row] = terminations[first]
-        board.truncated[row] = truncations[first]
+        buffers.rewards[row] = [rewards[agent] for agent in env.possible_agents]
+        buffers.terminated[row] = terminations[first]
+        buffers.truncated[row] = truncations[first]
         another = self._same_step and not env.agents
-        view = board.final if another else board.now
+        view = buffers.final if another else buffers.now
         view.write(row, observations, env.state(), infos[first])
         if another:
             self._begin(row, env)
 
     def _actions(self, row: int, env: TaskEnv) -> dict[str, Any]:
-        """Copies, because environments keep their last action and the board's rows change."""
+        """Copies, because environments keep their last action and rows of buffers change."""
         return {
             agent: _parted(values[row].copy(), env.action_space(agent))
-            for agent, values in self._board.actions.items()
+            for agent, values in self._buffers.actions.items()
         }
 
 
