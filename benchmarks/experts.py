@@ -21,7 +21,7 @@ from typing import Any
 from machine import describe_machine
 
 from taskbuilder import catalogue, load_task, parallel_env
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import cores, workers
 from taskbuilder.validate.shares import Share
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
-    from taskbuilder.expert.player import Expert
+    from taskbuilder.expert.script.player import Expert
     from taskbuilder.learn.assessment import evaluate
     from taskbuilder.learn.policy import Policy
     from taskbuilder.learn.runs import train
@@ -60,7 +60,7 @@ __all__ = [
 
 _HOMES = {
     "Catalogue": "taskbuilder.schema.catalogue",
-    "Expert": "taskbuilder.expert.player",
+    "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
     "Policy": "taskbuilder.learn.policy",

@@ -18,7 +18,7 @@ from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.files import write_whole
 from taskbuilder.film.film import save_film
 from taskbuilder.film.strip import film_strip

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.actions import HYSTERESIS
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.env.vector import TaskVectorEnv
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.collector import Collector
 from taskbuilder.learn.shapes import Shapes

@@ -10,7 +10,7 @@ from film_scenes import SMALL
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.film.shooting import shoot, take_picture
 from taskbuilder.rollout import replay
 

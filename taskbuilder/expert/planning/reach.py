@@ -67,7 +67,7 @@ class Reach:
 
     def tool(self, joints: tuple[float, ...]) -> Pose:
         """Pose of the tool in the world."""
-        return self.world_from_base @ self.arm.stepper.forward(joints)
+        return self.world_from_base @ self.arm.ik.forward(joints)
 
     def follow(self, joints: tuple[float, ...], tool: Pose) -> tuple[float, ...]:
         """Joints that bring the tool to a pose in the world that is a small step away."""
@@ -80,7 +80,7 @@ class Reach:
 
     def _step_towards(self, joints: tuple[float, ...], tool: Pose) -> tuple[float, ...]:
         target = self.arm.base_from_world @ tool
-        return self.arm.stepper.step(joints, target, self._boldest)
+        return self.arm.ik.step(joints, target, self._boldest)
 
     @cached_property
     def _boldest(self) -> tuple[float, ...]:
@@ -143,7 +143,7 @@ class Reach:
         turn = math.radians(spec.max_turn_deg)
         return tuple(
             min(most, turn if turns else spec.max_step)
-            for most, turns in zip(self.arm.longest, self.arm.stepper.turns, strict=True)
+            for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
         )
 
 

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from taskbuilder.expert import trees
-from taskbuilder.expert.blocked import Blocked
-from taskbuilder.expert.clearance import Clearance, Near
-from taskbuilder.expert.detours import detours
-from taskbuilder.expert.parts import Coordinates
-from taskbuilder.expert.spaces import Off, Point, Space
+from taskbuilder.expert.planning import rrt
+from taskbuilder.expert.planning.candidates import candidate_paths
+from taskbuilder.expert.planning.clearance import Clearance, ClearanceViolation
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
+from taskbuilder.expert.planning.subspaces import Coordinates
 
 SHORTCUTS, MANY_SHORTCUTS = 24, 60
 """How often it is tried to cut corners of a simple way, and of one that trees have found."""
 
-Way = list[Point]
+Way = list[Waypoint]
 
 
 class Search:
@@ -35,8 +35,8 @@ class Search:
         self,
         space: Space,
         clearance: Clearance,
-        start: Point,
-        goal: Point,
+        start: Waypoint,
+        goal: Waypoint,
         rng: np.random.Generator,
     ) -> None:
         self.space = space
@@ -45,7 +45,7 @@ class Search:
         self._clearance = clearance
         self._rng = rng
         self._met: Counter[tuple[str, str]] = Counter()
-        self._worst: dict[tuple[str, str], Near] = {}
+        self._worst: dict[tuple[str, str], ClearanceViolation] = {}
         self._astray = Off()
 
     @property
@@ -53,16 +53,16 @@ class Search:
         """Length of the straight way, free or not, m."""
         return self.space.length([self._start.at, self.space.end])
 
-    def no_way(self) -> Blocked:
+    def no_way(self) -> PlanningError:
         """Why no way was found: what was most in the way, or a line that no tool can follow."""
         names = list(self.space.reaches)
         words = f"{' and '.join(names)} find{'s' if len(names) == 1 else ''} no "
         words += "straight way: on it, " if self.space.rigid else "way: on those tried, "
         if self._met:
             near = self._worst[self._met.most_common(1)[0][0]]
-            return Blocked(near.robot, "no way", f"{words}{near}")
+            return PlanningError(near.robot, "no way", f"{words}{near}")
         off = self._astray
-        return Blocked(
+        return PlanningError(
             off.robot, "no way", f"{words}{off.robot}'s tool would be {off} off its line"
         )
 
@@ -72,7 +72,7 @@ class Search:
 
     def simple(self) -> Way | None:
         """The shortest free way that leads up, over and down, or moves one part at a time."""
-        lines = detours(self.space)
+        lines = candidate_paths(self.space)
         for line in sorted(lines, key=lambda line: self.space.length([self._start.at, *line])):
             way = self._along(self._start, line)
             if way is not None:
@@ -84,13 +84,13 @@ class Search:
         if len(self.space.begin) == 1:
             return None  # a single line leads round nothing
         ends = (self._start, self._goal)
-        for line in trees.connect(self.space, ends, self._free, self._rng):
+        for line in rrt.connect(self.space, ends, self._free, self._rng):
             way = self._along(self._start, line)
             if way is not None:
                 return self._shortened(way, MANY_SHORTCUTS)
         return None
 
-    def _along(self, start: Point, line: Sequence[Coordinates]) -> Way | None:
+    def _along(self, start: Waypoint, line: Sequence[Coordinates]) -> Way | None:
         """The way along a line with corners, in fine steps, if it is free and arrives."""
         way = [start]
         for corner in line:
@@ -133,7 +133,7 @@ class Search:
             found.append(point)
         return found
 
-    def _free(self, point: Point) -> bool:
+    def _free(self, point: Waypoint) -> bool:
         if point.off.astray:
             self._astray = max(self._astray, point.off, key=lambda off: off.badness)
             return False

@@ -8,10 +8,10 @@ from itertools import islice, product
 
 import numpy as np
 
-from taskbuilder.expert.blocked import Blocked
-from taskbuilder.expert.parts import ArmJoints, Carried, Jointed, Part
-from taskbuilder.expert.reach import Reach
-from taskbuilder.expert.spaces import Off, Point, Space
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
+from taskbuilder.expert.planning.subspaces import ArmJoints, Carried, Jointed, Subspace
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.kinematics import solve
 
@@ -25,11 +25,11 @@ SAME = 0.05
 """Joints that differ by less than this (rad or m) are the same solution."""
 
 
-def goal_of(space: Space, start: Point, rng: np.random.Generator) -> Point:
+def goal_of(space: Space, start: Waypoint, rng: np.random.Generator) -> Waypoint:
     """The point at the end of a space: as the straight way leads there, or by any way.
 
     Raises:
-        Blocked: A tool cannot get there.
+        PlanningError: A tool cannot get there.
     """
     point = start
     for point in space.line(start, space.end):  # noqa: B007  # the last one is wanted
@@ -41,11 +41,11 @@ def goal_of(space: Space, start: Point, rng: np.random.Generator) -> Point:
         if isinstance(part, Carried):
             for name, aim in part.aims(part.end).items():
                 joints[name] = _solved(part.arms[name], aim, start.posture.joints[name], rng)
-    return Point(space.end, space.posture(joints))
+    return Waypoint(space.end, space.posture(joints))
 
 
 def ends(
-    parts: Sequence[Part], goals: Mapping[str, Pose], rng: np.random.Generator
+    parts: Sequence[Subspace], goals: Mapping[str, Pose], rng: np.random.Generator
 ) -> Iterator[Space]:
     """Spaces that differ in the joints with which arms reach their goals, the nearest first.
 
@@ -55,9 +55,9 @@ def ends(
         rng: For where inverse kinematics begins.
 
     Raises:
-        Blocked: A tool cannot get to its goal.
+        PlanningError: A tool cannot get to its goal.
     """
-    near: list[Part] = []
+    near: list[Subspace] = []
     for part in parts:
         if isinstance(part, Jointed):
             goal = goals[part.reach.name]
@@ -78,11 +78,11 @@ def ends(
     yield from islice((space for space in spaces if space.end != seen), MOST_ENDS)
 
 
-def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Part]:
+def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subspace]:
     """An arm with each of the different joints that were found for its goal."""
     found: list[ArmJoints] = [part.end]
     chain, arm = part.reach.arm.robot.chain, part.reach.arm
-    turning = np.array(arm.stepper.turns)
+    turning = np.array(arm.ik.turns)
     low = np.maximum(chain.lower, np.where(turning, -math.pi, -math.inf))
     high = np.minimum(chain.upper, np.where(turning, math.pi, math.inf))
     for _ in range(BRANCHES):
@@ -97,12 +97,10 @@ def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Part]
 
 def _wound(reach: Reach, joints: Sequence[float], near: Sequence[float]) -> ArmJoints:
     """The same posture with each turning joint on the full turn within limits that is nearest."""
-    stepper = reach.arm.stepper
+    ik = reach.arm.ik
     turn = 2.0 * math.pi
     wound = []
-    for joint, to, turns, low, high in zip(
-        joints, near, stepper.turns, stepper.lower, stepper.upper, strict=True
-    ):
+    for joint, to, turns, low, high in zip(joints, near, ik.turns, ik.lower, ik.upper, strict=True):
         best = joint + turn * round((to - joint) / turn) if turns else joint
         wound.append(best if low <= best <= high else joint)
     return tuple(wound)
@@ -116,14 +114,14 @@ def _solved(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Gene
     """Joints that bring a tool to a pose in the world.
 
     Raises:
-        Blocked: There are none.
+        PlanningError: There are none.
     """
     target = reach.arm.base_from_world @ aim
     found = solve(reach.arm.robot.chain, target, start=start, rng=rng)
     off = Off(reach.name, found.position_error_m, found.angle_error)
     if off.late:
         x, y, z = aim.position
-        raise Blocked(
+        raise PlanningError(
             reach.name,
             "out of reach",
             f"{reach.name} cannot bring its tool to ({x:.3f}, {y:.3f}, {z:.3f}): it stays {off} "

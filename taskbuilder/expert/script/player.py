@@ -8,8 +8,8 @@ from typing import Any
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.performance import Performance, StageError
-from taskbuilder.expert.planning import Planner
+from taskbuilder.expert.planning.planner import Planner
+from taskbuilder.expert.script.executor import Executor, StageError
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.schema.expert import ExpertStage, in_words
@@ -144,7 +144,7 @@ class _Script:
         self._trouble: Trouble | None = None
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        self._performance = Performance(env, self._planner, self._without, seed)
+        self._executor = Executor(env, self._planner, self._without, seed)
         self._actions = self._play()
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
@@ -154,14 +154,14 @@ class _Script:
         # The last action has been taken but not looked at; what it led to may end a stage.
         if self._env.episode.over and next(self._actions, None) and self._stage:
             self._note(self._out_of_time())
-        return ScriptLog(tuple(self._ends), self._trouble, self._performance.planning_s)
+        return ScriptLog(tuple(self._ends), self._trouble, self._executor.planning_s)
 
     def _play(self) -> Iterator[Actions]:
         """Every action of the episode."""
         for number, stage in enumerate(self._stages, start=1):
             self._stage = number
             try:
-                yield from self._performance.play(stage)
+                yield from self._executor.play(stage)
             except StageError as error:
                 steps = self._env.episode.steps
                 self._note(
@@ -174,7 +174,7 @@ class _Script:
             self._after_stage(number)
         self._stage = 0
         while self._finish:
-            yield self._performance.encoder.hold()
+            yield self._executor.encoder.hold()
 
     def _note(self, trouble: Trouble | None) -> None:
         self._trouble = self._trouble or trouble

@@ -14,8 +14,16 @@ import numpy as np
 from taskbuilder.env.action_encoder import ActionEncoder, Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError
-from taskbuilder.expert.orders import Foreseen, Go, Grip, NothingHeldError, Phase, bring, phases
-from taskbuilder.expert.planning import Blocked, Move, Planner, Trajectory
+from taskbuilder.expert.planning.planner import Move, Planner, PlanningError, Trajectory
+from taskbuilder.expert.script.orders import (
+    Foreseen,
+    Go,
+    Grip,
+    NothingHeldError,
+    Phase,
+    bring,
+    phases,
+)
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
 from taskbuilder.schema.scene import SceneSpec
@@ -56,7 +64,7 @@ class StageError(TaskbuilderError):
         self.order, self.robot, self.cause = order, robot, cause
 
 
-class Performance:
+class Executor:
     """Plays stages in an episode that has begun: yields actions, and sees what came of each.
 
     It is the `orders.Situation` of its orders.
@@ -233,12 +241,12 @@ class Performance:
     ) -> tuple[tuple[Move, ...], Trajectory]:
         """The first of the ways to do all motions that can be planned."""
         held = {robot: load for robot in self._env.possible_agents if (load := self.load(robot))}
-        first: Blocked | None = None
+        first: PlanningError | None = None
         started = time.perf_counter()
         for moves in product(*(go.choices for go in goes.values())):
             try:
                 found = self._planner.plan(moves, held=held, rng=self._rng)
-            except Blocked as blocked:
+            except PlanningError as blocked:
                 first = first or blocked
             else:
                 return moves, found

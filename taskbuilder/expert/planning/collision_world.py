@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from taskbuilder.expert.reach import Reach
+from taskbuilder.expert.planning.reach import Reach
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.contacts import gaps, pose_joints
 from taskbuilder.world.building import build_world
@@ -16,7 +16,7 @@ RESTING_M = 0.003
 
 
 @dataclass(frozen=True)
-class Rider:
+class AttachedObject:
     """An object that moves with a tool as if it were part of it.
 
     Attributes:
@@ -30,7 +30,7 @@ class Rider:
     pose: Pose
 
 
-class Shadow:
+class CollisionWorld:
     """A copy of a world that can be put into any posture.
 
     Args:
@@ -76,25 +76,25 @@ class Shadow:
         built = self.world.robots[robot]
         pose_joints(built.body, built.arm.indices, joints)
 
-    def riders(self, live: World, held: Mapping[str, str]) -> list[Rider]:
+    def riders(self, live: World, held: Mapping[str, str]) -> list[AttachedObject]:
         """What moves with the tools: what they hold, and what lies on that, and so on.
 
         Args:
             live: The world as it was copied; grasps are as they are there.
             held: The object that each robot holds.
         """
-        riding: dict[str, Rider] = {}
+        riding: dict[str, AttachedObject] = {}
         for robot, name in held.items():
             if name not in riding and name in self.world.movable:  # else its handle is held
                 grasp = live.pose(f"{robot}.tcp").inverse() @ live.pose(name)
-                riding[name] = Rider(name, robot, grasp)
+                riding[name] = AttachedObject(name, robot, grasp)
         waiting = list(riding)
         while waiting:
             below = riding[waiting.pop(0)]
             for name in self._resting_on(below.name):
                 if name not in riding:
                     pose = below.pose @ live.pose(below.name).inverse() @ live.pose(name)
-                    riding[name] = Rider(name, below.robot, pose)
+                    riding[name] = AttachedObject(name, below.robot, pose)
                     waiting.append(name)
         return list(riding.values())
 

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 
-from taskbuilder.expert.parts import ArmJoints
-from taskbuilder.expert.reach import Reach
-from taskbuilder.expert.spaces import Point
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.spaces import Waypoint
+from taskbuilder.expert.planning.subspaces import ArmJoints
 
 RAMP = (0.4, 0.8)
 """Shares of full speed in the first control steps, and backwards in the last: a start at full
@@ -36,7 +36,7 @@ class Trajectory:
 
 
 def timed(
-    way: Sequence[Point],
+    way: Sequence[Waypoint],
     reaches: Mapping[str, Reach],
     speeds: Mapping[str, float],
     laden: Collection[str],
@@ -107,7 +107,7 @@ def _speeds(count: int) -> Iterator[float]:
         yield RAMP[nearest] if nearest < len(RAMP) else 1.0
 
 
-def _cost(reach: Reach, pair: tuple[Point, Point], laden: bool) -> float:
+def _cost(reach: Reach, pair: tuple[Waypoint, Waypoint], laden: bool) -> float:
     before, after = (point.posture for point in pair)
     name = reach.name
     tools = (before.tools[name], after.tools[name])

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from taskbuilder.expert.blocked import Blocked
-from taskbuilder.expert.shadow import Rider, Shadow
+from taskbuilder.expert.planning.collision_world import AttachedObject, CollisionWorld
+from taskbuilder.expert.planning.errors import PlanningError
 from taskbuilder.geometry import Pose, norm, subtract
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import gaps
@@ -45,7 +45,7 @@ class Posture:
 
 
 @dataclass(frozen=True)
-class Near:
+class ClearanceViolation:
     """Two things that are, or would be, nearer to each other than allowed.
 
     Attributes:
@@ -99,7 +99,7 @@ class Clearance:
     a motion may stay as near: at one of them only, while the tool is within `GRACE_M` of it.
 
     Args:
-        shadow: Where everything is.
+        collision_world: Where everything is.
         moving: The robots that move.
         riders: What their tools carry.
         held: The object that each robot holds, moving or not.
@@ -108,17 +108,17 @@ class Clearance:
 
     def __init__(
         self,
-        shadow: Shadow,
+        collision_world: CollisionWorld,
         moving: Collection[str],
-        riders: Sequence[Rider],
+        riders: Sequence[AttachedObject],
         held: Mapping[str, str],
         touching: Mapping[str, Collection[str]],
     ) -> None:
-        self._shadow = shadow
+        self._collision_world = collision_world
         self._riders = [rider for rider in riders if rider.robot in moving]
         drivers = {name: name for name in moving}
         drivers |= {rider.name: rider.robot for rider in self._riders}
-        self._pairs = list(_pairs(_solids(shadow, drivers), held, touching))
+        self._pairs = list(_pairs(_solids(collision_world, drivers), held, touching))
         self._ends: tuple[Posture, Posture] | None = None
         self._allowed: tuple[dict[Key, float], dict[Key, float]] = ({}, {})
 
@@ -126,7 +126,7 @@ class Clearance:
         """Look at the ends of a motion, for what may be near on the way.
 
         Raises:
-            Blocked: Things would be inside each other at its end.
+            PlanningError: Things would be inside each other at its end.
         """
         self._ends = (start, goal)
         at_start, at_goal = self._nearest(start), self._nearest(goal)
@@ -135,10 +135,10 @@ class Clearance:
             deep = at_goal[deepest]
             if deep < min(-DEEPEST_M, at_start.get(deepest, 0.0) - SLACK_M):
                 near = self._near(deepest, deep)
-                raise Blocked(near.robot, "in collision", f"where it is to go, {near}")
+                raise PlanningError(near.robot, "in collision", f"where it is to go, {near}")
         self._allowed = (at_start, at_goal)
 
-    def trouble(self, posture: Posture) -> Near | None:
+    def trouble(self, posture: Posture) -> ClearanceViolation | None:
         """Things that are too near each other on the way."""
         self._place(posture)
         for number, (one, other) in enumerate(self._pairs):
@@ -174,19 +174,21 @@ class Clearance:
 
     def _place(self, posture: Posture) -> None:
         for name, joints in posture.joints.items():
-            self._shadow.pose_arm(name, joints)
+            self._collision_world.pose_arm(name, joints)
         for rider in self._riders:
-            body = self._shadow.world.objects[rider.name].body
+            body = self._collision_world.world.objects[rider.name].body
             body.place(posture.tools[rider.robot] @ rider.pose)
 
-    def _near(self, key: Key, distance: float) -> Near:
+    def _near(self, key: Key, distance: float) -> ClearanceViolation:
         number, link_a, link_b = key
         one, other = self._pairs[number]
         advice = self._advice(other, distance)
-        return Near(one.called(link_a), other.called(link_b), one.driver, distance, advice)
+        return ClearanceViolation(
+            one.called(link_a), other.called(link_b), one.driver, distance, advice
+        )
 
     def _advice(self, other: _Solid, distance: float) -> str:
-        thing = self._shadow.world.objects.get(other.name)
+        thing = self._collision_world.world.objects.get(other.name)
         if thing is None or other.limbs or other.driver:
             return ""
         if distance >= 0.0:
@@ -197,8 +199,8 @@ class Clearance:
         return (solid.driver for solid in self._pairs[key[0]] if solid.driver)
 
 
-def _solids(shadow: Shadow, drivers: Mapping[str, str]) -> Iterator[_Solid]:
-    world = shadow.world
+def _solids(collision_world: CollisionWorld, drivers: Mapping[str, str]) -> Iterator[_Solid]:
+    world = collision_world.world
     for name, robot in world.robots.items():
         yield _Solid(name, robot.body, drivers.get(name, ""), True)
     for name, thing in world.objects.items():

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from taskbuilder.expert.foresight import Foresight
-from taskbuilder.expert.orders import Go, NothingHeldError, Phase, bring, phases
+from taskbuilder.expert.script.foresight import Foresight
+from taskbuilder.expert.script.orders import Go, NothingHeldError, Phase, bring, phases
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
 from taskbuilder.schema.scene import SceneSpec
@@ -39,16 +39,16 @@ class Asked:
     guess: str = ""
 
 
-def rehearse(world: World, stages: Sequence[ExpertStage] | None = None) -> Iterator[Asked]:
+def dry_run(world: World, stages: Sequence[ExpertStage] | None = None) -> Iterator[Asked]:
     """Every pose that an expert's stages ask for, from where things are in a world now.
 
     Args:
         world: As after a reset; it is only read.
         stages: By default those of the task file.
     """
-    rehearsal = _Rehearsal(Foresight(world, _Standing(world)))
+    run = _DryRun(Foresight(world, _Standing(world)))
     for number, stage in enumerate(world.spec.expert if stages is None else stages, start=1):
-        yield from rehearsal.go_through(number, stage)
+        yield from run.go_through(number, stage)
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class _Standing:
 
 
 @dataclass
-class _Rehearsal:
+class _DryRun:
     """Goes through stages one by one."""
 
     foresight: Foresight

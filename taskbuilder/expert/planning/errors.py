@@ -1,4 +1,4 @@
-"""What planning says where there is no way."""
+"""The error of planning."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from taskbuilder.errors import TaskbuilderError
 Cause = Literal["out of reach", "in collision", "no way"]
 
 
-class Blocked(TaskbuilderError):  # noqa: N818  # it is an answer as much as an error
+class PlanningError(TaskbuilderError):  # it is an answer as much as an error
     """A motion that cannot be made.
 
     Attributes:

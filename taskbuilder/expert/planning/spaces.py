@@ -11,9 +11,9 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.expert.clearance import Posture
-from taskbuilder.expert.parts import ArmJoints, Carried, Coordinates, Part
-from taskbuilder.expert.reach import Reach
+from taskbuilder.expert.planning.clearance import Posture
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.subspaces import ArmJoints, Carried, Coordinates, Subspace
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
 
 OFF_M, OFF_TURN = 0.01, math.radians(6.0)
@@ -57,7 +57,7 @@ class Off:
 
 
 @dataclass(frozen=True)
-class Point:
+class Waypoint:
     """A point of the composite space, reached along some way.
 
     Attributes:
@@ -75,7 +75,7 @@ class Point:
 class Space:
     """Several parts that move at the same time."""
 
-    parts: Sequence[Part]
+    parts: Sequence[Subspace]
 
     @cached_property
     def reaches(self) -> Mapping[str, Reach]:
@@ -131,15 +131,15 @@ class Space:
             own[1:-1, piece] = (own[0] + shares * (own[-1] - own[0]))[1:-1, piece]
         return [tuple(point) for point in own.tolist()]
 
-    def start(self, joints: Mapping[str, ArmJoints]) -> Point:
+    def start(self, joints: Mapping[str, ArmJoints]) -> Waypoint:
         """The point where the arms have some joints."""
-        return Point(self.begin, self.posture({name: joints[name] for name in self.reaches}))
+        return Waypoint(self.begin, self.posture({name: joints[name] for name in self.reaches}))
 
     def posture(self, joints: Mapping[str, ArmJoints]) -> Posture:
         """What the arms do at joints."""
         return Posture(joints, {name: self.reaches[name].tool(q) for name, q in joints.items()})
 
-    def line(self, start: Point, end: Coordinates, coarse: float = 1.0) -> Iterator[Point]:
+    def line(self, start: Waypoint, end: Coordinates, coarse: float = 1.0) -> Iterator[Waypoint]:
         """Small steps along a straight line, from a point (not given) to coordinates.
 
         Args:
@@ -158,7 +158,7 @@ class Space:
             yield point
         yield self.step(point, end)
 
-    def step(self, before: Point, at: Coordinates) -> Point:
+    def step(self, before: Waypoint, at: Coordinates) -> Waypoint:
         """The point at coordinates a small step away."""
         joints: dict[str, ArmJoints] = {}
         tools: dict[str, Pose] = {}
@@ -168,7 +168,7 @@ class Space:
             tools |= {name: reach.tool(joints[name]) for name, reach in part.arms.items()}
             for name, aim in part.aims(own).items():
                 worst = max(worst, _off(name, tools[name], aim), key=lambda off: off.badness)
-        return Point(at, Posture(joints, tools), worst)
+        return Waypoint(at, Posture(joints, tools), worst)
 
     @cached_property
     def _firsts(self) -> list[int]:

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from taskbuilder.expert.parts import Coordinates
-from taskbuilder.expert.spaces import Point, Space
+from taskbuilder.expert.planning.spaces import Space, Waypoint
+from taskbuilder.expert.planning.subspaces import Coordinates
 
 ITERATIONS = 400
 """How often the trees grow before they are given up."""
@@ -27,8 +27,8 @@ Line = list[Coordinates]
 
 def connect(
     space: Space,
-    ends: tuple[Point, Point],
-    free: Callable[[Point], bool],
+    ends: tuple[Waypoint, Waypoint],
+    free: Callable[[Waypoint], bool],
     rng: np.random.Generator,
 ) -> Iterator[Line]:
     """Lines with corners from one point to another, to be looked at closely.
@@ -59,14 +59,16 @@ def connect(
 class _Tree:
     """Points that are connected to a root."""
 
-    def __init__(self, space: Space, root: Point) -> None:
+    def __init__(self, space: Space, root: Waypoint) -> None:
         self.points = [root]
         self._space = space
         self._parents = [-1]
         self._weighed = np.empty((2 * ITERATIONS + 1, len(root.at)))
         self._weighed[0] = space.weights * root.at
 
-    def grow(self, target: Coordinates, stride: float, free: Callable[[Point], bool]) -> int | None:
+    def grow(
+        self, target: Coordinates, stride: float, free: Callable[[Waypoint], bool]
+    ) -> int | None:
         """Grow towards coordinates as far as it is free, and by at most so many metres.
 
         Returns:
@@ -92,7 +94,7 @@ class _Tree:
             number = self._parents[number]
         return path[::-1]
 
-    def _add(self, point: Point, parent: int) -> int:
+    def _add(self, point: Waypoint, parent: int) -> int:
         number = len(self.points)
         self.points.append(point)
         self._parents.append(parent)

@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.blocked import Blocked
-from taskbuilder.expert.clearance import Clearance
-from taskbuilder.expert.goals import ends, goal_of
-from taskbuilder.expert.moves import Move, check_moves
-from taskbuilder.expert.parts import ArmJoints, Jointed, Part
-from taskbuilder.expert.search import Search, Way
-from taskbuilder.expert.shadow import Rider, Shadow
-from taskbuilder.expert.spaces import Space
-from taskbuilder.expert.timing import Trajectory, timed
+from taskbuilder.expert.planning.clearance import Clearance
+from taskbuilder.expert.planning.collision_world import AttachedObject, CollisionWorld
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.goals import ends, goal_of
+from taskbuilder.expert.planning.moves import Move, check_moves
+from taskbuilder.expert.planning.search import Search, Way
+from taskbuilder.expert.planning.spaces import Space
+from taskbuilder.expert.planning.subspaces import ArmJoints, Jointed, Subspace
+from taskbuilder.expert.planning.timing import Trajectory, timed
 from taskbuilder.world.world import World
 
-__all__ = ["Blocked", "Move", "Planner", "Trajectory"]
+__all__ = ["Move", "Planner", "PlanningError", "Trajectory"]
 
 FAR, FAR_M = 2.0, 0.3
 """Other joints for the same goal count as far beyond this multiple of the nearest, and this more:
@@ -42,7 +42,7 @@ class Planner:
 
     def __init__(self, env: TaskEnv) -> None:
         self._env = env
-        self._shadows: dict[int, Shadow] = {}
+        self._collision_worlds: dict[int, CollisionWorld] = {}
 
     def plan(
         self,
@@ -62,18 +62,18 @@ class Planner:
             rng: For the search for a way where there is no straight one.
 
         Raises:
-            Blocked: It cannot be done.
+            PlanningError: It cannot be done.
             UsageError: The moves contradict each other, or an arm's action mode is joint_torque.
         """
         live = self._env.episode.world
         check_moves(moves, held, live)
         if not moves:
             return Trajectory({})
-        shadow = self._shadow(live)
-        joints = shadow.copy(live)
+        world = self._collision_world(live)
+        joints = world.copy(live)
         moving = tuple(name for move in moves for name in move.carriers)
-        riders = shadow.riders(live, dict(sorted(held.items(), key=lambda i: i[0] not in moving)))
-        motion = _Motion(shadow, moves, moving, joints, held, riders, rng)
+        riders = world.riders(live, dict(sorted(held.items(), key=lambda i: i[0] not in moving)))
+        motion = _Motion(world, moves, moving, joints, held, riders, rng)
         space, way = motion.way()
         speeds = {name: move.speed for move in moves for name in move.carriers}
         laden = {rider.robot for rider in riders}
@@ -81,34 +81,34 @@ class Planner:
 
     def close(self) -> None:
         """Free the copies of the world."""
-        for shadow in self._shadows.values():
-            shadow.close()
-        self._shadows.clear()
+        for collision_world in self._collision_worlds.values():
+            collision_world.close()
+        self._collision_worlds.clear()
 
-    def _shadow(self, live: World) -> Shadow:
+    def _collision_world(self, live: World) -> CollisionWorld:
         key = id(live.scene)
-        if key not in self._shadows:
-            self._shadows[key] = Shadow(live)
-        return self._shadows[key]
+        if key not in self._collision_worlds:
+            self._collision_worlds[key] = CollisionWorld(live)
+        return self._collision_worlds[key]
 
 
 @dataclass(frozen=True)
 class _Motion:
     """What is to be planned."""
 
-    shadow: Shadow
+    collision_world: CollisionWorld
     moves: Sequence[Move]
     moving: Sequence[str]
     joints: Mapping[str, ArmJoints]
     held: Mapping[str, str]
-    riders: Sequence[Rider]
+    riders: Sequence[AttachedObject]
     rng: np.random.Generator
 
     def way(self) -> tuple[Space, Way]:
         """The first way that is found.
 
         Raises:
-            Blocked: None is found.
+            PlanningError: None is found.
         """
         first: Search | None = None
         for search, look in self._attempts():
@@ -117,12 +117,12 @@ class _Motion:
             if way is not None:
                 return search.space, way
         if first is None:
-            raise Blocked("", "no way", "there is nothing to try")
+            raise PlanningError("", "no way", "there is nothing to try")
         raise first.no_way()
 
     def _attempts(self) -> Iterator[tuple[Search, Look]]:
         """What to look at and how, the cheapest and the nearest first."""
-        reaches = self.shadow.reaches
+        reaches = self.collision_world.reaches
         lines = [move.carried(reaches, self.joints) for move in self.moves]
         if not any(move.by_joints(reaches) for move in self.moves):
             search = self._search(Space(lines))
@@ -145,11 +145,11 @@ class _Motion:
         yield from ((search, Search.connect) for search in (nearest, *near)[:MOST_SEARCHED])
         yield from ((search, Search.straight) for search in others if search.length > limit)
 
-    def _ends(self, lines: Sequence[Part]) -> Iterator[Space]:
+    def _ends(self, lines: Sequence[Subspace]) -> Iterator[Space]:
         goals = {}
-        parts: list[Part] = []
+        parts: list[Subspace] = []
         for move, line in zip(self.moves, lines, strict=True):
-            if move.by_joints(self.shadow.reaches):
+            if move.by_joints(self.collision_world.reaches):
                 ((name, goal),) = move.tools.items()
                 goals[name] = goal
                 parts.append(Jointed(line.arms[name], self.joints[name], self.joints[name]))
@@ -161,14 +161,14 @@ class _Motion:
         """Searches through spaces of which the end is free.
 
         Raises:
-            Blocked: None is, and strict.
+            PlanningError: None is, and strict.
         """
-        refusal: Blocked | None = None
+        refusal: PlanningError | None = None
         free = False
         for space in spaces:
             try:
                 search = self._search(space)
-            except Blocked as blocked:
+            except PlanningError as blocked:
                 refusal = refusal or blocked
                 continue
             free = True
@@ -180,11 +180,11 @@ class _Motion:
         """A search through a space.
 
         Raises:
-            Blocked: Its end is out of reach or in collision.
+            PlanningError: Its end is out of reach or in collision.
         """
         start = space.start(self.joints)
         goal = goal_of(space, start, self.rng)
         touching = {name: move.touching for move in self.moves for name in move.carriers}
-        clearance = Clearance(self.shadow, self.moving, self.riders, self.held, touching)
+        clearance = Clearance(self.collision_world, self.moving, self.riders, self.held, touching)
         clearance.between(start.posture, goal.posture)
         return Search(space, clearance, start, goal, self.rng)

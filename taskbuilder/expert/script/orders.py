@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from taskbuilder.expert.planning import Move
+from taskbuilder.expert.planning.planner import Move
 from taskbuilder.geometry import (
     Pose,
     Quat,
@@ -42,7 +42,7 @@ DOWN: Vec3 = (0.0, 0.0, -1.0)
 
 
 class Situation(Protocol):
-    """How things stand, in the simulation or in a rehearsal."""
+    """How things stand, in the simulation or in a dry run."""
 
     @property
     def scene(self) -> SceneSpec:

@@ -7,9 +7,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.blocked import Blocked
-from taskbuilder.expert.parts import ArmJoints, Carried
-from taskbuilder.expert.reach import Reach
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.subspaces import ArmJoints, Carried
 from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.world.world import World
 
@@ -55,7 +55,7 @@ class Move:
             joints: Of all arms, at the beginning.
 
         Raises:
-            Blocked: A tool would have to be turned as its action mode cannot.
+            PlanningError: A tool would have to be turned as its action mode cannot.
         """
         arms = {name: reaches[name] for name in self.carriers}
         tools = {name: reach.tool(joints[name]) for name, reach in arms.items()}
@@ -96,7 +96,7 @@ def _check_tilt(reach: Reach, goal: Pose) -> None:
     tilt = turn_between(goal.quaternion, reach.commandable(goal).quaternion)
     if tilt > MOST_TILT:
         kept = "orientation" if reach.arm.spec.turn == "none" else "tilt"
-        raise Blocked(
+        raise PlanningError(
             reach.name,
             "out of reach",
             f"{reach.name}'s tool would have to be turned by {math.degrees(tilt):.0f}° more than "

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
-from taskbuilder.expert.moves import Move
-from taskbuilder.expert.orders import Foreseen, Go, Grip, Situation
+from taskbuilder.expert.planning.moves import Move
+from taskbuilder.expert.script.orders import Foreseen, Go, Grip, Situation
 from taskbuilder.geometry import (
     Box,
     Pose,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Protocol
 
-from taskbuilder.expert.reach import Reach, between
+from taskbuilder.expert.planning.reach import Reach, between
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
 
 FINE_M, FINE_TURN = 0.015, math.radians(5.0)
@@ -34,7 +34,7 @@ Coordinates = tuple[float, ...]
 ArmJoints = tuple[float, ...]
 
 
-class Part(Protocol):
+class Subspace(Protocol):
     """Something that moves, by coordinates of its own."""
 
     @property
@@ -91,17 +91,17 @@ class Carried:
 
     @property
     def begin(self) -> Coordinates:
-        """See `Part.begin`."""
+        """See `Subspace.begin`."""
         return (0.0,) if self.straight else (*self.start.position, 0.0)
 
     @property
     def end(self) -> Coordinates:
-        """See `Part.end`."""
+        """See `Subspace.end`."""
         return (1.0,) if self.straight else (*self.goal.position, 1.0)
 
     @property
     def bounds(self) -> tuple[Coordinates, Coordinates]:
-        """See `Part.bounds`."""
+        """See `Subspace.bounds`."""
         if self.straight:
             return (0.0,), (1.0,)
         pairs = list(zip(self.start.position, self.goal.position, strict=True))
@@ -111,7 +111,7 @@ class Carried:
 
     @property
     def weights(self) -> Coordinates:
-        """See `Part.weights`."""
+        """See `Subspace.weights`."""
         turn = METRES_PER_RADIAN * turn_between(self.start.quaternion, self.goal.quaternion)
         way = norm(subtract(self.goal.position, self.start.position))
         return (way + turn,) if self.straight else (1.0, 1.0, 1.0, turn)
@@ -125,7 +125,7 @@ class Carried:
         return Pose((x, y, z), turned.quaternion)
 
     def aims(self, at: Coordinates) -> Mapping[str, Pose]:
-        """See `Part.aims`."""
+        """See `Subspace.aims`."""
         return self._known_aims(at)
 
     @cached_property
@@ -143,7 +143,7 @@ class Carried:
         return aims
 
     def steps(self, begin: Coordinates, end: Coordinates) -> float:
-        """See `Part.steps`."""
+        """See `Subspace.steps`."""
         one, other = self.aims(begin), self.aims(end)
         return max(
             max(
@@ -154,7 +154,7 @@ class Carried:
         )
 
     def joints(self, at: Coordinates, before: Mapping[str, ArmJoints]) -> Mapping[str, ArmJoints]:
-        """See `Part.joints`."""
+        """See `Subspace.joints`."""
         aims = self.aims(at)
         return {name: reach.follow(before[name], aims[name]) for name, reach in self.arms.items()}
 
@@ -175,37 +175,37 @@ class Jointed:
 
     @property
     def arms(self) -> Mapping[str, Reach]:
-        """See `Part.arms`."""
+        """See `Subspace.arms`."""
         return {self.reach.name: self.reach}
 
     @property
     def bounds(self) -> tuple[Coordinates, Coordinates]:
-        """See `Part.bounds`."""
-        stepper = self.reach.arm.stepper
+        """See `Subspace.bounds`."""
+        ik = self.reach.arm.ik
         ends = list(zip(self.begin, self.end, strict=True))
         low = (min(pair) - ROOM_JOINT for pair in ends)
         high = (max(pair) + ROOM_JOINT for pair in ends)
         return (
-            tuple(max(pair) for pair in zip(low, stepper.lower, strict=True)),
-            tuple(min(pair) for pair in zip(high, stepper.upper, strict=True)),
+            tuple(max(pair) for pair in zip(low, ik.lower, strict=True)),
+            tuple(min(pair) for pair in zip(high, ik.upper, strict=True)),
         )
 
     @property
     def weights(self) -> Coordinates:
-        """See `Part.weights`."""
-        turns = self.reach.arm.stepper.turns
+        """See `Subspace.weights`."""
+        turns = self.reach.arm.ik.turns
         return tuple(METRES_PER_JOINT_RADIAN if turn else 1.0 for turn in turns)
 
     def aims(self, at: Coordinates) -> Mapping[str, Pose]:
-        """See `Part.aims`."""
+        """See `Subspace.aims`."""
         del at
         return {}
 
     def steps(self, begin: Coordinates, end: Coordinates) -> float:
-        """See `Part.steps`."""
+        """See `Subspace.steps`."""
         return max(abs(b - a) for a, b in zip(begin, end, strict=True)) / FINE_JOINT
 
     def joints(self, at: Coordinates, before: Mapping[str, ArmJoints]) -> Mapping[str, ArmJoints]:
-        """See `Part.joints`."""
+        """See `Subspace.joints`."""
         del before
         return {self.reach.name: at}

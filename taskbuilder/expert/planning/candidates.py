@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import islice, pairwise, permutations, product
 
-from taskbuilder.expert.parts import Carried, Coordinates, Part
-from taskbuilder.expert.spaces import Space
+from taskbuilder.expert.planning.spaces import Space
+from taskbuilder.expert.planning.subspaces import Carried, Coordinates, Subspace
 
 HEIGHTS_M = (0.0, 0.05, 0.1, 0.18, 0.28)
 """How far above the higher of its ends a frame is raised to pass over things."""
@@ -17,7 +17,7 @@ MOST_ORDERS = 6
 Line = list[Coordinates]
 
 
-def detours(space: Space) -> Iterator[Line]:
+def candidate_paths(space: Space) -> Iterator[Line]:
     """Corners of lines from the beginning of a space to its end; straight lines are not among them.
 
     First lines along which all parts move at once, some of them raised. Then lines along which
@@ -36,11 +36,11 @@ def detours(space: Space) -> Iterator[Line]:
                 yield _in_order(space.parts, order, HEIGHTS_M[2])
 
 
-def _raisable(part: Part) -> bool:
+def _raisable(part: Subspace) -> bool:
     return isinstance(part, Carried) and not part.straight
 
 
-def _together(parts: Sequence[Part], raised: Sequence[bool], height: float) -> Line:
+def _together(parts: Sequence[Subspace], raised: Sequence[bool], height: float) -> Line:
     """All at once; those that are not raised go on evenly meanwhile."""
     lines = [_over(part, height) for part, up in zip(parts, raised, strict=True) if up]
     lengths = [sum(sizes) for sizes in zip(*(_lengths(line) for line in lines), strict=True)]
@@ -57,7 +57,7 @@ def _together(parts: Sequence[Part], raised: Sequence[bool], height: float) -> L
     return [tuple(value for at in corner for value in at) for corner in zip(*own, strict=True)]
 
 
-def _in_order(parts: Sequence[Part], order: Sequence[int], height: float | None) -> Line:
+def _in_order(parts: Sequence[Subspace], order: Sequence[int], height: float | None) -> Line:
     """One part after the other, each straight or raised."""
     now = [part.begin for part in parts]
     corners: Line = []
@@ -71,7 +71,7 @@ def _in_order(parts: Sequence[Part], order: Sequence[int], height: float | None)
     return corners
 
 
-def _over(part: Part, height: float) -> Line:
+def _over(part: Subspace, height: float) -> Line:
     """Up, over and down, beginning included."""
     (x, y, z, share), (to_x, to_y, to_z, to_share) = part.begin, part.end
     top = max(z, to_z) + height
