@@ -53,7 +53,7 @@ def play(job: Job) -> dict[str, Any]:
         "at_end": int(done.success_at_end),
         "peak_force": f"{done.peak_robot_force or 0.0:.1f}",
         "steps": done.stage_ends[-1] if done.stage_ends else "",
-        "planning_s": f"{done.planning_s:.4f}",
+        "planning_s": f"{done.log.planning_s if done.log else 0.0:.4f}",
         "stage": trouble.stage if trouble else "",
         "cause": trouble.cause if trouble else "",
         "message": trouble.message if trouble else "",

@@ -108,7 +108,7 @@ class Executor:
     def tool(self, robot: str) -> Pose:
         """Where a robot's tcp is commanded to be, in the world."""
         arm = self._env.episode.actions[robot].arm
-        return arm.base_from_world.inverse() @ arm.stepper.forward(arm.robot.commanded())
+        return arm.base_from_world.inverse() @ arm.ik.forward(arm.robot.commanded())
 
     def load(self, robot: str) -> str | None:
         """The object that a robot holds."""
