@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from taskbuilder.film import files
-from taskbuilder.film.files import frames_in, mp4, save_gif
+from taskbuilder.visual import video
+from taskbuilder.visual.video import frames_in, mp4, save_gif
 
 
 def moving(count, size=(64, 48)):
@@ -64,7 +64,7 @@ def test_a_film_that_is_cut_short_is_not_there(problem, tmp_path):
 
 
 def test_a_film_that_cannot_be_read_back_is_not_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "frames_in", lambda _: 3)
+    monkeypatch.setattr(video, "frames_in", lambda _: 3)
     with pytest.raises(OSError, match=r"3 of 4 frames could be read back"):
         write(tmp_path / "film.mp4", moving(4))
     assert list(tmp_path.iterdir()) == []
@@ -73,14 +73,14 @@ def test_a_film_that_cannot_be_read_back_is_not_kept(tmp_path, monkeypatch):
 def test_another_codec_is_taken_without_a_word_where_the_first_is_missing(
     tmp_path, monkeypatch, capfd
 ):
-    monkeypatch.setattr(files, "CODECS", ("avc1", "mp4v"))
+    monkeypatch.setattr(video, "CODECS", ("avc1", "mp4v"))
     write(tmp_path / "film.mp4", moving(4))
     assert frames_in(tmp_path / "film.mp4") == 4
     assert capfd.readouterr() == ("", "")
 
 
 def test_without_any_codec_there_is_no_film(tmp_path, monkeypatch, capfd):
-    monkeypatch.setattr(files, "CODECS", ("zzzz",))
+    monkeypatch.setattr(video, "CODECS", ("zzzz",))
     with pytest.raises(OSError, match="writes no MP4 with zzzz"):
         write(tmp_path / "film.mp4", moving(4))
     assert list(tmp_path.iterdir()) == []
@@ -167,7 +167,7 @@ def test_a_film_that_another_process_still_writes_is_left_alone(tmp_path):
 
 def test_a_process_that_is_killed_in_a_film_leaves_nothing_for_good(tmp_path):
     code = (
-        "import os, sys; from pathlib import Path; from taskbuilder.film.files import mp4\n"
+        "import os, sys; from pathlib import Path; from taskbuilder.visual.video import mp4\n"
         "with mp4(Path(sys.argv[1]), fps=24): os.kill(os.getpid(), 9)\n"
     )
     command = [sys.executable, "-c", code, str(tmp_path / "film.mp4")]

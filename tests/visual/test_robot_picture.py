@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from taskbuilder.assets.urdf import read_urdf
-from taskbuilder.portrait import take_portrait
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robots import load_robot
 from taskbuilder.sim.cameras import STUDIO
+from taskbuilder.visual.robot_picture import take_robot_picture
 
 BALL = """\
 <robot name="ball">
@@ -35,7 +35,7 @@ def reddish(picture):
 def test_small_and_large_things_fill_the_picture_alike(radius, tmp_path):
     file = tmp_path / "ball.urdf"
     file.write_text(BALL.format(radius))
-    picture, _ = take_portrait(read_urdf(file, [tmp_path]), {}, trusted=True)
+    picture, _ = take_robot_picture(read_urdf(file, [tmp_path]), {}, trusted=True)
     assert (picture.shape, picture.dtype) == ((480, 480, 3), np.uint8)
     there = reddish(picture)
     assert 0.02 < there.mean() < 0.6
@@ -46,14 +46,14 @@ def test_small_and_large_things_fill_the_picture_alike(radius, tmp_path):
 def test_joints_are_where_they_are_asked_to_be():
     robot = load_robot(Catalogue.discover().robots["ur5e"])
     poses = [{}, {"elbow_joint": 1.5}, {"elbow_joint": 1.5}]
-    pictures = [take_portrait(robot.urdf, pose, trusted=True)[0] for pose in poses]
+    pictures = [take_robot_picture(robot.urdf, pose, trusted=True)[0] for pose in poses]
     assert not np.array_equal(pictures[0], pictures[1])
     assert np.array_equal(pictures[1], pictures[2])
 
 
 def test_a_robot_stands_before_the_backdrop():
     robot = load_robot(Catalogue.discover().robots["ur5e"])
-    picture, said = take_portrait(robot.urdf, {}, trusted=True)
+    picture, said = take_robot_picture(robot.urdf, {}, trusted=True)
     assert picture[0, 0].tolist() == list(STUDIO.top)
     assert said == ()
 
@@ -61,5 +61,5 @@ def test_a_robot_stands_before_the_backdrop():
 def test_of_a_urdf_without_shapes_the_picture_is_empty(tmp_path: Path):
     file = tmp_path / "nothing.urdf"
     file.write_text('<robot name="nothing"><link name="base"/></robot>')
-    picture, _ = take_portrait(read_urdf(file, [tmp_path]), {}, trusted=True)
+    picture, _ = take_robot_picture(read_urdf(file, [tmp_path]), {}, trusted=True)
     assert (picture.std(axis=1) == 0).all()

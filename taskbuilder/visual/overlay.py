@@ -1,4 +1,4 @@
-"""The slate below the pictures of a film: how far the episode is and what has been achieved."""
+"""The overlay below the pictures of a film: how far the episode is and what has been achieved."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from math import ceil
 import cv2
 import numpy as np
 
-from taskbuilder.film.shooting import Frame
-from taskbuilder.render import GRAY, INK, PAPER, Pixels, text_width, write_text
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.visual.capture import Frame
+from taskbuilder.visual.still import GRAY, INK, PAPER, Pixels, text_width, write_text
 
 GREEN, RED, PALE = (22, 128, 72), (186, 48, 40), (222, 218, 213)
 
@@ -24,7 +24,7 @@ LOST = "success lost"
 
 
 def compose(frame: Frame, rollout: Rollout) -> Pixels:
-    """The pictures of a frame side by side, with the slate below; width and height are even.
+    """The pictures of a frame side by side, with the overlay below; width and height are even.
 
     Args:
         frame: What the cameras saw.
@@ -40,12 +40,12 @@ def compose(frame: Frame, rollout: Rollout) -> Pixels:
             _name(column, camera, column.shape[1] - picture.shape[1])
         columns.append(column)
     pictures = np.hstack(columns)
-    whole = np.vstack([pictures, slate(rollout, frame, pictures.shape[1])])
+    whole = np.vstack([pictures, overlay(rollout, frame, pictures.shape[1])])
     odd = [(0, length % 2) for length in whole.shape[:2]]
     return np.pad(whole, [*odd, (0, 0)], mode="edge").astype(np.uint8)
 
 
-def slate(rollout: Rollout, frame: Frame, width: int) -> Pixels:
+def overlay(rollout: Rollout, frame: Frame, width: int) -> Pixels:
     """A bar that fills as the episode passes, the stages, which light up, and the time."""
     word, color = _verdict(rollout, frame.step)
     length = rollout.seconds(rollout.horizon)

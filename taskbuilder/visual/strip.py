@@ -8,9 +8,12 @@ import cv2
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.film.moments import caption, key_moments
-from taskbuilder.film.slate import GREEN
-from taskbuilder.render import (
+from taskbuilder.rollout.play import replay
+from taskbuilder.rollout.record import Rollout
+from taskbuilder.sim.cameras import LARGEST_SIDE
+from taskbuilder.visual.keyframes import caption, keyframes
+from taskbuilder.visual.overlay import GREEN
+from taskbuilder.visual.still import (
     GRAY,
     INK,
     PAPER,
@@ -21,9 +24,6 @@ from taskbuilder.render import (
     text_width,
     write_text,
 )
-from taskbuilder.rollout.play import replay
-from taskbuilder.rollout.record import Rollout
-from taskbuilder.sim.cameras import LARGEST_SIDE
 
 _COLUMNS = 4
 _WIDTH, _WIDTH_OF_MANY = 400, 260
@@ -54,7 +54,7 @@ def film_strip(
         UsageError: The environment is of another task.
         UnknownNameError: The scene has no such camera.
     """
-    moments = key_moments(rollout)
+    moments = keyframes(rollout)
     columns = len(moments) if len(cameras) > 1 else min(_COLUMNS, len(moments))
     width = _WIDTH if columns <= _COLUMNS else _WIDTH_OF_MANY
     taken: dict[tuple[str, int], Pixels] = {}

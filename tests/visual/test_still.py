@@ -12,7 +12,11 @@ import numpy as np
 import pytest
 
 from taskbuilder.errors import SimulationError, UnknownNameError
-from taskbuilder.render import (
+from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.load import TaskFile, read_task
+from taskbuilder.sim.cameras import Image
+from taskbuilder.sim.renderers import probe_egl
+from taskbuilder.visual.still import (
     Modality,
     Still,
     contact_sheet,
@@ -20,10 +24,6 @@ from taskbuilder.render import (
     save_still,
     take_still,
 )
-from taskbuilder.schema.catalogue import Catalogue, Entry
-from taskbuilder.schema.load import TaskFile, read_task
-from taskbuilder.sim.cameras import Image
-from taskbuilder.sim.renderers import probe_egl
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 

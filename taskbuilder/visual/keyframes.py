@@ -6,10 +6,10 @@ from itertools import pairwise
 
 from taskbuilder.rollout.record import Rollout
 
-MOMENTS = 8
+KEYFRAMES = 8
 
 
-def key_moments(rollout: Rollout, count: int = MOMENTS) -> tuple[int, ...]:
+def keyframes(rollout: Rollout, count: int = KEYFRAMES) -> tuple[int, ...]:
     """Control steps that show what happened, in order; 0 is the moment after reset.
 
     The beginning, the end, each step at which a stage or success was reached, and between them,

@@ -10,10 +10,10 @@ import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
-from taskbuilder.render import SUPERSAMPLE, Pixels
 from taskbuilder.rollout.play import replaying
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.cameras import STUDIO, capture
+from taskbuilder.visual.still import SUPERSAMPLE, Pixels
 from taskbuilder.world.world import World
 
 FPS = 24
@@ -37,7 +37,7 @@ class Frame:
     pictures: Mapping[str, Pixels]
 
 
-def shoot(
+def capture_frames(
     env: TaskEnv,
     rollout: Rollout,
     cameras: Sequence[str],

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from taskbuilder.charts import Mark, reward_chart, spread
+from taskbuilder.visual.charts import Mark, reward_chart, spread
 
 
 def drawn(terms, marks=(), steps=20):

@@ -13,7 +13,7 @@ import numpy as np
 
 from taskbuilder.files import kept_aside, write_whole
 from taskbuilder.quiet import captured
-from taskbuilder.render import Pixels
+from taskbuilder.visual.still import Pixels
 
 CODECS = ("vp09", "mp4v")
 """In the order in which they are tried: VP9 is what browsers play."""

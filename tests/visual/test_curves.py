@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from taskbuilder.charts import COLORS, GREEN
-from taskbuilder.curves import Curve, Group, in_short, learning_curves
+from taskbuilder.visual.charts import COLORS, GREEN
+from taskbuilder.visual.curves import Curve, Group, in_short, learning_curves
 
 BLUE, RED = COLORS[:2]
 NONE = "#DDD8D2"

@@ -10,18 +10,18 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.urdf import resolved_text
 from taskbuilder.geometry import Pose, add, norm, scale
 from taskbuilder.quiet import captured
-from taskbuilder.render import Pixels
 from taskbuilder.sim.bodies import load_urdf
 from taskbuilder.sim.cameras import STUDIO, CameraView, capture
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
+from taskbuilder.visual.still import Pixels
 
 _FROM = (0.72, -0.62, 0.32)  # from front right and above; robots look along +x
 _SIZE = (480, 480)
 
 
-def take_portrait(
+def take_robot_picture(
     urdf: Urdf, joints: Mapping[str, float], *, trusted: bool
 ) -> tuple[Pixels, tuple[str, ...]]:
     """Load a URDF, pose it and take its picture.

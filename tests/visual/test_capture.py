@@ -11,8 +11,8 @@ from film_scenes import SMALL
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.expert.script.player import Expert
-from taskbuilder.film.shooting import shoot, take_picture
 from taskbuilder.rollout import replay
+from taskbuilder.visual.capture import capture_frames, take_picture
 
 
 def trace(env):
@@ -40,7 +40,7 @@ def test_an_episode_goes_as_it_went_while_it_is_filmed():
 
     env.step = traced
     cameras = ["front", "right_wrist"]
-    frames = sum(1 for _ in shoot(env, episode.until(30), cameras, size=(16, 12), fps=40))
+    frames = sum(1 for _ in capture_frames(env, episode.until(30), cameras, size=(16, 12), fps=40))
     assert frames == 3 * 40 + 1
     assert filmed == plain[1:31]
     player.close()
@@ -48,14 +48,14 @@ def test_an_episode_goes_as_it_went_while_it_is_filmed():
 
 
 def test_frames_come_at_an_even_rate(env, episode):
-    frames = list(shoot(env, episode, ["front"], size=SMALL, fps=24))
+    frames = list(capture_frames(env, episode, ["front"], size=SMALL, fps=24))
     assert [frame.seconds for frame in frames] == pytest.approx([n / 24 for n in range(25)])
     assert [frame.step for frame in frames] == [n * 5 // 12 for n in range(25)]
 
 
 @pytest.mark.parametrize("fps", [1, 7, 50])
 def test_a_rate_that_does_not_fit_the_physics_takes_its_nearest_steps(env, episode, fps):
-    *frames, last = shoot(env, episode, ["front"], size=SMALL, fps=fps)
+    *frames, last = capture_frames(env, episode, ["front"], size=SMALL, fps=fps)
     assert len(frames) == fps
     for number, frame in enumerate(frames):
         assert 0 <= frame.seconds - number / fps < 1 / 120
@@ -64,7 +64,7 @@ def test_a_rate_that_does_not_fit_the_physics_takes_its_nearest_steps(env, episo
 
 def test_pictures_have_the_size_asked_for_or_that_of_their_camera(env, episode):
     asked, own = (
-        next(shoot(env, episode, ["front", "wrist"], size=size)) for size in (SMALL, None)
+        next(capture_frames(env, episode, ["front", "wrist"], size=size)) for size in (SMALL, None)
     )
     assert {name: picture.shape for name, picture in asked.pictures.items()} == {
         "front": (24, 32, 3),
@@ -75,7 +75,7 @@ def test_pictures_have_the_size_asked_for_or_that_of_their_camera(env, episode):
 
 def test_what_moves_is_elsewhere_in_every_frame(env, episode):
     """The arm, the wrist's camera, and the marker that rides on the tool."""
-    frames = list(shoot(env, episode.until(6), ["front", "wrist"], fps=60))[20:]
+    frames = list(capture_frames(env, episode.until(6), ["front", "wrist"], fps=60))[20:]
     for camera in ("front", "wrist"):
         pictures = [frame.pictures[camera] for frame in frames]
         same = [np.array_equal(a, b) for a, b in pairwise(pictures)]
@@ -83,7 +83,7 @@ def test_what_moves_is_elsewhere_in_every_frame(env, episode):
 
 
 def test_frames_between_control_steps_lie_between_them(env, episode):
-    frames = list(shoot(env, episode.until(7), ["front"], size=(240, 180), fps=30))[6:]
+    frames = list(capture_frames(env, episode.until(7), ["front"], size=(240, 180), fps=30))[6:]
     columns = []
     for frame in frames:
         red, green, blue = np.moveaxis(frame.pictures["front"].astype(int), 2, 0)
@@ -97,43 +97,43 @@ def test_frames_between_control_steps_lie_between_them(env, episode):
 def test_a_frame_of_a_control_step_shows_what_is_seen_after_it(env, episode):
     seen = []
     replay(env, episode, lambda e: seen.append(take_picture(e.episode.world, "wrist", SMALL)))
-    frames = list(shoot(env, episode, ["wrist"], size=SMALL, fps=10))
+    frames = list(capture_frames(env, episode, ["wrist"], size=SMALL, fps=10))
     assert len(frames) == len(seen)
     for frame, picture in zip(frames, seen, strict=True):
         assert np.array_equal(frame.pictures["wrist"], picture)
 
 
 def test_a_film_may_end_before_the_episode(env, episode):
-    frames = list(shoot(env, episode.until(3), ["front"], size=SMALL, fps=20))
+    frames = list(capture_frames(env, episode.until(3), ["front"], size=SMALL, fps=20))
     assert frames[-1].seconds == pytest.approx(0.3)
     assert len(frames) == 7
 
 
 def test_nobody_looks_on_once_a_film_is_over_or_given_up(env, episode):
-    frames = shoot(env, episode, ["front"], size=SMALL)
+    frames = capture_frames(env, episode, ["front"], size=SMALL)
     next(frames)
     assert env.episode.world.onlooker is not None
     frames.close()
     assert env.episode.world.onlooker is None
-    list(shoot(env, episode, ["front"], size=SMALL, fps=2))
+    list(capture_frames(env, episode, ["front"], size=SMALL, fps=2))
     assert env.episode.world.onlooker is None
 
 
 @pytest.mark.parametrize("fps", [0, 121])
 def test_a_rate_beyond_the_physics_is_refused(env, episode, fps):
     with pytest.raises(UsageError, match=f"fps is {fps}; from 1 to the 120 physics steps"):
-        next(shoot(env, episode, ["front"], fps=fps))
+        next(capture_frames(env, episode, ["front"], fps=fps))
 
 
 def test_an_unknown_camera_is_refused(env, episode):
     with pytest.raises(UnknownNameError, match='no camera "frnt"; did you mean "front"'):
-        list(shoot(env, episode.until(1), ["frnt"], size=SMALL))
+        list(capture_frames(env, episode.until(1), ["frnt"], size=SMALL))
 
 
 def test_an_episode_of_another_task_is_not_filmed(env, episode):
     other = parallel_env("handover")
     with pytest.raises(UsageError, match="a rollout of sideways"):
-        next(shoot(other, episode, ["front"]))
+        next(capture_frames(other, episode, ["front"]))
     other.close()
 
 

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.film.files import mp4, save_gif
-from taskbuilder.film.shooting import FPS, Frame, shoot
-from taskbuilder.film.slate import compose
-from taskbuilder.film.strip import fitting
-from taskbuilder.render import Pixels
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.visual.capture import FPS, Frame, capture_frames
+from taskbuilder.visual.overlay import compose
+from taskbuilder.visual.still import Pixels
+from taskbuilder.visual.strip import fitting
+from taskbuilder.visual.video import mp4, save_gif
 
 Progress = Callable[[Iterable[Frame], int], Iterable[Frame]]
 
@@ -64,7 +64,7 @@ def save_film(
     times: list[float] = []
     film, picture = stem.with_name(f"{stem.name}.mp4"), stem.with_name(f"{stem.name}.gif")
     with mp4(film, fps=fps) as add:
-        frames = shoot(env, rollout, cameras, size=size, fps=fps)
+        frames = capture_frames(env, rollout, cameras, size=size, fps=fps)
         for number, frame in enumerate(progress(frames, length + 1)):
             composed = compose(frame, rollout)
             add(composed)

@@ -10,11 +10,11 @@ import pytest
 from film_scenes import SMALL
 from PIL import Image
 
-from taskbuilder.film.files import frames_in
-from taskbuilder.film.film import HOLD_S, save_film
-from taskbuilder.film.moments import key_moments
-from taskbuilder.film.strip import film_strip
-from taskbuilder.render import PAPER, save_image
+from taskbuilder.visual.film import HOLD_S, save_film
+from taskbuilder.visual.keyframes import keyframes
+from taskbuilder.visual.still import PAPER, save_image
+from taskbuilder.visual.strip import film_strip
+from taskbuilder.visual.video import frames_in
 
 TITLE, TILE, CAPTION, MARGIN = 78, 400, 34, 24
 
@@ -38,7 +38,7 @@ def ink(pixels):
 
 
 def test_a_strip_of_one_camera_has_a_captioned_tile_for_every_moment(env, episode):
-    moments = key_moments(episode)
+    moments = keyframes(episode)
     assert len(moments) == 8
     page = strip(env, episode, "front")
     assert page.shape == (TITLE + 2 * (300 + CAPTION), 4 * (TILE + MARGIN) + MARGIN, 3)

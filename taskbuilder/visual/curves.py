@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
-from taskbuilder.charts import COLORS, GRAY, GREEN, INK, PAPER
+from taskbuilder.visual.charts import COLORS, GRAY, GREEN, INK, PAPER
 
 Numbers = NDArray[np.float64]
 

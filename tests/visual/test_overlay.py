@@ -1,4 +1,4 @@
-"""The slate below a film's pictures."""
+"""The overlay below a film's pictures."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from made_rollouts import made_rollout
 
-from taskbuilder.film.shooting import Frame
-from taskbuilder.film.slate import GREEN, PALE, RED, compose, slate
-from taskbuilder.render import INK, PAPER
+from taskbuilder.visual.capture import Frame
+from taskbuilder.visual.overlay import GREEN, PALE, RED, compose, overlay
+from taskbuilder.visual.still import INK, PAPER
 
 
 def frame(step=0, pictures=None):
@@ -28,13 +28,13 @@ def bar(drawn):
 
 def test_the_bar_fills_as_time_passes():
     rollout = made_rollout([0] * 11)
-    shares = [bar(slate(rollout, frame(step), 480))[0] for step in (0, 5, 10)]
+    shares = [bar(overlay(rollout, frame(step), 480))[0] for step in (0, 5, 10)]
     assert shares == pytest.approx([0.0, 0.5, 1.0])
 
 
 def test_each_stage_lights_up_when_it_is_reached():
     rollout = made_rollout([0, 1, 1, 2, 3])
-    lit = [count(slate(rollout, frame(step), 480), GREEN) for step in range(5)]
+    lit = [count(overlay(rollout, frame(step), 480), GREEN) for step in range(5)]
     assert lit[0] == 0
     assert lit[1] == lit[2] > 0
     assert lit[3] == 2 * lit[1]
@@ -43,7 +43,7 @@ def test_each_stage_lights_up_when_it_is_reached():
 
 def test_success_turns_the_bar_green_for_as_long_as_it_holds():
     rollout = made_rollout([0, 1, 2, 3, 3], success=[3])
-    drawn = [slate(rollout, frame(step), 480) for step in range(1, 5)]
+    drawn = [overlay(rollout, frame(step), 480) for step in range(1, 5)]
     assert [bar(each)[1] for each in drawn] == [INK, INK, GREEN, RED]
     assert count(drawn[2][4:], GREEN) > count(drawn[1][4:], GREEN)  # it says so
     assert count(drawn[3][4:], RED) > 20
@@ -51,9 +51,9 @@ def test_success_turns_the_bar_green_for_as_long_as_it_holds():
 
 def test_failure_turns_it_red_and_success_afterwards_counts_no_more():
     rollout = made_rollout([0, 0, 0, 0], failure=[2], success=[3])
-    assert bar(slate(rollout, frame(1), 480))[1] == INK
+    assert bar(overlay(rollout, frame(1), 480))[1] == INK
     for step in (2, 3):
-        drawn = slate(rollout, frame(step), 480)
+        drawn = overlay(rollout, frame(step), 480)
         assert bar(drawn)[1] == RED
         assert count(drawn[4:], RED) > 20
 
@@ -61,13 +61,13 @@ def test_failure_turns_it_red_and_success_afterwards_counts_no_more():
 @pytest.mark.parametrize(("names", "lines"), [(2, 1), (9, 3), (0, 1)])
 def test_stages_take_as_many_lines_as_they_need(names, lines):
     rollout = made_rollout([names], stages=("quite long",) * names)
-    drawn = slate(rollout, frame(), 480)
+    drawn = overlay(rollout, frame(), 480)
     assert drawn.shape == (4 + 28 * lines, 480, 3)
 
 
 def test_it_fits_below_a_picture_of_any_width():
     for width in (16, 33, 2048):
-        assert slate(made_rollout([0, 3], success=[1]), frame(1), width).shape[1] == width
+        assert overlay(made_rollout([0, 3], success=[1]), frame(1), width).shape[1] == width
 
 
 def test_pictures_stand_side_by_side_with_their_names():
