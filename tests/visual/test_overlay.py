@@ -20,7 +20,7 @@ def count(pixels, color):
 
 
 def bar(drawn):
-    """Share of the bar that is filled, and its colour."""
+    """Fraction of the bar that is filled, and its colour."""
     row = drawn[0]
     filled = ~(row == PALE).all(axis=1)
     return filled.mean(), tuple(row[0].tolist())
