@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "quiet", "wording")
+FOUNDATION = ("_lazy", "errors", "geometry", "intervals", "interpreters", "quiet", "wording")
 
 FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -65,6 +65,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "errors": (),
     "wording": (),
     "interpreters": (),
+    "_lazy": (),
     "_library": (),
     "_version": (),
 }
