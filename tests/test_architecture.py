@@ -88,10 +88,11 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
         *("taskbuilder/render.py", "taskbuilder/portrait.py", "taskbuilder/film/"),
         "taskbuilder/sim/cameras.py",
     ),
+    "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/charts.py", "taskbuilder/curves.py"),
     "PIL": (
         *("taskbuilder/render.py", "taskbuilder/film/files.py"),
-        "taskbuilder/validate/formats/pictures.py",
+        "taskbuilder/validate/html/pictures.py",
     ),
 }
 

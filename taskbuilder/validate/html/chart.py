@@ -7,8 +7,6 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from taskbuilder.validate.formats.markup import Content, Html, element
-from taskbuilder.validate.formats.words import number
 from taskbuilder.validate.report import Probe
 
 EXPERT = "expert"
@@ -38,6 +36,11 @@ class Way:
     solved: int
     episodes: int
 
+    @property
+    def dots(self) -> tuple[float, ...]:
+        """Returns that are shown, some `MOST_DOTS` at most."""
+        return self.returns[:: max(1, math.ceil(len(self.returns) / MOST_DOTS))]
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -66,25 +69,38 @@ class Axis:
         return [round(i * step, 12) for i in range(first, last + 1)]
 
 
-def chart(title: str, probes: Sequence[Probe], *, discounted: bool) -> Html:
-    """A figure of what each way earned, the best on top.
+@dataclass(frozen=True)
+class Chart:
+    """What each way earned, the best on top.
+
+    Attributes:
+        title: What is shown.
+        ways: Its lines.
+        axis: Of all lines.
+        expert: What the expert earns in the mean, or None.
+    """
+
+    title: str
+    ways: Sequence[Way]
+    axis: Axis
+    expert: float | None
+
+
+def charts(probes: Sequence[Probe]) -> list[Chart]:
+    """Undiscounted and discounted returns; none where nothing was played.
 
     Args:
-        title: What is shown.
         probes: The ways; that named ``expert`` is what the others are held against.
-        discounted: Whether to show discounted returns.
     """
-    listed = ways(probes, discounted=discounted)
-    axis = _axis(listed)
+    if not probes:
+        return []
+    titles = {"Undiscounted": False, "Discounted by 0.95 a step": True}
+    return [_chart(title, ways(probes, discounted=which)) for title, which in titles.items()]
+
+
+def _chart(title: str, listed: Sequence[Way]) -> Chart:
     expert = next((way.mean for way in listed if way.kind == EXPERT), None)
-    lines = [_line(way, axis, expert) for way in listed]
-    scale = element("li", element("span"), _scale(axis), element("span"), class_="scale")
-    return element(
-        "figure",
-        element("figcaption", title),
-        element("ol", lines, scale, class_="ways"),
-        class_="chart",
-    )
+    return Chart(title, listed, _axis(listed), expert)
 
 
 def ways(probes: Sequence[Probe], *, discounted: bool) -> list[Way]:
@@ -123,49 +139,3 @@ def _axis(listed: Sequence[Way]) -> Axis:
         low, high = low - 1.0, high + 1.0
     free = MARGIN * (high - low)
     return Axis(low - free, high + free)
-
-
-def _line(way: Way, axis: Axis, expert: float | None) -> Html:
-    solved = f"solved {way.solved} of {way.episodes}" if way.solved else None
-    mean = "not finite" if way.mean is None else axis.tell(way.mean)
-    return element(
-        "li",
-        element("span", way.name, element("small", solved) if solved else None, class_="name"),
-        _plot(way, axis, expert),
-        element("span", mean, class_="mean"),
-        class_=way.kind,
-    )
-
-
-def _plot(way: Way, axis: Axis, expert: float | None) -> Html:
-    marks = [_upright("tick", axis, tick) for tick in axis.ticks()]
-    if axis.low < 0.0 < axis.high:
-        marks.append(_upright("zero", axis, 0.0))
-    if expert is not None:
-        marks.append(_upright("goal", axis, expert))
-    step = max(1, math.ceil(len(way.returns) / MOST_DOTS))
-    dots = [
-        element("circle", cx=axis.share(value), cy="50%", r="3", class_="dot")
-        for value in way.returns[::step]
-    ]
-    if way.returns:
-        ends = {"x1": axis.share(min(way.returns)), "x2": axis.share(max(way.returns))}
-        marks.append(element("line", class_="spread", y1="50%", y2="50%", **ends))
-    if way.mean is not None:
-        at = axis.share(way.mean)
-        dots.append(element("line", x1=at, x2=at, y1="20%", y2="80%", class_="mark"))
-    return _drawn([marks, dots])
-
-
-def _upright(kind: str, axis: Axis, value: float) -> Html:
-    at = axis.share(value)
-    return element("line", x1=at, x2=at, y1="0", y2="100%", class_=kind)
-
-
-def _scale(axis: Axis) -> Html:
-    labels = [element("text", number(tick), x=axis.share(tick), y="70%") for tick in axis.ticks()]
-    return _drawn(labels)
-
-
-def _drawn(content: Content) -> Html:
-    return element("span", element("svg", content, aria_hidden="true"), class_="plot")
