@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from taskbuilder.expert.ways import EXPERT, Way
 from taskbuilder.validate.report import Probe
 
-EXPERT = "expert"
 MOST_DOTS = 60
 TICKS = 4
 MARGIN = 0.03
@@ -17,22 +17,22 @@ MARGIN = 0.03
 
 
 @dataclass(frozen=True)
-class Way:
+class Line:
     """A line of the chart.
 
     Attributes:
-        name: The way of playing.
+        way: The way of playing.
         returns: What it earned, less what was not finite.
         mean: Of those; None where there are none.
-        kind: ``expert``, ``rival`` for what earns as much as the expert, or ``other``.
+        role: ``expert``, ``rival`` for what earns as much as the expert, or ``other``.
         solved: In how many episodes it succeeded.
         episodes: How many were played.
     """
 
-    name: str
+    way: Way
     returns: tuple[float, ...]
     mean: float | None
-    kind: str
+    role: str
     solved: int
     episodes: int
 
@@ -75,13 +75,13 @@ class Chart:
 
     Attributes:
         title: What is shown.
-        ways: Its lines.
+        lines: The ways.
         axis: Of all lines.
         expert: What the expert earns in the mean, or None.
     """
 
     title: str
-    ways: Sequence[Way]
+    lines: Sequence[Line]
     axis: Axis
     expert: float | None
 
@@ -90,50 +90,53 @@ def charts(probes: Sequence[Probe]) -> list[Chart]:
     """Undiscounted and discounted returns; none where nothing was played.
 
     Args:
-        probes: The ways; that named ``expert`` is what the others are held against.
+        probes: The ways; the expert's is what the others are held against.
     """
     if not probes:
         return []
     titles = {"Undiscounted": False, "Discounted by 0.95 a step": True}
-    return [_chart(title, ways(probes, discounted=which)) for title, which in titles.items()]
+    return [_chart(title, lines(probes, discounted=which)) for title, which in titles.items()]
 
 
-def _chart(title: str, listed: Sequence[Way]) -> Chart:
-    expert = next((way.mean for way in listed if way.kind == EXPERT), None)
+def _chart(title: str, listed: Sequence[Line]) -> Chart:
+    expert = next((line.mean for line in listed if line.way == EXPERT), None)
     return Chart(title, listed, _axis(listed), expert)
 
 
-def ways(probes: Sequence[Probe], *, discounted: bool) -> list[Way]:
+def lines(probes: Sequence[Probe], *, discounted: bool) -> list[Line]:
     """The lines of the chart, by mean return from the greatest to the least."""
     measured = [
         (probe, _finite(probe.discounted if discounted else probe.returns)) for probe in probes
     ]
-    means = {probe.name: statistics.fmean(got) for probe, got in measured if got}
-    best = means.get(EXPERT, math.inf)
+    means = {probe.way: statistics.fmean(got) for probe, got in measured if got}
     listed = [
-        Way(
-            probe.name,
+        Line(
+            probe.way,
             got,
-            means.get(probe.name),
-            EXPERT
-            if probe.name == EXPERT
-            else "rival"
-            if means.get(probe.name, -math.inf) >= best
-            else "other",
+            means.get(probe.way),
+            _role(probe.way, means),
             probe.successes,
             len(probe.returns),
         )
         for probe, got in measured
     ]
-    return sorted(listed, key=lambda way: -math.inf if way.mean is None else way.mean, reverse=True)
+    return sorted(
+        listed, key=lambda line: -math.inf if line.mean is None else line.mean, reverse=True
+    )
+
+
+def _role(way: Way, means: Mapping[Way, float]) -> str:
+    if way == EXPERT:
+        return "expert"
+    return "rival" if means.get(way, -math.inf) >= means.get(EXPERT, math.inf) else "other"
 
 
 def _finite(returns: Sequence[float]) -> tuple[float, ...]:
     return tuple(value for value in returns if math.isfinite(value))
 
 
-def _axis(listed: Sequence[Way]) -> Axis:
-    values = [0.0, *(value for way in listed for value in way.returns)]
+def _axis(listed: Sequence[Line]) -> Axis:
+    values = [0.0, *(value for line in listed for value in line.returns)]
     low, high = min(values), max(values)
     if high - low < 1e-9:
         low, high = low - 1.0, high + 1.0
