@@ -18,18 +18,18 @@ from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.files import write_whole
-from taskbuilder.film.film import save_film
-from taskbuilder.film.strip import film_strip
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.zoo import load_policy
-from taskbuilder.render import save_image
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
+from taskbuilder.visual.film import save_film
+from taskbuilder.visual.still import save_image
+from taskbuilder.visual.strip import film_strip
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -205,7 +205,7 @@ def _as_data(task: Task, episodes: Sequence[Rollout]) -> dict[str, Any]:
 
 def _show(task: Task, episode: Rollout, cast: Cast, arguments: argparse.Namespace) -> list[Path]:
     """Write what an episode looked like, and say where."""
-    from taskbuilder.charts import Mark, reward_chart  # a second, when all else is in order
+    from taskbuilder.visual.charts import Mark, reward_chart  # a second, when all else is in order
 
     stem = arguments.out / task.name.replace("/", "-")
     strip, chart = (stem.with_name(f"{stem.name}-{what}.png") for what in ("strip", "rewards"))

@@ -15,7 +15,7 @@ from taskbuilder.expert.ways import Kind
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.zoo import load_policy, policy_file
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 from taskbuilder.trial.arms import Arena
 

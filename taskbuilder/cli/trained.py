@@ -12,7 +12,7 @@ from taskbuilder.expert.named import POLICIES
 from taskbuilder.learn.plan import RUN_FILE
 from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.runs import named_task, task_of_run
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 _SAW = {

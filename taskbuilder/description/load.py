@@ -28,7 +28,7 @@ from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.interpreters import interpreter
 from taskbuilder.processes import environment_of_children, owned
 from taskbuilder.quiet import printing_to_stderr
-from taskbuilder.spec.catalogue import Entry
+from taskbuilder.schema.catalogue import Entry
 from taskbuilder.wording import suggestion
 
 TRIAL_LIMIT_S = 10.0

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.arm_modes import Arm, ArmMode, Targets
 from taskbuilder.env.joint_modes import JointDelta, JointPosition, JointTorque, JointVelocity
 from taskbuilder.env.tcp_modes import TcpDelta, TcpPath, TcpPose
-from taskbuilder.spec.scene import ActionSpec
+from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 

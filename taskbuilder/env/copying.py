@@ -19,7 +19,7 @@ from taskbuilder.env.episode import Actions, Episode
 from taskbuilder.env.observing import Observer
 from taskbuilder.env.options import Options
 from taskbuilder.errors import FileError, UsageError
-from taskbuilder.spec.catalogue import Entry
+from taskbuilder.schema.catalogue import Entry
 from taskbuilder.task import Task
 
 Env = TypeVar("Env", bound="Copyable")

@@ -21,17 +21,17 @@ class JointDelta:
         spec = self.arm.spec
         steps = [
             min(most, math.radians(spec.max_turn_deg) if turns else spec.max_step)
-            for most, turns in zip(self.arm.longest, self.arm.stepper.turns, strict=True)
+            for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
         ]
         return tuple((-step, step) for step in steps)
 
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
-        stepper = self.arm.stepper
+        ik = self.arm.ik
         return [
             min(max(joint + value, low), high)
             for joint, value, low, high in zip(
-                self.arm.robot.commanded(), values, stepper.lower, stepper.upper, strict=True
+                self.arm.robot.commanded(), values, ik.lower, ik.upper, strict=True
             )
         ]
 
@@ -49,10 +49,10 @@ class JointPosition:
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `ArmMode.bounds`; a joint without limits turns once either way."""
-        stepper = self.arm.stepper
+        ik = self.arm.ik
         return tuple(
             (low, high) if math.isfinite(high - low) else (-math.pi, math.pi)
-            for low, high in zip(stepper.lower, stepper.upper, strict=True)
+            for low, high in zip(ik.lower, ik.upper, strict=True)
         )
 
     def command(self, values: Sequence[float]) -> Targets:

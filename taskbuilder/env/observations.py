@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose, Quat, multiply
-from taskbuilder.sim.faults import REACH_M, SPEED_LIMIT
-from taskbuilder.spec.channels import CAMERA_QUANTITIES, Channel
-from taskbuilder.spec.task import Noise
+from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
+from taskbuilder.schema.task import Noise
+from taskbuilder.sim.divergence import REACH_M, SPEED_LIMIT
 from taskbuilder.world.world import World
 
 if TYPE_CHECKING:

@@ -22,9 +22,9 @@ from taskbuilder.env.observations import (
 from taskbuilder.env.options import Options
 from taskbuilder.env.spaces import VECTOR, image_values, observation_space
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.channels import Channel, default_channels, parse_channel
+from taskbuilder.schema.task import Noise
 from taskbuilder.sim.cameras import CameraView, Image, capture
-from taskbuilder.spec.channels import Channel, default_channels, parse_channel
-from taskbuilder.spec.task import Noise
 from taskbuilder.task import Task
 from taskbuilder.world.world import World
 

@@ -50,7 +50,7 @@ class TcpDelta:
         """See `ArmMode.command`."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
-        frames = arm.stepper.frames(joints)
+        frames = arm.ik.frames(joints)
         tool = frames.tool
         shift = _shortened((values[0], values[1], values[2]), spec.max_step)
         goal = add(tool.position, self._in_base(shift, tool))
@@ -59,12 +59,12 @@ class TcpDelta:
         if norm(ahead) > LAG_STEPS * spec.max_step:
             goal = add(measured, _shortened(ahead, LAG_STEPS * spec.max_step))
         target = Pose(goal, self._turned(tool, values[3:]))
-        return arm.stepper.step(joints, target, arm.longest, frames)
+        return arm.ik.step(joints, target, arm.longest, frames)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
         arm, spec = self.arm, self.arm.spec
-        tool, goal = arm.stepper.forward(arm.robot.commanded()), arm.stepper.forward(joints)
+        tool, goal = arm.ik.forward(arm.robot.commanded()), arm.ik.forward(joints)
         shift = self._from_base(subtract(goal.position, tool.position), tool)
         if spec.turn == "none":
             return shift
@@ -119,19 +119,19 @@ class TcpPose:
         """See `ArmMode.command`."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
-        tool = arm.stepper.forward(joints)
+        tool = arm.ik.forward(joints)
         goal = self.goal(values)
         shift = _shortened(subtract(goal.position, tool.position), spec.max_step)
         turn = _vector_of(multiply(goal.quaternion, conjugate(tool.quaternion)))
         step = _rotation(_shortened(turn, math.radians(spec.max_turn_deg)))
         target = Pose(add(tool.position, shift), multiply(step, tool.quaternion))
-        return arm.stepper.step(joints, target, arm.longest)
+        return arm.ik.step(joints, target, arm.longest)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
         arm, spec = self.arm, self.arm.spec
-        goal = arm.stepper.forward(joints)
-        offset = subtract(goal.position, arm.stepper.forward(arm.robot.home).position)
+        goal = arm.ik.forward(joints)
+        offset = subtract(goal.position, arm.ik.forward(arm.robot.home).position)
         if spec.frame == "world":
             offset = rotate(conjugate(arm.base_from_world.quaternion), offset)
         elif spec.frame == "tcp":
@@ -145,7 +145,7 @@ class TcpPose:
     def goal(self, values: Sequence[float]) -> Pose:
         """The pose that the numbers mean, in the base frame."""
         arm, spec = self.arm, self.arm.spec
-        start = arm.stepper.forward(arm.robot.home)
+        start = arm.ik.forward(arm.robot.home)
         offset: Vec3 = (values[0], values[1], values[2])
         if spec.frame == "world":
             offset = rotate(arm.base_from_world.quaternion, offset)

@@ -14,7 +14,7 @@ from taskbuilder.learn.plan import RUN_FILE
 from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.runs import named_task, task_of_run
 from taskbuilder.learn.zoo import load_policy
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
 

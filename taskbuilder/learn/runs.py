@@ -19,7 +19,7 @@ from taskbuilder.learn.policy import Policy
 from taskbuilder.learn.zoo import load_policy, save_policy
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.task import Task, load_task
 
 START_EPISODES = 50

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.spaces import flatdim
+from numpy.typing import NDArray
 
 from taskbuilder.env.vector import TaskVectorEnv, make_vec
-from taskbuilder.errors import UsageError
+from taskbuilder.errors import DivergenceError, UsageError
 from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import Checkpoint, Checkpoints
@@ -240,12 +241,23 @@ class Trainer:
         actions = self._learner.act(
             self._collector.observations, self._rng, self._progress_fraction
         )
+        self._check_finite(actions)
         self._collector.step_async(actions)
         self._losses |= collection.during_step(self._rng, counters.step)
         rows, lost, finished = self._collector.step_wait()
         counters.step += plan.envs
         self._losses |= collection.after_step(rows, lost, self._rng, self._progress_fraction)
         self._log(finished)
+
+    def _check_finite(self, actions: Mapping[str, NDArray[Any]]) -> None:
+        """Refuse to go on with a learner that has diverged."""
+        for agent, action in actions.items():
+            if not np.isfinite(action).all():
+                raise DivergenceError(
+                    f"learning diverged: after {self._counters.step:,} control steps the actions "
+                    f"of {agent} are not finite. Its logs and checkpoints are kept; begin anew "
+                    "with a smaller lr, or with another seed"
+                )
 
     @property
     def _progress_fraction(self) -> float:

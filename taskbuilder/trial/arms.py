@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.named import has_expert, policy_named
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.learn.policy import Policy as Trained
 from taskbuilder.rollout.play import Policy, as_policy, play

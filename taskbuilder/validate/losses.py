@@ -9,7 +9,7 @@ from pathlib import Path
 from taskbuilder.errors import Finding, Location
 from taskbuilder.jobs import TRIES
 from taskbuilder.processes import Fault
-from taskbuilder.spec.catalogue import Entry
+from taskbuilder.schema.catalogue import Entry
 from taskbuilder.validate.report import Check, FamilyResult
 
 _ONLY_LOOKS = "a description only looks"

@@ -10,8 +10,8 @@ from taskbuilder.description import description as referee
 from taskbuilder.description.load import explain
 from taskbuilder.description.node import Node
 from taskbuilder.errors import Finding, Location, Severity
-from taskbuilder.spec.catalogue import Entry
-from taskbuilder.spec.source import dotted
+from taskbuilder.schema.catalogue import Entry
+from taskbuilder.schema.source import dotted
 from taskbuilder.task import Task
 
 

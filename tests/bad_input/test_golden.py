@@ -20,7 +20,7 @@ from golden import HERE, read_case
 
 from taskbuilder.cli import main
 from taskbuilder.description.load import try_import
-from taskbuilder.spec.catalogue import Catalogue, Entry
+from taskbuilder.schema.catalogue import Catalogue, Entry
 
 GENEROUS_S = 30.0
 LEAST = {"tasks": 85, "robots": 35, "commands": 35}

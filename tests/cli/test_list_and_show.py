@@ -8,9 +8,9 @@ import jsonschema
 import pytest
 import yaml
 
-from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.load import read_task
-from taskbuilder.spec.source import read_source
+from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.load import read_task
+from taskbuilder.schema.source import read_source
 
 TASKS = sorted(Catalogue.discover().tasks)
 

@@ -11,7 +11,7 @@ from made_up import NASTY, played
 from taskbuilder import load_task
 from taskbuilder.errors import Location
 from taskbuilder.rollout import Trouble
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.validate.html.files import write_index, write_page
 from taskbuilder.validate.html.page import Page, make_page
 from taskbuilder.validate.html.pictures import Pictures, take_pictures

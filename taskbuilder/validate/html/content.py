@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from taskbuilder.assets.codes import CODES as ASSET_CODES
-from taskbuilder.codes import CODES
+from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import Finding
-from taskbuilder.spec.expert import ExpertStage, Repeat, Wait, orders_of
+from taskbuilder.schema.expert import ExpertStage, Repeat, Wait, orders_of
 from taskbuilder.validate.formats.words import counted, measured, number, severities
 from taskbuilder.validate.html.excerpt import Line, excerpt
 from taskbuilder.validate.html.pictures import Picture

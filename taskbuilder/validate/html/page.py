@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError
-from taskbuilder.jobs import LostError, crew
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.expert import ExpertStage
+from taskbuilder.jobs import LostError, worker_processes
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.expert import ExpertStage
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.html.pictures import Picture, Pictures, take_pictures
 from taskbuilder.validate.report import TaskReport
@@ -62,7 +62,7 @@ def make_page(
     if not apart:
         return _made(reference, report, catalogue)
     try:
-        with crew([{}], limit_s=PICTURES_LIMIT_S) as spread:
+        with worker_processes([{}], limit_s=PICTURES_LIMIT_S) as spread:
             (page,) = spread(_made_apart, [(reference, report, catalogue)])
     except LostError as error:
         lost = f"The process that takes them {error.fault.cause}."
