@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
     from taskbuilder.expert.script.player import Expert
     from taskbuilder.learn.assessment import evaluate
-    from taskbuilder.learn.policy import Policy
+    from taskbuilder.learn.policy import TrainedPolicy
     from taskbuilder.learn.runs import train
     from taskbuilder.learn.zoo import load_policy
-    from taskbuilder.rollout.play import play, replay
+    from taskbuilder.rollout.play import Policy, play, replay
     from taskbuilder.rollout.record import Rollout
     from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
@@ -40,6 +40,7 @@ __all__ = [
     "TaskEnv",
     "TaskVectorEnv",
     "TaskbuilderError",
+    "TrainedPolicy",
     "UnknownNameError",
     "UsageError",
     "World",
@@ -63,12 +64,13 @@ _HOMES = {
     "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
-    "Policy": "taskbuilder.learn.policy",
+    "Policy": "taskbuilder.rollout.play",
     "Rollout": "taskbuilder.rollout.record",
     "Task": "taskbuilder.task",
     "TaskEnv": "taskbuilder.env.parallel",
     "TaskVectorEnv": "taskbuilder.env.vector",
     "TaskbuilderError": "taskbuilder.errors",
+    "TrainedPolicy": "taskbuilder.learn.policy",
     "UnknownNameError": "taskbuilder.errors",
     "UsageError": "taskbuilder.errors",
     "World": "taskbuilder.world.world",

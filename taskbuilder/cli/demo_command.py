@@ -13,7 +13,7 @@ from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, progress, say
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
-from taskbuilder.cli.trained import Place, is_trained
+from taskbuilder.cli.trained import EnvFactory, is_trained
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
@@ -77,11 +77,11 @@ def _cast(catalogue: Catalogue, arguments: argparse.Namespace) -> Cast:
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
-    place = Place(arguments.task, catalogue, tuple(options.items()))
+    place = EnvFactory(arguments.task, catalogue, tuple(options.items()))
     cast = Cast(place, arguments.policy)
     if trained:
         with ExitStack() as stack:
-            cast.hire(stack)
+            cast.make_player(stack)
     return cast
 
 
@@ -97,10 +97,10 @@ class Cast:
         policy: Who plays.
     """
 
-    place: Place
+    place: EnvFactory
     policy: str
 
-    def hire(self, stack: ExitStack) -> Callable[[int], Rollout]:
+    def make_player(self, stack: ExitStack) -> Callable[[int], Rollout]:
         """What plays an episode from a seed; it is freed by the stack.
 
         Raises:
@@ -127,17 +127,17 @@ def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Rollout,
             yield from spread(partial(_play_elsewhere, cast), seeds)
         return
     with ExitStack() as stack:
-        yield from map(cast.hire(stack), seeds)
+        yield from map(cast.make_player(stack), seeds)
 
 
 def _play_elsewhere(cast: Cast, seed: int) -> Rollout:
-    return _hired_once(cast)(seed)
+    return _player_made_once(cast)(seed)
 
 
 @lru_cache(maxsize=1)
-def _hired_once(cast: Cast) -> Callable[[int], Rollout]:
+def _player_made_once(cast: Cast) -> Callable[[int], Rollout]:
     """A policy in its environment that is kept for as long as its process lives."""
-    return cast.hire(ExitStack())
+    return cast.make_player(ExitStack())
 
 
 # Saying

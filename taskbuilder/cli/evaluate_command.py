@@ -20,7 +20,7 @@ from taskbuilder.cli.trained import origin
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.jobs import cores, workers
-from taskbuilder.learn.evaluation import Summary, summarise
+from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.trial.arms import SUBJECT, Arena, Job, by_arm, jobs_of, play_all
 from taskbuilder.trial.certificate import Trial, certificate, write_certificate
@@ -146,7 +146,7 @@ def _write(
     found: Evaluated,
     data: dict[str, Any],
     arms: Arms,
-    summary: Summary,
+    summary: EvaluationSummary,
     arguments: argparse.Namespace,
 ) -> list[Path]:
     """Write the result and the films that were asked for, and say where."""

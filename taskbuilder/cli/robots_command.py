@@ -22,7 +22,7 @@ from taskbuilder.errors import (
     display_path,
     in_reading_order,
 )
-from taskbuilder.schema.catalogue import Catalogue, Entry, similar
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.visual.robot_picture import take_robot_picture
 from taskbuilder.visual.still import save_image
@@ -55,7 +55,7 @@ def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
     return 0
 
 
-def _describe(entry: Entry, catalogue: Catalogue) -> dict[str, Any]:
+def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
     known = {"name": entry.name, "path": display_path(entry.file)}
     try:
         robot = load_robot(entry, catalogue.folders)

@@ -10,7 +10,7 @@ from taskbuilder.env.arm_modes import Arm, Targets
 
 
 @dataclass(frozen=True)
-class JointDelta:
+class JointDeltaMode:
     """Moves each commanded joint by a step: rad, at most `max_turn_deg`; m, at most `max_step`."""
 
     arm: Arm
@@ -41,7 +41,7 @@ class JointDelta:
 
 
 @dataclass(frozen=True)
-class JointPosition:
+class JointPositionMode:
     """Moves the joints towards positions within their limits, at most at their speed limits."""
 
     arm: Arm
@@ -65,7 +65,7 @@ class JointPosition:
 
 
 @dataclass(frozen=True)
-class JointVelocity:
+class JointVelocityMode:
     """Turns or slides the joints at velocities, rad/s or m/s."""
 
     arm: Arm
@@ -89,7 +89,7 @@ class JointVelocity:
 
 
 @dataclass(frozen=True)
-class JointTorque:
+class JointTorqueMode:
     """Applies torques (Nm) or forces (N) to the joints; nothing makes up for gravity."""
 
     arm: Arm

@@ -29,7 +29,7 @@ LAG_STEPS = 2.0
 
 
 @dataclass(frozen=True)
-class TcpDelta:
+class TcpDeltaMode:
     """Moves the commanded tool by a step, and turns it.
 
     Numbers: a translation (m), then by `turn` nothing, an angle about the tool's axis, or a
@@ -99,7 +99,7 @@ class TcpDelta:
 
 
 @dataclass(frozen=True)
-class TcpPose:
+class TcpPoseMode:
     """Moves the tool towards a pose, by at most a step of `tcp_delta` at a time.
 
     Numbers: a position (m) relative to the arm's home tool position, in `frame`; then by `turn`
@@ -160,10 +160,10 @@ class TcpPose:
 
 
 @dataclass(frozen=True)
-class TcpPath:
+class TcpPathMode:
     """Drives to a pose by way of the joints: for scripts, and for slow control.
 
-    The numbers are those of `TcpPose`. The pose's inverse kinematics is solved in full, with
+    The numbers are those of `TcpPoseMode`. The pose's inverse kinematics is solved in full, with
     restarts, from where the joints are; they go there in a straight line at their speed limits,
     so that poses are reached to which no straight motion of the tool leads. About a millisecond.
     """
@@ -173,19 +173,19 @@ class TcpPath:
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `ArmMode.bounds`."""
-        return TcpPose(self.arm).bounds
+        return TcpPoseMode(self.arm).bounds
 
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
         arm = self.arm
         joints = arm.robot.commanded()
         rng = np.random.default_rng(0)  # the same path for the same command
-        found = solve(arm.robot.chain, TcpPose(arm).goal(values), start=joints, rng=rng)
+        found = solve(arm.robot.chain, TcpPoseMode(arm).goal(values), start=joints, rng=rng)
         return arm.approach(joints, found.joints)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
-        return TcpPose(self.arm).leading_to(joints)
+        return TcpPoseMode(self.arm).leading_to(joints)
 
 
 def _shortened(vector: Vec3, longest: float) -> Vec3:

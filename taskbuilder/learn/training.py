@@ -29,7 +29,7 @@ from taskbuilder.learn.demonstrations import load_demonstrations, transitions
 from taskbuilder.learn.learner import Collection, Learner
 from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.plan import Plan, make_settings
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
@@ -58,7 +58,7 @@ class TrainingStatus:
     evaluation: Evaluation | None = None
 
 
-Evaluate = Callable[[Policy], Evaluation]
+Evaluate = Callable[[TrainedPolicy], Evaluation]
 Watch = Callable[[TrainingStatus], None]
 
 
@@ -214,7 +214,7 @@ class Trainer:
         rate = (self._counters.step - first) / max(time.perf_counter() - started, 1e-9)
         return TrainingStatus(self._counters.step, rate, evaluation)
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy."""
         return self._learner.policy({**about, "step": self._counters.step})
 
@@ -286,7 +286,7 @@ class Trainer:
     def _seconds(self) -> float:
         return self._counters.seconds + time.perf_counter() - self._since[0]
 
-    def note(self, evaluation: Evaluation, policy: Policy) -> None:
+    def note(self, evaluation: Evaluation, policy: TrainedPolicy) -> None:
         """Keep the result of an evaluation, and the policy if none before did better."""
         counters, plan = self._counters, self._plan
         row = {"episode": counters.episode, **evaluation.row}

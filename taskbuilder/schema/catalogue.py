@@ -26,7 +26,7 @@ PATH_VARIABLE = "TASKBUILDER_PATH"
 
 
 @dataclass(frozen=True)
-class Entry:
+class CatalogueEntry:
     """A task or robot file.
 
     Attributes:
@@ -73,7 +73,7 @@ class Catalogue:
         return cls(tuple(dict.fromkeys(paths)))
 
     @cached_property
-    def tasks(self) -> Mapping[str, Entry]:
+    def tasks(self) -> Mapping[str, CatalogueEntry]:
         """Every task by its id.
 
         Raises:
@@ -82,7 +82,7 @@ class Catalogue:
         return _unique("task", self._entries("task"))
 
     @cached_property
-    def robots(self) -> Mapping[str, Entry]:
+    def robots(self) -> Mapping[str, CatalogueEntry]:
         """Every robot by its id.
 
         Raises:
@@ -90,7 +90,7 @@ class Catalogue:
         """
         return _unique("robot", self._entries("robot"))
 
-    def task(self, reference: str) -> Entry:
+    def task(self, reference: str) -> CatalogueEntry:
         """The task of a name, or of the path of its YAML file.
 
         Raises:
@@ -99,7 +99,7 @@ class Catalogue:
         """
         return self._find("task", reference, Path())
 
-    def named_task(self, name: object) -> Entry:
+    def named_task(self, name: object) -> CatalogueEntry:
         """The task of a name, which is never taken for a path: for names that others wrote.
 
         Raises:
@@ -111,7 +111,7 @@ class Catalogue:
         help_ = suggestion(str(name), self.tasks, what="there are")
         raise UnknownNameError(f'no task "{name}"; {help_}')
 
-    def robot(self, reference: str, folder: Path) -> Entry:
+    def robot(self, reference: str, folder: Path) -> CatalogueEntry:
         """The robot of a name, or of the path of its robot.yaml, relative to a folder.
 
         Raises:
@@ -120,7 +120,7 @@ class Catalogue:
         """
         return self._find("robot", reference, folder)
 
-    def _find(self, sort: Sort, reference: str, folder: Path) -> Entry:
+    def _find(self, sort: Sort, reference: str, folder: Path) -> CatalogueEntry:
         if looks_like_path(reference):
             return self._at_path(sort, folder / reference)
         known = self.tasks if sort == "task" else self.robots
@@ -132,7 +132,7 @@ class Catalogue:
             help_ = f"did you mean the file {display_path(beside)}?"
         raise UnknownNameError(f'no {sort} "{reference}"; {help_}')
 
-    def _at_path(self, sort: Sort, path: Path) -> Entry:
+    def _at_path(self, sort: Sort, path: Path) -> CatalogueEntry:
         if not _exists(path):
             raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
         if sort == "robot" and (path / "robot.yaml").is_file():
@@ -144,13 +144,13 @@ class Catalogue:
         for entry in self._entries(sort):
             if entry.file == actual:
                 return entry
-        return Entry(actual.parent.name if sort == "robot" else actual.stem, actual)
+        return CatalogueEntry(actual.parent.name if sort == "robot" else actual.stem, actual)
 
-    def _entries(self, sort: Sort) -> Iterator[Entry]:
+    def _entries(self, sort: Sort) -> Iterator[CatalogueEntry]:
         yield from _packaged(sort, f"taskbuilder.{sort}s", "", [library_folder(f"{sort}s")])
         for folder in self.folders:
             for name, file in _files(sort, folder):
-                yield Entry(name, file)
+                yield CatalogueEntry(name, file)
         for namespace, package in _plugins(f"taskbuilder.{sort}s"):
             yield from _packaged(sort, package, f"{namespace}/", _folders_of(package))
 
@@ -193,10 +193,12 @@ def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:
             yield name, file.resolve()
 
 
-def _packaged(sort: Sort, package: str, prefix: str, folders: Iterable[Path]) -> Iterator[Entry]:
+def _packaged(
+    sort: Sort, package: str, prefix: str, folders: Iterable[Path]
+) -> Iterator[CatalogueEntry]:
     for folder in folders:
         for name, file in _files(sort, folder):
-            yield Entry(f"{prefix}{name}", file, f"{package}.{name}", trusted=True)
+            yield CatalogueEntry(f"{prefix}{name}", file, f"{package}.{name}", trusted=True)
 
 
 def _folders_of(package: str) -> list[Path]:
@@ -229,8 +231,8 @@ def _declares(group: str, place: str) -> bool:
     return False
 
 
-def _unique(sort: Sort, entries: Iterable[Entry]) -> Mapping[str, Entry]:
-    known: dict[str, Entry] = {}
+def _unique(sort: Sort, entries: Iterable[CatalogueEntry]) -> Mapping[str, CatalogueEntry]:
+    known: dict[str, CatalogueEntry] = {}
     clashes = []
     for entry in entries:
         other = known.setdefault(entry.name, entry)

@@ -12,7 +12,7 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.schema.catalogue import Catalogue, Entry, looks_like_path
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.explain import parse
 from taskbuilder.schema.names import ObjectNames, SceneNames
 from taskbuilder.schema.references import check_names, read_names
@@ -40,7 +40,7 @@ class TaskFile:
         warnings: What is doubtful.
     """
 
-    entry: Entry
+    entry: CatalogueEntry
     source: Source
     spec: TaskSpec
     scenes: tuple[SceneSpec, ...]
@@ -66,7 +66,7 @@ class TaskFileError(FileError):
 class _Loading:
     """A task file on its way: what has been read, and what has been found wrong."""
 
-    entry: Entry
+    entry: CatalogueEntry
     source: Source
     catalogue: Catalogue
     findings: list[Finding] = field(default_factory=list)
@@ -82,7 +82,7 @@ class _Loading:
         self.findings.append(Finding(code, message, dotted(path), location))
 
 
-def read_task(entry: Entry, catalogue: Catalogue) -> TaskFile:
+def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
     """Read and check a task file and everything that it names, except its description.
 
     Raises:

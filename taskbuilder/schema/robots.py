@@ -12,7 +12,7 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding
-from taskbuilder.schema.catalogue import Entry
+from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.schema.explain import parse
 from taskbuilder.schema.robot import RobotSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
@@ -23,7 +23,7 @@ from taskbuilder.wording import suggestion
 class RobotModel:
     """A robot that can be put into scenes: its file, its URDF, and what follows from both."""
 
-    entry: Entry
+    entry: CatalogueEntry
     spec: RobotSpec
     urdf: Urdf
 
@@ -56,7 +56,7 @@ def joint_values(joints: Sequence[UrdfJoint], written: Sequence[float]) -> tuple
     )
 
 
-def load_robot(entry: Entry, roots: Sequence[Path] = ()) -> RobotModel:
+def load_robot(entry: CatalogueEntry, roots: Sequence[Path] = ()) -> RobotModel:
     """Read and check a robot file and its URDF.
 
     Args:
@@ -83,7 +83,7 @@ def load_robot(entry: Entry, roots: Sequence[Path] = ()) -> RobotModel:
     return RobotModel(entry, spec, urdf)
 
 
-def _read_urdf(source: Source, entry: Entry, roots: Sequence[Path]) -> Urdf | None:
+def _read_urdf(source: Source, entry: CatalogueEntry, roots: Sequence[Path]) -> Urdf | None:
     reference = source.get("urdf")
     if not isinstance(reference, str) or not reference:
         return None
@@ -91,7 +91,7 @@ def _read_urdf(source: Source, entry: Entry, roots: Sequence[Path]) -> Urdf | No
     return read_urdf(resolve(reference, entry.root, allowed), allowed, trusted=entry.trusted)
 
 
-def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: Entry) -> Iterator[Finding]:
+def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: CatalogueEntry) -> Iterator[Finding]:
     """What of a robot file does not fit its URDF."""
 
     def finding(path: Path_, message: str, *, key: bool = False) -> Finding:

@@ -15,13 +15,13 @@ from typing import Any
 from zlib import crc32  # SHA-256 would take longer to import than all tasks to read
 
 from taskbuilder.errors import FileError
-from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 
 INDEX = "index.json"
 
 
 @dataclass(frozen=True)
-class Summary:
+class TaskSummary:
     """A task in a line.
 
     Attributes:
@@ -35,11 +35,11 @@ class Summary:
     summary: str = "(has errors)"
 
 
-def summarize(entry: Entry, catalogue: Catalogue) -> Summary:
+def summarize(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     """What is said of a task: from the index beside it, or else from its file."""
     indexed = _read_index(entry.root).get(entry.file.stem)
     if entry.trusted and indexed and indexed["checksum"] == _checksum(entry.file):
-        return Summary(indexed["robots"], indexed["episode_steps"], indexed["summary"])
+        return TaskSummary(indexed["robots"], indexed["episode_steps"], indexed["summary"])
     return _read(entry, catalogue)
 
 
@@ -54,15 +54,15 @@ def index_text(folder: Path) -> str:
     return json.dumps(index, indent=2, ensure_ascii=False) + "\n"
 
 
-def _read(entry: Entry, catalogue: Catalogue) -> Summary:
+def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     from taskbuilder.schema.load import read_task  # takes longer than all else that `list` does
 
     try:
         spec = read_task(entry, catalogue).spec
     except FileError:
-        return Summary()
+        return TaskSummary()
     robots = {name: robot.model for name, robot in spec.scene.robots.items()}
-    return Summary(robots, spec.timing.episode_steps, spec.summary)
+    return TaskSummary(robots, spec.timing.episode_steps, spec.summary)
 
 
 @cache

@@ -14,7 +14,7 @@ from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.named import has_expert, policy_named
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
-from taskbuilder.learn.policy import Policy as Trained
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
@@ -42,7 +42,7 @@ class Arena:
         token: By which an arena knows itself again where it was sent more than once.
     """
 
-    player: Trained | str
+    player: TrainedPolicy | str
     place: Callable[..., TaskEnv]
     controls: Callable[..., TaskEnv]
     token: str = field(default_factory=lambda: token_hex(8))
@@ -113,7 +113,7 @@ class Stage:
             self._hired[key] = self._hire(way.kind.value, self._control_env(variation))
         return self._hired[key]
 
-    def _hire(self, player: Trained | str, env: TaskEnv) -> Policy:
+    def _hire(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
         if not isinstance(player, str):
             return as_policy(player.act)
         made = policy_named(player)(env)

@@ -53,7 +53,7 @@ class Tried(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Sort:
+class _Shortcut:
     """A sort of playing that must not succeed.
 
     Attributes:
@@ -71,19 +71,21 @@ class _Sort:
     mend: str
 
 
-_SORTS = (
-    _Sort("TB544", "doing nothing does not succeed", Kind.NOTHING, "holding still", "ask for more"),
-    _Sort(
+_SHORTCUTS = (
+    _Shortcut(
+        "TB544", "doing nothing does not succeed", Kind.NOTHING, "holding still", "ask for more"
+    ),
+    _Shortcut(
         "TB543", "random play does not succeed", Kind.RANDOM, "playing at random", "ask for more"
     ),
-    _Sort(
+    _Shortcut(
         "TB541",
         "every robot is needed",
         Kind.WITHOUT,
         "playing {way}",
         "make its part matter, or write cooperation: optional",
     ),
-    _Sort(
+    _Shortcut(
         "TB542",
         "no robot does it alone",
         Kind.ALONE,
@@ -180,25 +182,26 @@ def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
 
 def _judged(run: Run) -> Iterator[Result]:
     """The ways of playing, from the simplest on, up to the first that succeeds."""
-    for sort in _SORTS:
-        plays = {way: found for way, found in run.plays.items() if way.kind is sort.kind}
+    for shortcut in _SHORTCUTS:
+        plays = {way: found for way, found in run.plays.items() if way.kind is shortcut.kind}
         if not plays:
             continue
         counts = {way: sum(p.success for p in found.values()) for way, found in plays.items()}
         total = sum(counts.values())
-        excused = sort.code in ("TB541", "TB542") and not _matters(run.task)
+        excused = shortcut.code in ("TB541", "TB542") and not _matters(run.task)
         findings: list[Finding] = []
         if total and not excused:
             worst = max(counts, key=counts.__getitem__)
             start = next(start for start, play in plays[worst].items() if play.success)
             share = Share(counts[worst], len(plays[worst]))
-            message = (
-                f"{sort.verb.format(way=worst)} succeeds from {share} seeds ({start}); {sort.mend}"
-            )
+            verb = shortcut.verb.format(way=worst)
+            message = f"{verb} succeeds from {share} seeds ({start}); {shortcut.mend}"
             success = run.task.description.success
-            findings = [finding_in_description(run.task, sort.code, message, "success", success)]
+            findings = [
+                finding_in_description(run.task, shortcut.code, message, "success", success)
+            ]
         limit = None if excused else 0
-        yield Check(sort.code, sort.name, not findings, total, limit, "episodes"), findings
+        yield Check(shortcut.code, shortcut.name, not findings, total, limit, "episodes"), findings
         if findings:
             return
 

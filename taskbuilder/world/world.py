@@ -19,7 +19,7 @@ from taskbuilder.sim.contacts import ContactPoint, contacts
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Snapshot, release, restore, save
 from taskbuilder.wording import suggestion
-from taskbuilder.world.forces import ForceMeter, Pair, Reading
+from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
@@ -49,7 +49,7 @@ class WorldState:
     sites: Mapping[str, Pose]
     quantities: Mapping[str, Any]
     touches: tuple[ContactPoint, ...]
-    forces: Mapping[Pair, Reading]
+    forces: Mapping[Pair, ForceReading]
 
 
 class World(Single):

@@ -8,9 +8,9 @@ import pytest
 
 from taskbuilder._library import folder
 from taskbuilder.schema import summaries
-from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
-from taskbuilder.schema.summaries import INDEX, Summary, index_text, summarize
+from taskbuilder.schema.summaries import INDEX, TaskSummary, index_text, summarize
 
 TASKS = folder("tasks")
 
@@ -32,7 +32,7 @@ def test_the_index_says_what_the_file_says(name, monkeypatch):
 
 
 @pytest.fixture
-def copied(tmp_path) -> Entry:
+def copied(tmp_path) -> CatalogueEntry:
     """A packaged task with an index, which says something else than the file."""
     for suffix in (".yaml", ".py"):
         text = (TASKS / f"handover{suffix}").read_text(encoding="utf-8")
@@ -40,7 +40,7 @@ def copied(tmp_path) -> Entry:
     index = json.loads((TASKS / INDEX).read_text(encoding="utf-8"))
     index["handover"]["summary"] = "As the index has it."
     (tmp_path / INDEX).write_text(json.dumps(index), encoding="utf-8")
-    return Entry("handover", tmp_path / "handover.yaml", "other.handover", trusted=True)
+    return CatalogueEntry("handover", tmp_path / "handover.yaml", "other.handover", trusted=True)
 
 
 def test_a_file_that_has_changed_is_read(copied):
@@ -57,4 +57,4 @@ def test_an_index_that_cannot_be_read_is_none(copied):
 
 def test_a_task_with_errors_says_so(copied):
     copied.file.write_text("task: handover\n", encoding="utf-8")
-    assert summarize(copied, Catalogue()) == Summary()
+    assert summarize(copied, Catalogue()) == TaskSummary()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from taskbuilder.errors import SimulationError, UnknownNameError
-from taskbuilder.schema.catalogue import Catalogue, Entry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import TaskFile, read_task
 from taskbuilder.sim.cameras import Image
 from taskbuilder.sim.renderers import probe_egl
@@ -57,7 +57,7 @@ WALL_M, BLOCK_M = 2.0, 1.5  # from the camera to the wall's face, and to the blo
 def task(tmp_path_factory: pytest.TempPathFactory) -> TaskFile:
     file = tmp_path_factory.mktemp("scene") / "wall.yaml"
     file.write_text(SCENE)
-    return read_task(Entry("wall", file), Catalogue())
+    return read_task(CatalogueEntry("wall", file), Catalogue())
 
 
 @pytest.fixture(scope="module")

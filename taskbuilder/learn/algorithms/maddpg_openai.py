@@ -23,7 +23,7 @@ from torch import Tensor
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, Network, Policy
+from taskbuilder.learn.policy import Array, Network, TrainedPolicy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.shapes import Rows, Shapes
 
@@ -108,7 +108,7 @@ class MaddpgOpenai:
                 for agent, learner in self._learners.items()
             }
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Refused, as the plan was: what was published begins from nothing.
 
         Raises:
@@ -190,14 +190,14 @@ class MaddpgOpenai:
 
     # --- what is kept
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy, to play: the Gaussians' means, clipped to -1 to 1.
 
         The published code plays by drawing, as in training; without the draws an evaluation does
         not depend on a generator, and log-stds are left out.
         """
         networks = {a: learner.mean_network() for a, learner in self._learners.items()}
-        return Policy(networks, about)
+        return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All that it has learned, by name: networks, targets, optimisers."""

@@ -17,7 +17,7 @@ MARGIN = 0.03
 
 
 @dataclass(frozen=True)
-class Line:
+class ChartLine:
     """A line of the chart.
 
     Attributes:
@@ -81,7 +81,7 @@ class Chart:
     """
 
     title: str
-    lines: Sequence[Line]
+    lines: Sequence[ChartLine]
     axis: Axis
     expert: float | None
 
@@ -98,19 +98,19 @@ def charts(probes: Sequence[Probe]) -> list[Chart]:
     return [_chart(title, lines(probes, discounted=which)) for title, which in titles.items()]
 
 
-def _chart(title: str, listed: Sequence[Line]) -> Chart:
+def _chart(title: str, listed: Sequence[ChartLine]) -> Chart:
     expert = next((line.mean for line in listed if line.way == EXPERT), None)
     return Chart(title, listed, _axis(listed), expert)
 
 
-def lines(probes: Sequence[Probe], *, discounted: bool) -> list[Line]:
+def lines(probes: Sequence[Probe], *, discounted: bool) -> list[ChartLine]:
     """The lines of the chart, by mean return from the greatest to the least."""
     measured = [
         (probe, _finite(probe.discounted if discounted else probe.returns)) for probe in probes
     ]
     means = {probe.way: statistics.fmean(got) for probe, got in measured if got}
     listed = [
-        Line(
+        ChartLine(
             probe.way,
             got,
             means.get(probe.way),
@@ -135,7 +135,7 @@ def _finite(returns: Sequence[float]) -> tuple[float, ...]:
     return tuple(value for value in returns if math.isfinite(value))
 
 
-def _axis(listed: Sequence[Line]) -> Axis:
+def _axis(listed: Sequence[ChartLine]) -> Axis:
     values = [0.0, *(value for line in listed for value in line.returns)]
     low, high = min(values), max(values)
     if high - low < 1e-9:
