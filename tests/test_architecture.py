@@ -79,10 +79,11 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),
     "cv2": ("taskbuilder/visual/", "taskbuilder/sim/cameras.py"),
+    "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "PIL": (
         *("taskbuilder/visual/still.py", "taskbuilder/visual/video.py"),
-        "taskbuilder/validate/formats/pictures.py",
+        "taskbuilder/validate/html/pictures.py",
     ),
 }
 
