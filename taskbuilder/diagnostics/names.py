@@ -21,7 +21,8 @@ ENTRIES = {
     ),
     "TB202": Code(
         "Name used twice",
-        "Robots, objects, sites and cameras share one space of names.",
+        "Robots, objects, sites and cameras share one space of names, the links and grasp points of a "
+        "URDF object another.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),
@@ -106,8 +107,9 @@ ENTRIES = {
     ),
     "TB214": Code(
         "No such condition",
-        "An expert waits for something that the description does not name. It can wait for a "
-        "stage, for success and failure, and for any condition that is an attribute of the class.",
+        "An expert waits for something, or a joint's lock goes by something, that the description "
+        "does not name. It can be a stage, success or failure, or any condition that is an "
+        "attribute of the class.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example, block, within
+from taskbuilder.diagnostics.entry import Code, Example, block, cabinet, within
 
 ENTRIES = {
     "TB300": Code(
@@ -11,14 +11,14 @@ ENTRIES = {
     ),
     "TB301": Code(
         "Does not fit the URDF",
-        "A robot.yaml, or the joints of an object, name a link or a moving joint that the URDF "
-        "does not have, or give a gripper a position beyond its joint's limits.",
+        "A robot.yaml, or the joints and grasp points of an object, name a link or a moving joint "
+        "that the URDF does not have, or give a gripper a position beyond its joint's limits.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
         "Joint value beyond its limits",
-        "A position lies outside the limits of its joint, or there are not as many positions "
-        "as joints.",
+        "A position, or a limit of the task file's own, lies outside the limits of its joint, or "
+        "there are not as many positions as joints.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -131,6 +131,15 @@ ENTRIES = {
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
             "class Example(Description):\n    ...\n    failure = up()",
             "class Example(Description):\n    ...\n    failure = Above('cube', height=0.6)",
+        ),
+    ),
+    "TB316": Code(
+        "Grasp point that stays behind",
+        "A grasp point of an articulated object is fixed to its base, but is nearest to a link "
+        "that moves: when that moves, grasps miss, and rewards pay for the wrong place. A warning.",
+        cabinet(
+            "grasps: {knob: {at: [0, -0.07, 0.03]}}",
+            "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",
         ),
     ),
     "TB400": Code(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example, within
+from taskbuilder.diagnostics.entry import Code, Example, cabinet, within
 
 ENTRIES = {
     "TB000": Code(
@@ -58,7 +58,7 @@ ENTRIES = {
     ),
     "TB100": Code(
         "Keys, types and units are right",
-        "The check that gathers TB101 to TB109: the form of the task or robot file.",
+        "The check that gathers TB101 to TB110: the form of the task or robot file.",
     ),
     "TB101": Code(
         "Something is missing",
@@ -122,6 +122,12 @@ ENTRIES = {
         "A task is named as its file is, without .yaml; a robot as the folder of its "
         "robot.yaml is.",
         Example("task", "task: exmaple", "task: example"),
+    ),
+    "TB110": Code(
+        "Unit of another kind of joint",
+        "start, limits and rest are in metres, for joints that slide; start_deg, limits_deg and "
+        "rest_deg are in degrees, for joints that turn.",
+        cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
 }
 """Code -> what it stands for."""
