@@ -21,8 +21,8 @@ ENTRIES = {
     ),
     "TB202": Code(
         "Name used twice",
-        "Robots, objects, sites and cameras share one space of names, the links and grasp points of a "
-        "URDF object another.",
+        "Robots, objects, sites and cameras share one space of names, and the links and grasp "
+        "points of a URDF object another.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),

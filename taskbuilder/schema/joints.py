@@ -99,7 +99,9 @@ class JointSpec(Model):
         """What a file says of a joint; a number is where it starts, in degrees if it turns."""
         if isinstance(written, JointSpec):
             return written
-        return cls.model_construct(**{"start_deg" if turns else "start": written})
+        return (
+            cls.model_construct(start_deg=written) if turns else cls.model_construct(start=written)
+        )
 
 
 UNITS = {"start": "start_deg", "limits": "limits_deg", "rest": "rest_deg"}

@@ -194,6 +194,10 @@ class ObjectSpec(_Placed):
         description="How joints of a URDF start, move and are held.",
     )
 
+    def joint(self, name: str, *, turns: bool) -> JointSpec:
+        """What the file says of a joint, or what holds where it says nothing."""
+        return JointSpec.of(self.joints.get(name, JointSpec()), turns=turns)
+
     @property
     def urdf(self) -> str | None:
         """The URDF file, for an articulated object."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.articulation import locks
 from taskbuilder.validate.places import (
     finding_in_description,
     finding_in_file,
@@ -196,11 +197,20 @@ def _fails(run: Run, failed: Mapping[Start, Rollout], share: Share) -> Finding:
         last = f'; the last milestone is "{first.furthest_stage}"' if first.furthest_stage else ""
         said = f"all stages are done, and success does not hold{last}"
         said += "".join(f"; {reason}" for reason in first.why[:MOST_REASONS])
+    said += "".join(f"; {lock}" for lock in _never_opened(run, first))
     message = (
         f"the expert succeeds from {share} seeds only, {LEAST:.0%} are needed: {counted}; "
         f"{where}, {said}"
     )
     return finding_in_file(run.task, "TB531", message, *path)
+
+
+def _never_opened(run: Run, played: Rollout) -> Iterator[str]:
+    """The locks of joints that stayed shut in an episode."""
+    for path, condition in locks(run.task.file.scenes[played.variation]):
+        if not played.conditions[condition].any():
+            _, _, thing, _, joint, *_ = path
+            yield f'{thing}.{joint} stayed locked, as "{condition}" never held'
 
 
 def _cause(rollout: Rollout) -> str:

@@ -148,12 +148,7 @@ def _grasp_frames(spec: ObjectSpec, body: Body) -> dict[str, ObjectFrame]:
 def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) -> SceneObject:
     size = (spec.shape.scale if spec.shape else None) or 1.0
     moving = urdf.moving_joints
-    said = {
-        joint.name: JointSpec.of(spec.joints[joint.name], turns=joint.type != "prismatic")
-        if joint.name in spec.joints
-        else JointSpec()
-        for joint in moving
-    }
+    said = {j.name: spec.joint(j.name, turns=j.type != "prismatic") for j in moving}
     limited = with_limits(urdf, _limits(moving, said, size))
     body = loader.urdf(limited, name, spec.pose, fixed=spec.fixed, size=size)
     body.set_friction(spec.friction)

@@ -279,11 +279,11 @@ HERE = "scene.objects.cabinet.joints"
         ),
         (
             "{slide: {limits: [0, 0.4]}}",
-            f"error[TB302] {HERE}.slide.limits: 0.4 m is beyond the limits of slide; from 0 m to 0.3",
+            f"error[TB302] {HERE}.slide.limits: 0.4 m is beyond the limits of slide; from 0",
         ),
         (
             "{slide: {start: 0.2, limits: [0, 0.1]}}",
-            f"error[TB302] {HERE}.slide.start: 0.2 m is beyond the limits of slide; from 0 m to 0.1",
+            f"error[TB302] {HERE}.slide.start: 0.2 m is beyond the limits of slide; from 0",
         ),
         (
             "{hinge: {limits_deg: [10, 20]}}",
