@@ -139,7 +139,7 @@ class TestLocks:
             seen = []
             expert.play(
                 0,
-                watch=lambda: seen.append(
+                watch=lambda *_: seen.append(
                     (env.episode.outcome.conditions["button_down"], bool(env.episode.world.locked))
                 ),
             )
@@ -187,7 +187,7 @@ class TestLocks:
         assert finding.code == "TB214"
         assert finding.path == "scene.objects.chest.joints.hinge.lock.unless"
         assert finding.message == '"buton_down" is no condition; did you mean "button_down"?'
-        assert (finding.location.line, finding.location.column) == (21, 40)
+        assert (finding.location.line, finding.location.column) == (21, 39)
 
 
 class TestPhysicsDecides:
