@@ -14,15 +14,15 @@ from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.places import (
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import Start
+from taskbuilder.validate.locate import (
     failure_of_description,
     finding_at,
     finding_of_scene,
     in_variation,
 )
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
@@ -45,17 +45,17 @@ class _Tally:
     seconds: list[float] = field(default_factory=list)
 
 
-def reset_family(run: Run) -> FamilyResult:
+def reset_family(context: Context) -> FamilyResult:
     """Begin episodes of the plain scene and of every variation, and look at each."""
-    task, measures = run.task, run.measures
+    task, measures = context.task, context.measures
     tally = _Tally()
-    for variation in range(run.variations):
+    for variation in range(context.variations):
         world = build_world(task.file, variation=variation)
         referee = Referee(task.description, task.agents)
         world.watch_forces(referee.force_pairs)
         label = f"reset, variation {variation}" if variation else "reset"
         try:
-            for seed in run.progress(range(run.seeds), label):
+            for seed in context.progress(range(context.seeds), label):
                 if not _begin(world, referee, Start(variation, seed), tally):
                     break
         finally:
