@@ -37,12 +37,12 @@ class EnvSource:
     Attributes:
         reference: Its name in the catalogue, or its path.
         catalogue: Where names are looked up.
-        run: Number of the validation: files that have changed since another are read anew.
+        number: Of the validation: files that have changed since another are read anew.
     """
 
     reference: str
     catalogue: Catalogue
-    run: int
+    number: int
 
 
 class EnvCache:

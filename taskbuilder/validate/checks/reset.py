@@ -41,7 +41,7 @@ class _Tally:
     failed: list[str] = field(default_factory=list)
     exploded: list[str] = field(default_factory=list)
     raised: list[Finding] = field(default_factory=list)
-    places: dict[tuple[str, int], list[Vec3]] = field(default_factory=dict)
+    positions: dict[tuple[str, int], list[Vec3]] = field(default_factory=dict)
     seconds: list[float] = field(default_factory=list)
 
 
@@ -90,7 +90,7 @@ def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
     tally.seconds.append(time.perf_counter() - started)
     tally.episodes += 1
     for name, place in _regions(world.scene):
-        tally.places.setdefault((name, start.variation), []).append(world.position(name))
+        tally.positions.setdefault((name, start.variation), []).append(world.position(name))
         if _outside(world, name, place):
             tally.strayed[name] = tally.strayed.get(name, 0) + 1
     try:
@@ -164,7 +164,7 @@ def _varies(task: Task, tally: _Tally) -> Result:
     findings: list[Finding] = []
     sized = {name: place for name, place in _regions(task.file.spec.scene) if any(place.size)}
     spreads = []
-    for (name, variation), points in tally.places.items():
+    for (name, variation), points in tally.positions.items():
         if len(points) < 2 or name not in sized:
             continue
         spread = max(math.dist(points[0], point) for point in points[1:])

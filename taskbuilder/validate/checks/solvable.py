@@ -54,7 +54,7 @@ def solvable_family(context: Context) -> FamilyResult:
         {start: demo for start, demo in played.items() if start.variation == variation}
         for variation in range(context.variations)
     ]
-    shares = [_share(demos.values()) for demos in by_variation]
+    shares = [_proportion(demos.values()) for demos in by_variation]
     worst = min(shares, key=lambda share: share.value)
     findings: list[Finding] = []
     for variation, (demos, share) in enumerate(zip(by_variation, shares, strict=True)):
@@ -91,7 +91,7 @@ def _without_expert(context: Context) -> FamilyResult:
     return FamilyResult("solvable", (check,), (finding,), "no expert")
 
 
-def _share(rollouts: Iterable[Rollout]) -> Proportion:
+def _proportion(rollouts: Iterable[Rollout]) -> Proportion:
     results = [rollout.success for rollout in rollouts]
     return Proportion(sum(results), len(results))
 
