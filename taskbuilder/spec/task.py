@@ -113,7 +113,7 @@ class TaskSpec(Model):
         Annotated[Mapping[Reference, Any], Field(min_length=1), AfterValidator(frozen)], ...
     ] = Field(
         (),
-        description="Changed values, such as {stick.color: green}; number 0 is the task as written.",
+        description="Changed values, such as {stick.color: green}; 0 is the task as written.",
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
