@@ -1,1 +1,1 @@
-"""Experts: play the stages of a task file through the environment's own actions."""
+"""Experts, which play the stages of a task file through the environment's own actions."""

@@ -1,4 +1,4 @@
-"""Leaving the expert's way: what comes of it when others play on after one of its stages."""
+"""Probes that leave the expert's script after one of its stages."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 
 Way = tuple[str, int]
-"""Who plays on, and after which stage of the expert, counted from 1."""
+"""The name of the policy that continues, and the stage after which it does, from 1."""
 
 
 def leave_after_stages(
     env: TaskEnv, whole: Rollout, who: Callable[[int], Mapping[str, Policy]]
 ) -> dict[Way, Rollout]:
-    """Play an episode of the expert up to the end of each of its stages, and leave its way there.
+    """Replay an expert episode up to the end of each stage, and continue with other policies.
 
     Args:
-        env: Of the episode's task and variation, with options that it was played with.
+        env: An environment of the episode's task and variation, with the same options.
         whole: The expert's episode.
-        who: Who plays on after a stage, by name, given the stage's number.
+        who: Returns the policies that continue after a stage, by name, given its number.
     """
     ends = {end: number for number, end in enumerate(whole.stage_ends, start=1)}
     saved: list[tuple[int, int, EnvState]] = []
@@ -47,7 +47,7 @@ def leave_after_stages(
 
 
 def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[int, Rollout]:
-    """The expert's episode up to the end of each stage but the last, then holding still.
+    """Stalls: the expert's episode up to the end of each stage but the last, then holding still.
 
     Args:
         env: As for `leave_after_stages`.
