@@ -23,8 +23,8 @@ DEEPEST_M = 0.003
 not known more precisely."""
 
 GRACE_M = 0.08
-"""Within this distance (m) from an end of the motion, about a finger's length, pairs may be as close
-as at that end. Farther on, they must separate by a tenth of the way."""
+"""Within this distance (m) from an end of the motion, about a finger's length, pairs may be as
+close as at that end. Farther on, they must separate by a tenth of the way."""
 
 PARTING = 0.1
 
