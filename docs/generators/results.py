@@ -37,17 +37,15 @@ def experts(_: str) -> str:
                 task,
                 variation,
                 f"{found['solved']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
+                f"{found['at_end']} of {found['episodes']}",
                 f"{found['first_success_median']:g}, at most {found['first_success_last']}",
+                f"{found['peak_force_largest']:.0f} N",
                 f"{found['planning_median_s']:.2f} s",
             ]
         )
-    head = [
-        "task",
-        "variation",
-        "success",
-        "control steps to success, median",
-        "planning time, median",
-    ]
+    head = ["task", "variation", "success", "still at the last step"]
+    head += ["control steps to success, median", "force between robots, largest"]
+    head += ["planning time, median"]
     return table(head, rows)
 
 

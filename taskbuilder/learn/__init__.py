@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from taskbuilder.learn.assessment import evaluate
     from taskbuilder.learn.demonstrations import record
-    from taskbuilder.learn.evaluation import Summary
+    from taskbuilder.learn.evaluation import EvaluationSummary
     from taskbuilder.learn.plan import Plan
-    from taskbuilder.learn.policy import Policy
+    from taskbuilder.learn.policy import TrainedPolicy
     from taskbuilder.learn.runs import TrainedRun, resume, train
     from taskbuilder.learn.wrappers import TrainingWrappers
     from taskbuilder.learn.zoo import load_policy, save_policy
 
 __all__ = [
+    "EvaluationSummary",
     "Plan",
-    "Policy",
-    "Summary",
+    "TrainedPolicy",
     "TrainedRun",
     "TrainingWrappers",
     "evaluate",
@@ -40,8 +40,8 @@ __all__ = [
 
 _HOMES = {
     "Plan": "plan",
-    "Policy": "policy",
-    "Summary": "evaluation",
+    "TrainedPolicy": "policy",
+    "EvaluationSummary": "evaluation",
     "TrainedRun": "runs",
     "TrainingWrappers": "wrappers",
     "evaluate": "assessment",

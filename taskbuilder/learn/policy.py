@@ -49,7 +49,7 @@ def _normalized(hidden: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Policy:
+class TrainedPolicy:
     """A decentralised policy: each agent acts on its own observation.
 
     Attributes:
@@ -76,7 +76,7 @@ class Policy:
     @classmethod
     def of(
         cls, arrays: Mapping[str, Array], about: Mapping[str, Any], *, squash: bool, norms: bool
-    ) -> Policy:
+    ) -> TrainedPolicy:
         """Make a network from the arrays of a file.
 
         Raises:
@@ -129,7 +129,7 @@ def unfolded(
     return ((first, (bias + mean @ weight).astype(np.float32)), *rest)
 
 
-def check_network(policy: Policy, agent: str, sizes: Sequence[int], *, norms: bool) -> None:
+def check_network(policy: TrainedPolicy, agent: str, sizes: Sequence[int], *, norms: bool) -> None:
     """Check that the network of a policy can initialise the actor of an agent.
 
     Args:

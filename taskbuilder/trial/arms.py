@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.named import has_expert, policy_named
-from taskbuilder.expert.player import Expert
-from taskbuilder.learn.policy import Policy as Trained
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
@@ -45,7 +45,7 @@ class Arena:
         token: By which an arena knows itself again where it was sent more than once.
     """
 
-    player: Trained | str
+    player: TrainedPolicy | str
     place: Callable[..., TaskEnv]
     controls: Callable[..., TaskEnv]
     token: str = field(default_factory=lambda: token_hex(8))
@@ -117,7 +117,7 @@ class Stage:
             self._hired[key] = self._hire(name, self._control_env(variation))
         return self._hired[key]
 
-    def _hire(self, player: Trained | str, env: TaskEnv) -> Policy:
+    def _hire(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
         if not isinstance(player, str):
             return as_policy(player.act)
         made = policy_named(player)(env)

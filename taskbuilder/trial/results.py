@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.digests import digest
-from taskbuilder.learn.evaluation import Summary, summarise
+from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.trial.arms import CONTROLS, EXPERT, RANDOM, STALL, SUBJECT
 
@@ -169,6 +169,6 @@ def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
     }
 
 
-def roles(summary: Summary) -> dict[str, int | None]:
+def roles(summary: EvaluationSummary) -> dict[str, int | None]:
     """Seeds of the episodes that are worth being looked at, by what they are shown for."""
     return {"best": summary.best, "median": summary.median, "failed": summary.failed}

@@ -25,7 +25,7 @@ from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.expert import in_words
+from taskbuilder.schema.expert import in_words
 from taskbuilder.validate.needs import NOTHING, RANDOM
 from taskbuilder.validate.places import finding_in_description
 from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, wild_terms

@@ -7,7 +7,7 @@ import pytest
 from written_experts import RIGHT, made
 
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import replay
 from taskbuilder.rollout.record import CAUSES
 

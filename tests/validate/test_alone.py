@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from taskbuilder.spec.expert import Order, Together
+from taskbuilder.schema.expert import Order, Together
 from taskbuilder.task import load_task
 from taskbuilder.validate.alone import play_solo, sharers, solos
 from taskbuilder.validate.needs import _in_reach

@@ -9,7 +9,7 @@ import pytest
 from proof_tasks import DESCRIPTION, PAIR
 
 from taskbuilder import catalogue, validate_task
-from taskbuilder.codes import CODES
+from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import UsageError
 from taskbuilder.validate.report import as_data
 

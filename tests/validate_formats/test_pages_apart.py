@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.validate.formats.page import task_page
 from taskbuilder.validate.formats.pages import make_page
 from taskbuilder.validate.run import validate_task

@@ -10,7 +10,7 @@ from made_up import NASTY, played
 
 from taskbuilder import load_task
 from taskbuilder.rollout import Trouble
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.validate.formats.page import Page, index_page, task_page
 from taskbuilder.validate.formats.pages import make_page, write_index, write_page
 from taskbuilder.validate.formats.pictures import Pictures, take_pictures

@@ -33,7 +33,7 @@ from taskbuilder.learn.networks import (
     state_arrays,
 )
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, Policy
+from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
@@ -74,8 +74,7 @@ class MaddpgSettings:
             this number has doubled; 0 for never. Networks overfit to the first transitions and then
             learn ever more slowly (the primacy bias, Nikishin et al. 2022).
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
-        bc_updates: Behaviour cloning updates before reinforcement learning, if there are
-            demonstrations.
+        bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
             starts from a trained policy. Untrained critics would spoil the actors.
         imitation: Weight of the imitation term, relative to the critics' normalised gradient.
@@ -262,9 +261,7 @@ class Maddpg:
     def _update_critics(self, batch: Tensor, rng: np.random.Generator) -> float:
         """Update the critics, and return their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
-        values = self._critics(
-            batch[:, : layout.actions.stop]
-        )  # inputs of the critics, and actions
+        values = self._critics(batch[:, : layout.actions.stop])  # critic inputs, and actions
         loss = (values.view(2, self._rewards, -1) - target).square().mean(2).sum()
         minimize(self._critic_adam, loss)
         return float(loss.detach())
@@ -319,7 +316,7 @@ class Maddpg:
 
     # --- starting from a policy
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Initialise the actors from a trained policy; the critics are then trained first.
 
         Raises:
@@ -328,16 +325,17 @@ class Maddpg:
         self._take(policy)
         self._pretrained = True
 
-    def _take(self, policy: Policy) -> None:
+    def _take(self, policy: TrainedPolicy) -> None:
         """Copy a policy into the actors, under the current standardisation."""
         self._actors.take(policy, *self._standard.by_agent())
         follow(self._target_actors, self._actors, 1.0)
 
     # --- saving and loading
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The current policy for evaluation: the target actors."""
-        return Policy(self._target_actors.policy(*self._standard.by_agent(), squash=True), about)
+        networks = self._target_actors.policy(*self._standard.by_agent(), squash=True)
+        return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, Array]:
         """The complete state of the learner by name: networks, targets, optimisers, statistics."""
@@ -369,7 +367,7 @@ class Maddpg:
         return {"critic_adam": self._critic_adam, "actor_adam": self._actor_adam}
 
 
-def _settings_of(policy: Policy) -> dict[str, Any]:
+def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The settings that match a policy's networks; each agent has an actor of its own."""
     network = next(iter(policy.networks.values()))
     if not network.squash:

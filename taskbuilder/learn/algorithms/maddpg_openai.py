@@ -22,7 +22,7 @@ from torch import Tensor
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, Network, Policy
+from taskbuilder.learn.policy import Array, Network, TrainedPolicy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.shapes import Rows, Shapes
 
@@ -57,6 +57,7 @@ class OpenaiSettings:
     update_every: float = 100
     clip: float = 0.5
     regulariser: float = 1e-3
+    log_std_max: float = 88.0
 
 
 class MaddpgOpenai:
@@ -98,11 +99,13 @@ class MaddpgOpenai:
         del progress_fraction
         with torch.no_grad():
             return {
-                agent: _drawn(learner.actor(torch.from_numpy(observations[agent])), rng).numpy()
+                agent: self._drawn(
+                    learner.actor(torch.from_numpy(observations[agent])), rng
+                ).numpy()
                 for agent, learner in self._learners.items()
             }
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Not supported: the published algorithm starts from random weights.
 
         Raises:
@@ -158,7 +161,7 @@ class MaddpgOpenai:
         layout = self.shapes.layout
         with torch.no_grad():
             actions = [
-                _drawn(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
+                self._drawn(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
                 for name, learner in self._learners.items()
             ]
             inputs = _inputs(batch, layout.next_observations, actions)
@@ -171,21 +174,27 @@ class MaddpgOpenai:
         """-Q at this agent's new action and the others' stored ones, and the regulariser."""
         layout, learner = self.shapes.layout, self._learners[agent]
         flat = learner.actor(batch[:, layout.observations[agent]])
-        own = _drawn(flat, rng)
+        own = self._drawn(flat, rng)
         actions = [own if name == agent else batch[:, part] for name, part in layout.action.items()]
         values = learner.critic(_inputs(batch, layout.observations, actions))
         return self.settings.regulariser * flat.square().mean() - values.mean()
 
+    def _drawn(self, flat: Tensor, rng: np.random.Generator) -> Tensor:
+        """A draw of the Gaussian with this mean and log-std, differentiable: (n, 2 k) to (n, k)."""
+        mean, log_std = flat.chunk(2, 1)
+        noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
+        return mean + log_std.clamp(max=self.settings.log_std_max).exp() * noise
+
     # --- saving and loading
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The current policy for evaluation: the means of the Gaussians, clipped to -1 to 1.
 
         The published code evaluates with samples, as in training. Means make an evaluation
         independent of a generator; log-stds are left out.
         """
         networks = {a: learner.mean_network() for a, learner in self._learners.items()}
-        return Policy(networks, about)
+        return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """The complete state of the learner by name: networks, targets, optimisers."""
@@ -218,13 +227,6 @@ class MaddpgOpenai:
 def _inputs(batch: Tensor, observations: Mapping[str, slice], actions: Sequence[Tensor]) -> Tensor:
     """The inputs of the critics: all observations, then all actions."""
     return torch.cat([*(batch[:, part] for part in observations.values()), *actions], 1)
-
-
-def _drawn(flat: Tensor, rng: np.random.Generator) -> Tensor:
-    """A reparameterised sample of Gaussians with this mean and log-std: (n, 2 k) to (n, k)."""
-    mean, log_std = flat.chunk(2, 1)
-    noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
-    return mean + log_std.exp() * noise
 
 
 class _Agent:
@@ -359,6 +361,8 @@ ALGORITHM = Algorithm(
         # 75,000 whole episodes of 50 steps, with the team reward and the task's own observations.
         "paper": Preset(
             "the runs of the paper that the three tasks come from",
+            # Without a bound a run of Pick-Push-Place overflowed after 597,800 control steps.
+            settings={"log_std_max": 2.0},
             plan={
                 "reward": "team",
                 "observe": "task",

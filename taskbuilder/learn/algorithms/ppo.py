@@ -29,7 +29,7 @@ from taskbuilder.learn.networks import (
     state_arrays,
 )
 from taskbuilder.learn.on_policy import OnPolicy
-from taskbuilder.learn.policy import Array, Policy
+from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.running_moments import RunningMoments
 from taskbuilder.learn.shapes import Rows, Shapes
 
@@ -293,10 +293,10 @@ class Ppo:
 
     # --- saving and loading
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The current policy for evaluation: the means of the Gaussians, clipped to -1 to 1."""
         squash = self.settings.squash
-        return Policy(self._actors.policy(*self._measures(), squash=squash), about)
+        return TrainedPolicy(self._actors.policy(*self._measures(), squash=squash), about)
 
     def _measures(self) -> tuple[dict[str, Array], dict[str, Array]]:
         """Means and scales of the agents' observations."""
@@ -304,7 +304,7 @@ class Ppo:
         mean, scale = (x.astype(np.float32) for x in (self._inputs.mean, self._inputs.scale))
         return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Initialise the actors' means from a trained policy.
 
         Raises:
@@ -349,7 +349,7 @@ def _below(part: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[A
     return {name.removeprefix(f"{part}/"): array for name, array in own.items()}
 
 
-def _settings_of(policy: Policy) -> dict[str, Any]:
+def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The settings that match a policy's networks; each agent has an actor of its own."""
     network = next(iter(policy.networks.values()))
     hidden = [len(bias) for _, bias in network.layers[:-1]]

@@ -6,7 +6,7 @@ from base64 import b64encode
 from collections.abc import Iterator, Sequence
 
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together, Wait, orders_of
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait, orders_of
 from taskbuilder.validate.formats.markup import Content, Html, element
 from taskbuilder.validate.formats.pictures import Failure, Moment, Picture, Pictures
 from taskbuilder.validate.formats.words import number

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from taskbuilder.assets.codes import CODES as ASSET_CODES
-from taskbuilder.codes import CODES
+from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import Finding
 from taskbuilder.validate.formats.excerpt import Line, excerpt
 from taskbuilder.validate.formats.markup import Html, element

@@ -10,8 +10,8 @@ from pathlib import Path
 from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError
 from taskbuilder.files import write_whole
-from taskbuilder.jobs import LostError, crew
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.jobs import LostError, worker_processes
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 from taskbuilder.validate.formats.page import Page, index_page, task_page
 from taskbuilder.validate.formats.pictures import Pictures, take_pictures
@@ -37,7 +37,7 @@ def make_page(
     if not apart:
         return _made(reference, report, catalogue)
     try:
-        with crew([{}], limit_s=PICTURES_LIMIT_S) as spread:
+        with worker_processes([{}], limit_s=PICTURES_LIMIT_S) as spread:
             (page,) = spread(_made_apart, [(reference, report, catalogue)])
     except LostError as error:
         lost = f"The process that takes them {error.fault.cause}."

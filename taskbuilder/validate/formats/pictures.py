@@ -10,13 +10,13 @@ from itertools import chain, repeat
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import TaskbuilderError
-from taskbuilder.film.shooting import take_picture
-from taskbuilder.render import Pixels, take_still
 from taskbuilder.rollout.play import replay
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
 from taskbuilder.validate.places import failure_of_description
 from taskbuilder.validate.report import TaskReport
+from taskbuilder.visual.capture import take_picture
+from taskbuilder.visual.still import Pixels, take_still
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 

@@ -1,0 +1,139 @@
+"""A dry run of an expert's stages without physics, which lists every required pose.
+
+Grasped objects are assumed to follow the tool exactly, and brought objects to arrive. Pushed
+objects and joints move as `foresight` predicts. So an unreachable pose is known before anything
+moves, and separately from other failures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from taskbuilder.expert.script.foresight import Foresight
+from taskbuilder.expert.script.orders import Go, NothingHeldError, Phase, bring, phases
+from taskbuilder.geometry import Pose
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.world.world import World
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A pose that a stage requires of a robot.
+
+    Attributes:
+        stage: Number of the stage, from 1.
+        robot: The robot.
+        order: The order, such as ``grasp stick.right_end``.
+        choices: World poses of its tcp, one of which it must reach.
+        guess: The object or robot that the poses depend on and that is predicted only roughly, for
+            example after a push; "" if all is known.
+    """
+
+    stage: int
+    robot: str
+    order: str
+    choices: tuple[Pose, ...]
+    guess: str = ""
+
+
+def dry_run(world: World, stages: Sequence[ExpertStage] | None = None) -> Iterator[Asked]:
+    """All poses that an expert's stages require, from the current state of a world.
+
+    Args:
+        world: The world after a reset; it is not changed.
+        stages: The stages; by default those of the task file.
+    """
+    run = _DryRun(Foresight(world, _Standing(world)))
+    for number, stage in enumerate(world.spec.expert if stages is None else stages, start=1):
+        yield from run.go_through(number, stage)
+
+
+@dataclass(frozen=True)
+class _Standing:
+    """A world in which nobody holds anything. It is an `orders.Situation`."""
+
+    world: World
+
+    @property
+    def scene(self) -> SceneSpec:
+        """The scene that was built."""
+        return self.world.scene
+
+    def pose(self, frame: str) -> Pose:
+        """A named frame in the world."""
+        return self.world.pose(frame)
+
+    def tool(self, robot: str) -> Pose:
+        """A robot's tcp in the world."""
+        return self.world.pose(f"{robot}.tcp")
+
+    def load(self, robot: str) -> str | None:  # noqa: ARG002  # what every situation takes
+        """Nothing."""
+        return None
+
+    def is_open(self, robot: str) -> bool:  # noqa: ARG002  # what every situation takes
+        """All grippers are."""
+        return True
+
+
+@dataclass
+class _DryRun:
+    """A dry run through stages, one by one."""
+
+    foresight: Foresight
+
+    def go_through(self, number: int, stage: ExpertStage) -> Iterator[Asked]:
+        """The poses of a stage; afterwards objects are where the stage leaves them."""
+        if isinstance(stage, Wait):
+            return
+        if isinstance(stage, Repeat):
+            before = dict(self.foresight.moved)
+            for inner in stage.stages:
+                yield from self.go_through(number, inner)
+            if stage.repeat > 1:  # the number of rounds is not known
+                now = self.foresight.moved
+                changed = {self.foresight.owner(n) for n in now if before.get(n) != now[n]}
+                self.foresight.guesses |= changed
+        elif isinstance(stage, Together):
+            robots = stage.together
+            group: Mapping[str, Phase | None] = {"": lambda now: bring(now, robots, stage)}
+            yield from self._act(number, group, {"": stage})
+        else:
+            # An object that one robot brings is at its goal for the others of the stage.
+            first = sorted(stage.items(), key=lambda item: item[1].bring is None)
+            listed = [phases(robot, order) for robot, order in first]
+            for acts in zip_longest(*listed):
+                yield from self._act(number, dict(zip(dict(first), acts, strict=True)), stage)
+
+    def _act(
+        self,
+        number: int,
+        group: Mapping[str, Phase | None],
+        orders: Mapping[str, Order | Together],
+    ) -> Iterator[Asked]:
+        for who, phase in group.items():
+            try:
+                act = phase(self.foresight.now) if phase else None
+            except NothingHeldError:
+                continue  # the grasp was required, and is reported, before
+            if isinstance(act, Go):
+                move = act.choices[0]
+                guess = self._guess(orders[who], tuple(move.carriers))
+                for robot in move.carriers:
+                    poses = tuple(way.goal @ way.carriers[robot] for way in act.choices)
+                    yield Asked(number, robot, str(orders[who]), poses, guess)
+                self.foresight.go(act, guess=bool(guess))
+            elif act is not None:
+                self.foresight.grip(act)
+
+    def _guess(self, order: Order | Together, robots: Sequence[str]) -> str:
+        """The roughly predicted object or robot that an order depends on, or ""."""
+        frames = [order.bring, order.to]
+        if isinstance(order, Order):
+            frames += [order.grasp, order.reach]
+            frames += robots if order.retreat is not None else []
+        owners = [self.foresight.owner(frame) for frame in frames if frame]
+        return next((owner for owner in owners if owner in self.foresight.guesses), "")
