@@ -1,4 +1,4 @@
-"""Playing trials: who is measured, and beside it those that it is compared with."""
+"""Playing the episodes of a trial: the evaluated policy and its baselines."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
 SUBJECT = "policy"
-"""The arm that is measured."""
+"""The arm of the evaluated policy."""
 
 EXPERT, RANDOM, NOTHING = "expert", "random", "nothing"
 CONTROLS = (EXPERT, RANDOM, NOTHING)
-"""Whom it is compared with, besides stalling."""
+"""The arms of the baselines, other than stalling."""
 
 STALL = "stall after stage "
-"""What the arms are called that leave the expert's way after a stage and hold still."""
+"""Prefix of the arms that play the expert up to a stage and then hold still."""
 
 Episodes = dict[str, Rollout]
-"""What was played from one seed, by arm."""
+"""The episodes from one seed, by arm."""
 
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
@@ -36,13 +36,13 @@ Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Arena:
-    """Who plays where, in a form that other processes can be told.
+    """The players and environments of a trial, picklable for other processes.
 
     Attributes:
-        player: A trained policy, or the name of another.
-        place: Makes the environment that it plays in; options given to it come on top.
-        controls: The same for those that it is compared with.
-        token: By which an arena knows itself again where it was sent more than once.
+        player: A trained policy, or the name of another policy.
+        place: Makes the environment of the policy; it takes further options.
+        controls: Makes the environment of the baselines.
+        token: Identifies the arena in processes that receive it more than once.
     """
 
     player: TrainedPolicy | str
@@ -58,11 +58,11 @@ class Arena:
 
 
 class Job(NamedTuple):
-    """An episode to be played.
+    """An episode to play.
 
     Attributes:
-        seed: Of its reset.
-        compared: Whether all arms play, or only the one that is measured.
+        seed: Seed of the reset.
+        compared: Whether the baselines play too.
     """
 
     seed: int
@@ -70,7 +70,7 @@ class Job(NamedTuple):
 
 
 class Stage:
-    """Plays the episodes of an arena in this process; environments and experts are made once."""
+    """Plays the episodes of an arena in this process, and reuses environments and experts."""
 
     def __init__(self, arena: Arena) -> None:
         self._arena = arena
@@ -81,11 +81,11 @@ class Stage:
         self._hired: dict[tuple[str, int], Policy] = {}
 
     def close(self) -> None:
-        """Free all physics."""
+        """Close all environments."""
         self._stack.close()
 
     def play(self, job: Job) -> Episodes:
-        """Play from a seed."""
+        """Play the arms of a job from its seed."""
         subject = play(self._env, self._policy, job.seed, forces=True, explain=True)
         episodes = {SUBJECT: subject}
         if not job.compared:
@@ -95,7 +95,7 @@ class Stage:
         for name in CONTROLS:
             if name == EXPERT and not has_expert(env.task):
                 continue
-            if name == self._arena.player:  # it has been played
+            if name == self._arena.player:  # already played
                 episodes[name] = subject
                 continue
             policy = self._control(name, variation)
@@ -129,12 +129,12 @@ class Stage:
 def play_all(
     arena: Arena, jobs: Iterable[Job], spread: Spread | None = None
 ) -> Generator[Episodes, None, None]:
-    """Play episodes, each as soon as it can be, in order.
+    """Play episodes, and yield them in order.
 
     Args:
-        arena: Who plays where.
-        jobs: What to play.
-        spread: A `map` over several processes; without it they are played in this one.
+        arena: The players and environments.
+        jobs: The episodes to play.
+        spread: A `map` over several processes; by default episodes are played in this process.
     """
     if spread is not None:
         yield from spread(partial(_play_elsewhere, arena), jobs)
@@ -149,7 +149,7 @@ def _play_elsewhere(arena: Arena, job: Job) -> Episodes:
 
 @lru_cache(maxsize=1)
 def _opened_once(arena: Arena) -> Stage:
-    """A stage that is kept for as long as its process lives."""
+    """A stage that is cached for the lifetime of the process."""
     return Stage(arena)
 
 
@@ -157,8 +157,8 @@ def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
     """The episodes of a trial.
 
     Args:
-        seeds: Of all.
-        compared: From how many of them, the first ones, all arms play.
+        seeds: All seeds.
+        compared: Number of first seeds that the baselines play too.
     """
     return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
 
