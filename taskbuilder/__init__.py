@@ -5,9 +5,9 @@ What is here is imported when it is first used, so that ``import taskbuilder`` c
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from taskbuilder._lazy import exported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
@@ -89,15 +89,7 @@ _HOMES = {
 
 
 if not TYPE_CHECKING:  # to a type checker, a name that is not listed above is a mistake
-
-    def __getattr__(name: str) -> Any:
-        if name not in _HOMES:
-            raise AttributeError(f"module 'taskbuilder' has no attribute {name!r}")
-        return getattr(import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    __getattr__, __dir__ = exported(__name__, _HOMES)
 
 
 def catalogue(*folders: str) -> Catalogue:

@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "quiet", "wording")
+FOUNDATION = ("_lazy", "errors", "geometry", "intervals", "interpreters", "quiet", "wording")
 
 FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -65,6 +65,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "errors": (),
     "wording": (),
     "interpreters": (),
+    "_lazy": (),
     "_library": (),
     "_version": (),
 }
@@ -78,10 +79,11 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),
     "cv2": ("taskbuilder/visual/", "taskbuilder/sim/cameras.py"),
+    "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "PIL": (
         *("taskbuilder/visual/still.py", "taskbuilder/visual/video.py"),
-        "taskbuilder/validate/formats/pictures.py",
+        "taskbuilder/validate/html/pictures.py",
     ),
 }
 

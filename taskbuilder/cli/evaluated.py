@@ -11,12 +11,13 @@ from typing import Any
 from taskbuilder.cli.trained import EnvFactory, task_of
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import POLICIES, has_expert
+from taskbuilder.expert.ways import Kind
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.arms import EXPERT, Arena
+from taskbuilder.trial.arms import TrialConfig
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,11 @@ class Evaluated:
     options: Mapping[str, Any]
 
     @property
-    def arena(self) -> Arena:
+    def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
-        return Arena(self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ()))
+        return TrialConfig(
+            self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ())
+        )
 
     @property
     def about(self) -> Mapping[str, Any]:
@@ -94,7 +97,7 @@ def evaluated(
         chosen["variation"] = variation
     reference = task or reference
     loaded = load_task(reference, catalogue=catalogue)
-    if player == EXPERT and not has_expert(loaded):
+    if player == Kind.EXPERT.value and not has_expert(loaded):
         raise UsageError(
             f"{loaded.name} has no expert; write its stages under expert: in "
             f"{display_path(loaded.file.entry.file)}"

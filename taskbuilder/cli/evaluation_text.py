@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from taskbuilder.cli.output import paint, print_table
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.description.reasons import Reason
+from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM
 from taskbuilder.learn.evaluation import EvaluationSummary
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.arms import EXPERT, NOTHING, RANDOM, STALL
 from taskbuilder.trial.results import Beside, Comparison, roles
 
 BAR = 24
@@ -82,8 +82,8 @@ def _print_beside(beside: Comparison) -> None:
     rows = [["beside", "return", "policy's", "succeeded", "at the end", "seeds"]]
     rows += [_row(_CALLED[each.arm], each) for each in beside.controls]
     if beside.best_stall is not None:
-        number = beside.best_stall.arm.removeprefix(STALL)
-        rows.append(_row(f"best stall: after stage {number}", beside.best_stall))
+        stage = beside.best_stall.arm.stage
+        rows.append(_row(f"best stall: after stage {stage}", beside.best_stall))
     print_table(rows)
     if beside.normalized_return is not None:
         said = f"normalized return {beside.normalized_return:.2f}"

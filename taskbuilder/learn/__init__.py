@@ -11,8 +11,9 @@ Names are imported on first use. Only training needs torch; playing a policy doe
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from taskbuilder._lazy import exported
 
 if TYPE_CHECKING:
     from taskbuilder.learn.assessment import evaluate
@@ -39,25 +40,18 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Plan": "plan",
-    "TrainedPolicy": "policy",
-    "EvaluationSummary": "evaluation",
-    "TrainedRun": "runs",
-    "TrainingWrappers": "wrappers",
-    "evaluate": "assessment",
-    "load_policy": "zoo",
-    "record": "demonstrations",
-    "resume": "runs",
-    "save_policy": "zoo",
-    "train": "runs",
+    "Plan": "taskbuilder.learn.plan",
+    "TrainedPolicy": "taskbuilder.learn.policy",
+    "EvaluationSummary": "taskbuilder.learn.evaluation",
+    "TrainedRun": "taskbuilder.learn.runs",
+    "TrainingWrappers": "taskbuilder.learn.wrappers",
+    "evaluate": "taskbuilder.learn.assessment",
+    "load_policy": "taskbuilder.learn.zoo",
+    "record": "taskbuilder.learn.demonstrations",
+    "resume": "taskbuilder.learn.runs",
+    "save_policy": "taskbuilder.learn.zoo",
+    "train": "taskbuilder.learn.runs",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'taskbuilder.learn' has no attribute {name!r}")
-    return getattr(import_module(f"taskbuilder.learn.{_HOMES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = exported(__name__, _HOMES)

@@ -13,21 +13,18 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.named import has_expert, policy_named
 from taskbuilder.expert.script.player import Expert
+from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
-SUBJECT = "policy"
+SUBJECT = Way(Kind.POLICY)
 """The arm of the evaluated policy."""
 
-EXPERT, RANDOM, NOTHING = "expert", "random", "nothing"
 CONTROLS = (EXPERT, RANDOM, NOTHING)
 """The arms of the baselines, other than stalling."""
 
-STALL = "stall after stage "
-"""Prefix of the arms that play the expert up to a stage and then hold still."""
-
-Episodes = dict[str, Rollout]
+Episodes = dict[Way, Rollout]
 """The episodes from one seed, by arm."""
 
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
@@ -35,23 +32,23 @@ Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 
 
 @dataclass(frozen=True, eq=False)
-class Arena:
+class TrialConfig:
     """The players and environments of a trial, picklable for other processes.
 
     Attributes:
         player: A trained policy, or the name of another policy.
-        place: Makes the environment of the policy; it takes further options.
-        controls: Makes the environment of the baselines.
-        token: Identifies the arena in processes that receive it more than once.
+        make_env: Makes the environment of the policy; it takes further options.
+        make_control_env: Makes the environment of the baselines.
+        token: Identifies the config in processes that receive it more than once.
     """
 
     player: TrainedPolicy | str
-    place: Callable[..., TaskEnv]
-    controls: Callable[..., TaskEnv]
+    make_env: Callable[..., TaskEnv]
+    make_control_env: Callable[..., TaskEnv]
     token: str = field(default_factory=lambda: token_hex(8))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Arena) and self.token == other.token
+        return isinstance(other, TrialConfig) and self.token == other.token
 
     def __hash__(self) -> int:
         return hash(self.token)
@@ -69,16 +66,16 @@ class Job(NamedTuple):
     compared: bool
 
 
-class Stage:
-    """Plays the episodes of an arena in this process, and reuses environments and experts."""
+class TrialPlayer:
+    """Plays the episodes of an trial in this process, and reuses environments and experts."""
 
-    def __init__(self, arena: Arena) -> None:
-        self._arena = arena
+    def __init__(self, config: TrialConfig) -> None:
+        self._config = config
         self._stack = ExitStack()
-        self._env = self._stack.enter_context(closing(arena.place()))
-        self._policy = self._hire(arena.player, self._env)
+        self._env = self._stack.enter_context(closing(config.make_env()))
+        self._policy = self._make_policy(config.player, self._env)
         self._envs: dict[int, TaskEnv] = {}
-        self._hired: dict[tuple[str, int], Policy] = {}
+        self._policies: dict[tuple[Way, int], Policy] = {}
 
     def close(self) -> None:
         """Close all environments."""
@@ -92,32 +89,31 @@ class Stage:
             return episodes
         variation = subject.variation
         env = self._control_env(variation)
-        for name in CONTROLS:
-            if name == EXPERT and not has_expert(env.task):
+        for way in CONTROLS:
+            if way == EXPERT and not has_expert(env.task):
                 continue
-            if name == self._arena.player:  # already played
-                episodes[name] = subject
+            if self._config.player == way.kind.value:  # it has been played
+                episodes[way] = subject
                 continue
-            policy = self._control(name, variation)
-            episodes[name] = play(env, policy, job.seed, forces=True, explain=True)
+            policy = self._control(way, variation)
+            episodes[way] = play(env, policy, job.seed, forces=True, explain=True)
         if EXPERT in episodes:
-            stalls = stall_after_stages(env, episodes[EXPERT])
-            episodes |= {f"{STALL}{number}": played for number, played in stalls.items()}
+            episodes |= stall_after_stages(env, episodes[EXPERT])
         return episodes
 
     def _control_env(self, variation: int) -> TaskEnv:
         if variation not in self._envs:
-            made = self._arena.controls(variation=variation)
+            made = self._config.make_control_env(variation=variation)
             self._envs[variation] = self._stack.enter_context(closing(made))
         return self._envs[variation]
 
-    def _control(self, name: str, variation: int) -> Policy:
-        key = (name, variation)
-        if key not in self._hired:
-            self._hired[key] = self._hire(name, self._control_env(variation))
-        return self._hired[key]
+    def _control(self, way: Way, variation: int) -> Policy:
+        key = (way, variation)
+        if key not in self._policies:
+            self._policies[key] = self._make_policy(way.kind.value, self._control_env(variation))
+        return self._policies[key]
 
-    def _hire(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
+    def _make_policy(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
         if not isinstance(player, str):
             return as_policy(player.act)
         made = policy_named(player)(env)
@@ -127,30 +123,30 @@ class Stage:
 
 
 def play_all(
-    arena: Arena, jobs: Iterable[Job], spread: Spread | None = None
+    config: TrialConfig, jobs: Iterable[Job], spread: Spread | None = None
 ) -> Generator[Episodes, None, None]:
     """Play episodes, and yield them in order.
 
     Args:
-        arena: The players and environments.
+        config: The players and environments.
         jobs: The episodes to play.
         spread: A `map` over several processes; by default episodes are played in this process.
     """
     if spread is not None:
-        yield from spread(partial(_play_elsewhere, arena), jobs)
+        yield from spread(partial(_play_elsewhere, config), jobs)
         return
-    with closing(Stage(arena)) as stage:
-        yield from map(stage.play, jobs)
+    with closing(TrialPlayer(config)) as player:
+        yield from map(player.play, jobs)
 
 
-def _play_elsewhere(arena: Arena, job: Job) -> Episodes:
-    return _opened_once(arena).play(job)
+def _play_elsewhere(config: TrialConfig, job: Job) -> Episodes:
+    return _player_made_once(config).play(job)
 
 
 @lru_cache(maxsize=1)
-def _opened_once(arena: Arena) -> Stage:
-    """A stage that is cached for the lifetime of the process."""
-    return Stage(arena)
+def _player_made_once(config: TrialConfig) -> TrialPlayer:
+    """A player that is cached for the lifetime of the process."""
+    return TrialPlayer(config)
 
 
 def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
@@ -163,10 +159,10 @@ def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
     return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
 
 
-def by_arm(played: Iterable[Episodes]) -> Mapping[str, tuple[Rollout, ...]]:
+def by_arm(played: Iterable[Episodes]) -> Mapping[Way, tuple[Rollout, ...]]:
     """The episodes of each arm, in order."""
-    arms: dict[str, list[Rollout]] = {}
+    arms: dict[Way, list[Rollout]] = {}
     for episodes in played:
-        for name, rollout in episodes.items():
-            arms.setdefault(name, []).append(rollout)
-    return {name: tuple(rollouts) for name, rollouts in arms.items()}
+        for way, rollout in episodes.items():
+            arms.setdefault(way, []).append(rollout)
+    return {way: tuple(rollouts) for way, rollouts in arms.items()}

@@ -16,6 +16,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.script.dry_run import dry_run
 from taskbuilder.expert.script.foresight import displaced
 from taskbuilder.expert.script.player import Expert
+from taskbuilder.expert.ways import Kind, Way
 from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
@@ -63,13 +64,15 @@ class Solo:
     joint: str = ""
     by: float = 0.0
 
-    @property
-    def name(self) -> str:
-        """The attempt in words."""
+    def __str__(self) -> str:
         if self.joint:
-            return f"{self.robot} alone, {self.grasp} along {self.joint} by {self.by:+.2f}"
-        where = f"to {self.place}" if self.place else "up"
-        return f"{self.robot} alone, {self.grasp} {where}"
+            return f"{self.grasp} along {self.joint} by {self.by:+.2f}"
+        return f"{self.grasp} to {self.place}" if self.place else f"{self.grasp} up"
+
+    @property
+    def way(self) -> Way:
+        """The key of this attempt among the probes."""
+        return Way(Kind.ALONE, robot=self.robot, attempt=self)
 
     @property
     def thing(self) -> str:

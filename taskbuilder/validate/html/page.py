@@ -1,32 +1,57 @@
-"""Write reports with pictures into a folder."""
+"""What the page of a task is made of, and how that is gathered."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Sequence
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError
-from taskbuilder.files import write_whole
 from taskbuilder.jobs import LostError, worker_processes
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.task import load_task
-from taskbuilder.validate.formats.page import Page, index_page, task_page
-from taskbuilder.validate.formats.pictures import Pictures, take_pictures
+from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.task import Task, load_task
+from taskbuilder.validate.html.pictures import Picture, Pictures, take_pictures
 from taskbuilder.validate.report import TaskReport
-
-INDEX = "index.html"
 
 PICTURES_LIMIT_S = 300.0
 """How long the pictures of a task may take."""
 
 
+@dataclass(frozen=True)
+class Page:
+    """What a page is made of.
+
+    Attributes:
+        report: The validation.
+        task: The task, or None if it does not load.
+        pictures: What was taken of it.
+    """
+
+    report: TaskReport
+    task: Task | None = None
+    pictures: Pictures = field(default_factory=Pictures)
+
+    @property
+    def summary(self) -> str:
+        """What the task is, in a sentence, as far as that is known."""
+        return self.task.file.spec.summary if self.task else ""
+
+    @property
+    def stages(self) -> Sequence[ExpertStage]:
+        """What the expert does, as far as that is known."""
+        return self.task.file.spec.expert if self.task else ()
+
+    @property
+    def first(self) -> Picture | None:
+        """The picture that stands for the task."""
+        return next(iter(self.pictures.scene), None)
+
+
 def make_page(
     reference: str, report: TaskReport, catalogue: Catalogue, *, apart: bool = True
 ) -> Page:
-    """Gather what a report shows; pictures are taken here, unless no physics was asked for.
+    """Gather what a page shows; pictures are taken here, unless no physics was asked for.
 
     Args:
         reference: What the task was asked for by.
@@ -60,42 +85,3 @@ def _made(reference: str, report: TaskReport, catalogue: Catalogue) -> Page:
     if len(report.families) < 2:
         return Page(report, task)
     return Page(report, task, take_pictures(task, report))
-
-
-def write_page(folder: Path, page: Page, taken: Collection[str] = ()) -> Path:
-    """Write the report of a task as ``TASK.html``.
-
-    Args:
-        folder: Where to; it is there.
-        page: What to write.
-        taken: Names of files that belong to other tasks.
-
-    Returns:
-        The file.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    file = folder / _file_name(page, taken)
-    write_whole(file, task_page(page).encode())
-    return file
-
-
-def write_index(folder: Path, pages: Sequence[tuple[str, Page]]) -> Path:
-    """Write ``index.html``, which leads to pages by their file names.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    file = folder / INDEX
-    write_whole(file, index_page(pages).encode())
-    return file
-
-
-def _file_name(page: Page, taken: Collection[str]) -> str:
-    """After the task; after its file where it does not load, as only its path is known then."""
-    name = page.report.task
-    stem = name.replace("/", "-") if page.task else Path(name).stem
-    stem = re.sub(r"[^\w.-]+", "-", stem).strip(".-") or "task"
-    again = (f"{stem}-{count}.html" for count in range(2, len(taken) + 3))
-    return next(file for file in (f"{stem}.html", *again) if file not in taken)

@@ -97,6 +97,14 @@ class Pictures:
     failures: tuple[Failure, ...] = ()
     trouble: str = ""
 
+    @property
+    def solved(self) -> Moment | None:
+        """The first moment of the strip at which the task was solved, or None."""
+        first = self.shown.first_success if self.shown else None
+        if first is None:
+            return None
+        return next((moment for moment in self.strip if moment.step >= first), None)
+
 
 def take_pictures(task: Task, report: TaskReport) -> Pictures:
     """Take the pictures of a report. What cannot be shown is left out, and it is said why."""
