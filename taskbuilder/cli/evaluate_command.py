@@ -163,7 +163,7 @@ def _write(
         files.append(result)
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
-        with closing(found.place(renderer=arguments.renderer)) as env:
+        with closing(found.make_env(renderer=arguments.renderer)) as env:
             cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
             for role, seed in shown(summary).items():
                 files += save_film(

@@ -29,7 +29,7 @@ class Evaluated:
         player: A trained policy, or the name of another.
         file: Where a trained one was read from, or None.
         task: What is played.
-        place: Makes the environment.
+        make_env: Makes the environment.
         options: Of the environment, by name.
     """
 
@@ -37,14 +37,14 @@ class Evaluated:
     player: TrainedPolicy | str
     file: Path | None
     task: Task
-    place: EnvFactory
+    make_env: EnvFactory
     options: Mapping[str, Any]
 
     @property
     def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
         return TrialConfig(
-            self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ())
+            self.player, self.make_env, EnvFactory(self.make_env.task, self.make_env.catalogue, ())
         )
 
     @property
@@ -102,8 +102,8 @@ def evaluated(
             f"{loaded.name} has no expert; write its stages under expert: in "
             f"{display_path(loaded.file.entry.file)}"
         )
-    place = EnvFactory(reference, catalogue, tuple(chosen.items()))
-    return Evaluated(name, player, file, loaded, place, chosen)
+    make_env = EnvFactory(reference, catalogue, tuple(chosen.items()))
+    return Evaluated(name, player, file, loaded, make_env, chosen)
 
 
 def check_plays(found: Evaluated) -> None:
@@ -112,6 +112,6 @@ def check_plays(found: Evaluated) -> None:
     Raises:
         UsageError: So it is.
     """
-    with closing(found.place()) as env:
+    with closing(found.make_env()) as env:
         if isinstance(found.player, TrainedPolicy):
             check_fits(found.player, env, found.name)

@@ -18,9 +18,9 @@ from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
+from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
-from taskbuilder.validate.static import static_failure
 
 Level = Literal["static", "build", "full"]
 
@@ -67,7 +67,7 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Orders:
+class ValidationConfig:
     """The arguments of a validation.
 
     Attributes:
@@ -187,19 +187,19 @@ class Owner:
 
 
 def watch(
-    function: Callable[[Orders], TaskReport], orders: Orders, progress: Progress
+    function: Callable[[ValidationConfig], TaskReport], config: ValidationConfig, progress: Progress
 ) -> TaskReport:
     """Run a validation in a child process.
 
     Args:
         function: A function of a module that runs the validation and reports to an `Owner`.
-        orders: The arguments of the validation.
+        config: The arguments of the validation.
         progress: Wraps the seeds of a family to show progress.
 
     Raises:
         LostError: The process does not start.
     """
-    with closing(_Watch(function, orders, progress)) as watched:
+    with closing(_Watch(function, config, progress)) as watched:
         return watched.report()
 
 
@@ -207,10 +207,13 @@ class _Watch:
     """The owner's view of a validation in a child process."""
 
     def __init__(
-        self, function: Callable[[Orders], TaskReport], orders: Orders, progress: Progress
+        self,
+        function: Callable[[ValidationConfig], TaskReport],
+        config: ValidationConfig,
+        progress: Progress,
     ) -> None:
         self._function = function
-        self._orders = orders
+        self._orders = config
         self._progress = progress
         self._worker = Worker({}, prepared=function.__module__)
         self._losses: dict[str, int] = {}

@@ -238,7 +238,7 @@ def _passes(env: Any, steps: int) -> Result:
 # --- one agent's environments
 
 
-class _Alone:
+class _SingleAgent:
     """A Gymnasium environment as a multi-agent environment with one agent."""
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
@@ -267,7 +267,7 @@ class _Alone:
 
 def _as_parallel(env: Any) -> Any:
     if isinstance(env, gymnasium.Env):
-        return _Alone(env)
+        return _SingleAgent(env)
     needed = ("possible_agents", "reset", "step", "observation_space", "action_space")
     if all(hasattr(env, name) for name in needed) and not hasattr(env, "agent_iter"):
         return env

@@ -12,7 +12,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import HoldStill, RandomActions
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.validate.studio import Start, Studio
+from taskbuilder.validate.env_cache import EnvCache, Start
 
 DISCOUNT = 0.95
 LARGEST = 1e6
@@ -33,13 +33,13 @@ def wild_terms(rollout: Rollout) -> Mapping[str, float]:
     return found
 
 
-def play_expert(studio: Studio, start: Start) -> Rollout:
+def play_expert(cache: EnvCache, start: Start) -> Rollout:
     """Play the expert up to the end of the episode.
 
     Starts that only test success end with the last stage, if the result is known by then.
     """
-    expert = studio.expert(start.variation)
-    if start.seed % len(studio.task.file.scenes) != start.variation:
+    expert = cache.expert(start.variation)
+    if start.seed % len(cache.task.file.scenes) != start.variation:
         played = expert.play(start.seed, finish=False, explain=True)
         if played.success or played.trouble:
             return played

@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any
 
 from taskbuilder.jobs import worker_processes
-from taskbuilder.validate.studio import Source, Studio, at_work
+from taskbuilder.validate.env_cache import EnvCache, EnvSource, at_work
 
-Give = Callable[[Callable[[Studio, Any], Any], Source, Any], Callable[[], list[Any]]]
+Give = Callable[[Callable[[EnvCache, Any], Any], EnvSource, Any], Callable[[], list[Any]]]
 """Gives work to fresh processes; the returned function waits for the results."""
 
 
@@ -30,7 +30,7 @@ def fresh_processes(
 
     Yields:
         A function that gives the same work to each process, once. It takes a function of a module,
-        which is called with the process's studio and an item; the source of the task; and the
+        which is called with the process's cache and an item; the source of the task; and the
         picklable item. It returns a function that waits for the results, and raises
         DescriptionError if the description raised an error, or LostError if a process was lost.
     """
@@ -48,7 +48,7 @@ def fresh_processes(
         ]
 
         def give(
-            function: Callable[[Studio, Any], Any], source: Source, item: Any
+            function: Callable[[EnvCache, Any], Any], source: EnvSource, item: Any
         ) -> Callable[[], list[Any]]:
             begun = [spread(partial(at_work, function, source), [item]) for spread in spreads]
             return lambda: [result for results in begun for result in results]

@@ -24,8 +24,8 @@ from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together
 from taskbuilder.schema.robots import joint_values
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
+from taskbuilder.validate.checks.reach import reaches
 from taskbuilder.validate.playing import DropAll
-from taskbuilder.validate.reach import reaches
 from taskbuilder.world.world import World
 
 LIFT_M = 0.2

@@ -8,7 +8,7 @@ from taskbuilder.intervals import wilson
 
 
 @dataclass(frozen=True)
-class Share:
+class Proportion:
     """A fraction of episodes.
 
     Attributes:

@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.validate.places import (
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.locate import (
     finding_in_description,
     finding_in_file,
     in_variation,
 )
+from taskbuilder.validate.proportion import Proportion
 from taskbuilder.validate.report import Check, FamilyResult
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.shares import Share
-from taskbuilder.validate.studio import Start, Studio
 
 LEAST = 0.95
 """Minimum fraction of seeds from which the expert must succeed."""
@@ -44,27 +44,27 @@ MOST_FAILED = 3
 TOO_LATE = "no time left"
 
 
-def solvable_family(run: Run) -> FamilyResult:
+def solvable_family(context: Context) -> FamilyResult:
     """Play the expert from every seed in every variation."""
-    if not run.has_expert:
-        return _without_expert(run)
-    starts = run.every_start
-    played = dict(zip(starts, run.demonstrate(starts, "solvable"), strict=True))
+    if not context.has_expert:
+        return _without_expert(context)
+    starts = context.every_start
+    played = dict(zip(starts, context.demonstrate(starts, "solvable"), strict=True))
     by_variation = [
         {start: demo for start, demo in played.items() if start.variation == variation}
-        for variation in range(run.variations)
+        for variation in range(context.variations)
     ]
-    shares = [_share(demos.values()) for demos in by_variation]
+    shares = [_proportion(demos.values()) for demos in by_variation]
     worst = min(shares, key=lambda share: share.value)
     findings: list[Finding] = []
     for variation, (demos, share) in enumerate(zip(by_variation, shares, strict=True)):
         if share.value < LEAST:
-            findings += in_variation(variation, [_failing(run, demos, share)], findings)
-    passing = [] if findings else _passing(run)
+            findings += in_variation(variation, [_failing(context, demos, share)], findings)
+    passing = [] if findings else _passing(context)
     findings += passing
     late = any(finding.code == "TB532" for finding in findings)
     lost = any(finding.code == "TB531" for finding in findings)
-    horizon = run.task.file.spec.timing.episode_steps
+    horizon = context.task.file.spec.timing.episode_steps
     needed = max((demo.first_success or 0 for demo in played.values()), default=0)
     checks = [Check("TB532", "the episode is long enough", not late, needed, horizon, "steps")]
     if lost or not late:
@@ -76,27 +76,27 @@ def solvable_family(run: Run) -> FamilyResult:
         "solvable",
         tuple(reversed(checks)),
         tuple(findings),
-        _summary(worst, run.variations, needed, horizon),
+        _summary(worst, context.variations, needed, horizon),
         rollouts=_worth_a_picture(played.values()),
     )
 
 
-def _without_expert(run: Run) -> FamilyResult:
-    if run.task.file.spec.expert:
+def _without_expert(context: Context) -> FamilyResult:
+    if context.task.file.spec.expert:
         message = "no expert can plan for the action mode joint_torque, so nothing shows a way"
     else:
         message = "the task has no expert, so nothing shows that it can be done; write its stages"
-    finding = finding_in_file(run.task, "TB533", message, "expert", severity="warning")
+    finding = finding_in_file(context.task, "TB533", message, "expert", severity="warning")
     check = Check("TB533", "there is an expert", True, 0, None, "experts")
     return FamilyResult("solvable", (check,), (finding,), "no expert")
 
 
-def _share(rollouts: Iterable[Rollout]) -> Share:
+def _proportion(rollouts: Iterable[Rollout]) -> Proportion:
     results = [rollout.success for rollout in rollouts]
-    return Share(sum(results), len(results))
+    return Proportion(sum(results), len(results))
 
 
-def _summary(worst: Share, variations: int, needed: int, horizon: int) -> str:
+def _summary(worst: Proportion, variations: int, needed: int, horizon: int) -> str:
     among = f" in the worst of {variations} variations" if variations > 1 else ""
     return f"{worst}{among}, {needed} of {horizon} steps at most"
 
@@ -126,11 +126,11 @@ class PlayedOn(NamedTuple):
     lasts: bool
 
 
-def _passing(run: Run) -> list[Finding]:
+def _passing(context: Context) -> list[Finding]:
     """Check whether success lasts while the expert holds still."""
-    seeds = range(max(1, run.seeds // LASTING_SHARE))
-    starts = [Start(variation, seed) for variation in range(run.variations) for seed in seeds]
-    for start, played in zip(starts, run.ask(play_on, starts, "success lasts"), strict=True):
+    seeds = range(max(1, context.seeds // LASTING_SHARE))
+    starts = [Start(variation, seed) for variation in range(context.variations) for seed in seeds]
+    for start, played in zip(starts, context.ask(play_on, starts, "success lasts"), strict=True):
         if played.reached is not None and not played.lasts:
             message = (
                 f"success passes: {start}, the expert reaches it at control step {played.reached}, "
@@ -138,51 +138,51 @@ def _passing(run: Run) -> list[Finding]:
                 "end although everybody holds still; ask for a state that lasts, as "
                 "Sustained(…, seconds=1.0) does, and let the expert come to rest in it"
             )
-            success = run.task.description.success
-            return [finding_in_description(run.task, "TB535", message, "success", success)]
+            success = context.task.description.success
+            return [finding_in_description(context.task, "TB535", message, "success", success)]
     return []
 
 
-def play_on(studio: Studio, start: Start) -> PlayedOn:
+def play_on(cache: EnvCache, start: Start) -> PlayedOn:
     """Play the expert in an episode that continues after its end while it holds still."""
-    timing = studio.task.file.spec.timing
+    timing = cache.task.file.spec.timing
     horizon = timing.episode_steps + round(LASTS_S * timing.control_hz)
-    played = studio.expert(start.variation, horizon, endless=True).play(start.seed)
+    played = cache.expert(start.variation, horizon, endless=True).play(start.seed)
     return PlayedOn(played.first_success, played.success_held_s, played.success_at_end)
 
 
 # --- why it fails
 
 
-def _failing(run: Run, demos: Mapping[Start, Rollout], share: Share) -> Finding:
+def _failing(context: Context, demos: Mapping[Start, Rollout], share: Proportion) -> Finding:
     """A finding on why the expert fails in a variation: lack of time, or another reason."""
     failed = {start: demo for start, demo in demos.items() if not demo.success}
     others = [demo for demo in failed.values() if demo.trouble and demo.trouble.cause != TOO_LATE]
     suspects = [start for start, demo in failed.items() if demo not in others]
     if suspects and len(others) <= (1.0 - LEAST) * share.of:
         tried = suspects[:MOST_LONGER]
-        found = list(run.ask(play_longer, tried, "solvable, longer"))
+        found = list(context.ask(play_longer, tried, "solvable, longer"))
         if all(steps is not None for steps in found):
-            return _too_short(run, share, max(steps for steps in found if steps is not None))
-    return _fails(run, failed, share)
+            return _too_short(context, share, max(steps for steps in found if steps is not None))
+    return _fails(context, failed, share)
 
 
-def play_longer(studio: Studio, start: Start) -> int | None:
+def play_longer(cache: EnvCache, start: Start) -> int | None:
     """Control steps of the expert in a longer episode; None if it fails."""
-    horizon = max(LONGER * studio.task.file.spec.timing.episode_steps, LEAST_LONGER)
-    return studio.expert(start.variation, horizon).play(start.seed).first_success
+    horizon = max(LONGER * cache.task.file.spec.timing.episode_steps, LEAST_LONGER)
+    return cache.expert(start.variation, horizon).play(start.seed).first_success
 
 
-def _too_short(run: Run, share: Share, needed: int) -> Finding:
-    horizon = run.task.file.spec.timing.episode_steps
+def _too_short(context: Context, share: Proportion, needed: int) -> Finding:
+    horizon = context.task.file.spec.timing.episode_steps
     message = (
         f"the expert succeeds in time from {share} seeds only, as it takes up to {needed} control "
         f"steps; lengthen episodes, which end after {horizon}"
     )
-    return finding_in_file(run.task, "TB532", message, "timing", "episode_steps")
+    return finding_in_file(context.task, "TB532", message, "timing", "episode_steps")
 
 
-def _fails(run: Run, failed: Mapping[Start, Rollout], share: Share) -> Finding:
+def _fails(context: Context, failed: Mapping[Start, Rollout], share: Proportion) -> Finding:
     causes = Counter(_cause(demo) for demo in failed.values())
     counted = ", ".join(f"{count} × {cause}" for cause, count in causes.most_common())
     start, first = next(iter(failed.items()))
@@ -200,7 +200,7 @@ def _fails(run: Run, failed: Mapping[Start, Rollout], share: Share) -> Finding:
         f"the expert succeeds from {share} seeds only, {LEAST:.0%} are needed: {counted}; "
         f"{where}, {said}"
     )
-    return finding_in_file(run.task, "TB531", message, *path)
+    return finding_in_file(context.task, "TB531", message, *path)
 
 
 def _cause(rollout: Rollout) -> str:

@@ -17,12 +17,12 @@ from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
 from taskbuilder.task import Task
-from taskbuilder.validate.fresh import fresh_processes
-from taskbuilder.validate.places import finding_in_description
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.fresh_process import fresh_processes
+from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start, Studio
 from taskbuilder.validate.traces import (
     Difference,
     Trace,
@@ -46,22 +46,22 @@ class Script(NamedTuple):
     actions: list[Actions]
 
 
-def repeat_family(run: Run) -> FamilyResult:
+def repeat_family(context: Context) -> FamilyResult:
     """Play the same episodes in several ways, and compare them to the bit."""
-    with fresh_processes(2, limit_s=run.limit_s, beat=run.alive) as give:
-        scripts = _scripts(run, run.some_starts(EPISODES))
-        untouched = _check_untouched(run, scripts[0])
+    with fresh_processes(2, limit_s=context.limit_s, beat=context.alive) as give:
+        scripts = _scripts(context, context.some_starts(EPISODES))
+        untouched = _check_untouched(context, scripts[0])
         if not untouched[0].ok:
             return _result([untouched], "the description changes the world")
-        fresh = give(play_scripts, run.source, scripts)
+        fresh = give(play_scripts, context.source, scripts)
         played = [
-            _with_restores(run.studio.env(start.variation), start.seed, actions)
+            _with_restores(context.cache.env(start.variation), start.seed, actions)
             for start, actions in scripts
         ]
         here = [whole for whole, _ in played]
-        results = [untouched, *_check_repeats(run, scripts, here, fresh())]
+        results = [untouched, *_check_repeats(context, scripts, here, fresh())]
     if all(check.ok or check.code == "TB503" for check, _ in results):
-        results.append(_check_restores(run, scripts, [found for _, found in played]))
+        results.append(_check_restores(context, scripts, [found for _, found in played]))
     broken = [check.name for check, _ in results if not check.ok]
     good = "bit for bit: again, after others, fresh process, restore"
     return _result(results, f"not so: {', '.join(broken)}" if broken else good)
@@ -72,12 +72,12 @@ def _result(results: Sequence[Result], summary: str) -> FamilyResult:
     return FamilyResult("repeat", checks, tuple(f for _, found in results for f in found), summary)
 
 
-def _scripts(run: Run, starts: Sequence[Start]) -> list[Script]:
-    if run.has_expert:
-        played = run.demonstrate(starts, "repeat")
+def _scripts(context: Context, starts: Sequence[Start]) -> list[Script]:
+    if context.has_expert:
+        played = context.demonstrate(starts, "repeat")
         return [Script(start, actions_of(d)) for start, d in zip(starts, played, strict=True)]
     return [
-        Script(start, list(random_actions(run.studio.env(start.variation), start.seed)))
+        Script(start, list(random_actions(context.cache.env(start.variation), start.seed)))
         for start in starts
     ]
 
@@ -85,15 +85,15 @@ def _scripts(run: Run, starts: Sequence[Start]) -> list[Script]:
 # --- TB505
 
 
-def _check_untouched(run: Run, script: Script) -> Result:
+def _check_untouched(context: Context, script: Script) -> Result:
     """Evaluating the description does not change the world."""
-    env = run.studio.env(script.start.variation)
-    found = next(_changes(env, run.task, script), None)
+    env = context.cache.env(script.start.variation)
+    found = next(_changes(env, context.task, script), None)
     findings = []
     if found:
         message = f"asking it changes the world: {script.start}, {found}; it may only look"
-        name = run.task.description.__name__
-        findings = [finding_in_description(run.task, "TB505", message, name)]
+        name = context.task.description.__name__
+        findings = [finding_in_description(context.task, "TB505", message, name)]
     wrong = len(findings)
     return Check("TB505", "the description only looks", not wrong, wrong, 0, "episodes"), findings
 
@@ -122,14 +122,17 @@ def _changes(env: TaskEnv, task: Task, script: Script) -> Iterator[Difference]:
 
 
 def _check_repeats(
-    run: Run, scripts: Sequence[Script], here: Sequence[Trace], fresh: Sequence[Sequence[Trace]]
+    context: Context,
+    scripts: Sequence[Script],
+    here: Sequence[Trace],
+    fresh: Sequence[Sequence[Trace]],
 ) -> Iterator[Result]:
     """An episode is the same again, after others, and in a fresh process."""
     counts = {"TB501": 0, "TB502": 0, "TB503": 0}
     findings: dict[str, list[Finding]] = {code: [] for code in counts}
     one, two = fresh
     apart = [difference(*pair) for pair in zip(one, two, strict=True)]
-    again = _again(run, scripts) if any(apart) else [None] * len(scripts)
+    again = _again(context, scripts) if any(apart) else [None] * len(scripts)
     for script, used, new, elsewhere, twice in zip(scripts, here, one, apart, again, strict=True):
         if elsewhere and twice:
             code, found = "TB501", twice
@@ -141,7 +144,7 @@ def _check_repeats(
             continue
         counts[code] += 1
         if not findings[code]:
-            findings[code] = [_differs(run.task, code, script.start, found)]
+            findings[code] = [_differs(context.task, code, script.start, found)]
     first = next((code for code in counts if counts[code]), None)
     for code, count in counts.items():
         if first in (None, code):
@@ -181,29 +184,29 @@ def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
     return next((known[part] for part in parts if part in known), (description.__name__, None))
 
 
-def _again(run: Run, scripts: Sequence[Script]) -> list[Difference | None]:
+def _again(context: Context, scripts: Sequence[Script]) -> list[Difference | None]:
     """Where each episode differs when it is played twice over in one process."""
-    with fresh_processes(1, limit_s=run.limit_s, beat=run.alive) as give:
-        (traces,) = give(play_scripts, run.source, [s for s in scripts for _ in "12"])()
+    with fresh_processes(1, limit_s=context.limit_s, beat=context.alive) as give:
+        (traces,) = give(play_scripts, context.source, [s for s in scripts for _ in "12"])()
     return [difference(*pair) for pair in zip(traces[::2], traces[1::2], strict=True)]
 
 
-def play_scripts(studio: Studio, scripts: Sequence[Script]) -> list[Trace]:
+def play_scripts(cache: EnvCache, scripts: Sequence[Script]) -> list[Trace]:
     """Play episodes one after the other."""
-    return [trace(studio.env(start.variation), start.seed, acts) for start, acts in scripts]
+    return [trace(cache.env(start.variation), start.seed, acts) for start, acts in scripts]
 
 
 # --- TB504
 
 
 def _check_restores(
-    run: Run, scripts: Sequence[Script], restored: Sequence[Difference | None]
+    context: Context, scripts: Sequence[Script], restored: Sequence[Difference | None]
 ) -> Result:
     """An episode continues identically from a saved state."""
     findings: list[Finding] = []
     for script, found in zip(scripts, restored, strict=True):
         if found and not findings:
-            findings = [_differs(run.task, "TB504", script.start, found)]
+            findings = [_differs(context.task, "TB504", script.start, found)]
     count = sum(found is not None for found in restored)
     return Check("TB504", _NAMES["TB504"], not count, count, 0, "episodes"), findings
 

@@ -15,9 +15,9 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.contacts import overlap
 from taskbuilder.task import Task
-from taskbuilder.validate.places import finding_at, finding_of_scene, in_variation
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
 from taskbuilder.world.building import build_world
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
@@ -33,12 +33,12 @@ LONGEST_M = 2.0  # what is longer and far too light is a mesh in another unit
 ENERGY_PER_KG = 50.0  # J/kg: falling five metres
 
 
-def build_family(run: Run) -> FamilyResult:
+def build_family(context: Context) -> FamilyResult:
     """Build every variation, and let each rest for a second."""
-    task, measures = run.task, run.measures
+    task, measures = context.task, context.measures
     checks: dict[str, Check] = {}
     findings: list[Finding] = []
-    for variation in run.progress(range(run.variations), "build"):
+    for variation in context.progress(range(context.variations), "build"):
         wrong: list[Finding] = []
         started = time.perf_counter()
         try:

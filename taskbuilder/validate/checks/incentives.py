@@ -27,11 +27,11 @@ from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import in_words
-from taskbuilder.validate.places import finding_in_description
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, wild_terms
 from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start, Studio
 
 LEAST_PAIRS = 3
 """Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
@@ -70,20 +70,20 @@ _SORTS = (
 )
 
 
-def pays_family(run: Run) -> FamilyResult:
+def pays_family(context: Context) -> FamilyResult:
     """Compare the returns of the expert with those of the probes."""
     plays: dict[Way, Mapping[Start, Rollout]] = {}
-    if run.has_expert:
-        starts = run.some_starts()
-        played = zip(starts, run.demonstrate(starts, "pays for success"), strict=True)
+    if context.has_expert:
+        starts = context.some_starts()
+        played = zip(starts, context.demonstrate(starts, "pays for success"), strict=True)
         jobs = [Replayed(start, demo) for start, demo in played if demo.success]
         plays[EXPERT] = {job.start: job.rollout for job in jobs}
-        plays |= _left(run, jobs)
-    plays |= {way: found for way, found in run.plays.items() if way.kind is not Kind.ALONE}
-    bounded = _check_terms(run, plays)
+        plays |= _left(context, jobs)
+    plays |= {way: found for way, found in context.plays.items() if way.kind is not Kind.ALONE}
+    bounded = _check_terms(context, plays)
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
-        results += _compared(run, plays)
+        results += _compared(context, plays)
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     probes = tuple(_probe(way, found) for way, found in plays.items() if found)
@@ -96,10 +96,10 @@ def pays_family(run: Run) -> FamilyResult:
     return FamilyResult("pays for success", checks, findings, summary, probes=probes)
 
 
-def _left(run: Run, jobs: Sequence[Replayed]) -> Plays:
+def _left(context: Context, jobs: Sequence[Replayed]) -> Plays:
     found: dict[Way, dict[Start, Rollout]] = {}
     starts = [job.start for job in jobs]
-    asked = run.ask(leave_stages, starts, "pays for success", about=jobs)
+    asked = context.ask(leave_stages, starts, "pays for success", about=jobs)
     for start, plays in zip(starts, asked, strict=True):
         for way, play in plays.items():
             found.setdefault(way, {})[start] = play
@@ -135,13 +135,13 @@ def _mean(values: Iterable[float]) -> float:
 # --- in each process
 
 
-def leave_stages(studio: Studio, job: Replayed) -> dict[Way, Rollout]:
+def leave_stages(cache: EnvCache, job: Replayed) -> dict[Way, Rollout]:
     """The episodes that leave the expert's script after each of its stages."""
-    env, whole = studio.env(job.start.variation), job.rollout
-    last = len(studio.task.file.spec.expert)
+    env, whole = cache.env(job.start.variation), job.rollout
+    last = len(cache.task.file.spec.expert)
 
     def who(number: int) -> Mapping[Kind, Policy]:
-        odd = job.start.seed // len(studio.task.file.scenes) % 2
+        odd = job.start.seed // len(cache.task.file.scenes) % 2
         ways: dict[Kind, Policy] = {Kind.FAIL: ThrowAll() if odd else DropAll()}
         # After the last stage the expert itself holds still.
         return {**ways, Kind.STALL: HoldStill()} if number < last else ways
@@ -152,7 +152,7 @@ def leave_stages(studio: Studio, job: Replayed) -> dict[Way, Rollout]:
 # --- the checks
 
 
-def _check_terms(run: Run, plays: Plays) -> Result:
+def _check_terms(context: Context, plays: Plays) -> Result:
     """Every reward term is finite, and not huge."""
     wild: dict[str, tuple[float, Way, Start]] = {}
     for way, found in plays.items():
@@ -160,7 +160,7 @@ def _check_terms(run: Run, plays: Plays) -> Result:
             for label, pay in wild_terms(play).items():
                 wild.setdefault(label, (pay, way, start))
     findings = []
-    for term in run.task.description.reward:
+    for term in context.task.description.reward:
         if term.label in wild:
             pay, way, start = wild[term.label]
             message = (
@@ -168,22 +168,22 @@ def _check_terms(run: Run, plays: Plays) -> Result:
                 f"{-LARGEST:,.0f} to {LARGEST:,.0f} is what learners can count with"
             )
             name = f"reward.{term.label}"
-            findings.append(finding_in_description(run.task, "TB551", message, name, term))
+            findings.append(finding_in_description(context.task, "TB551", message, name, term))
     count = len(findings)
     return Check("TB551", "reward terms are finite", not count, count, 0, "terms"), findings
 
 
-def _compared(run: Run, plays: Plays) -> Iterator[Result]:
+def _compared(context: Context, plays: Plays) -> Iterator[Result]:
     """Compare the kinds of probes in order, up to the first that earns as much as success."""
     for sort in _SORTS:
-        if sort.code == "TB554" and run.task.file.spec.cooperation != "required":
+        if sort.code == "TB554" and context.task.file.spec.cooperation != "required":
             continue
         rivals = list(_rivals(sort, plays))
         if not rivals:
             continue
         closest = min(rivals, key=_closeness)
         better = {rival.way for rival in rivals if not rival.lead.low > 0.0}
-        findings = [_finding(run, sort, closest, len(better))] if better else []
+        findings = [_finding(context, sort, closest, len(better))] if better else []
         margin = closest.lead.low / closest.steps
         yield Check(sort.code, sort.name, not findings, margin, 0.0, "a step"), findings
         if findings:
@@ -248,20 +248,20 @@ def _beside_expert(
         yield _Rival(way, discount, _mean(ours), _mean(theirs), lead, weighted)
 
 
-def _finding(run: Run, sort: _Sort, rival: _Rival, better: int) -> Finding:
+def _finding(context: Context, sort: _Sort, rival: _Rival, better: int) -> Finding:
     at = f" at a discount of {rival.discount:g}" if rival.discount < 1.0 else ""
     plural = "way pays" if better == 2 else "ways pay"
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
     message = (
-        f"{_in_words(run, rival.way)} earns {rival.earned:.1f} in the mean, the expert "
+        f"{_in_words(context, rival.way)} earns {rival.earned:.1f} in the mean, the expert "
         f"{rival.expert:.1f}{at}: its lead is {rival.lead} over {_pairs(rival)}, which is not "
         f"surely more than 0; pay more for success, or less for this{others}"
     )
-    term = run.task.description.reward[0] if run.task.description.reward else None
-    return finding_in_description(run.task, sort.code, message, "reward", term)
+    term = context.task.description.reward[0] if context.task.description.reward else None
+    return finding_in_description(context.task, sort.code, message, "reward", term)
 
 
-def _in_words(run: Run, way: Way) -> str:
+def _in_words(context: Context, way: Way) -> str:
     """What is done in a way of playing, with the stage after which the expert's way is left."""
     match way.kind:
         case Kind.NOTHING:
@@ -271,5 +271,5 @@ def _in_words(run: Run, way: Way) -> str:
         case Kind.WITHOUT:
             return f"playing without {way.robot}"
     what = "stalling" if way.kind is Kind.STALL else "dropping everything, or throwing it away,"
-    stage = run.task.file.spec.expert[way.stage - 1]
+    stage = context.task.file.spec.expert[way.stage - 1]
     return f"{what} after stage {way.stage} ({in_words(stage)})"

@@ -22,7 +22,13 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.ways import NOTHING, RANDOM, Kind, Way
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
-from taskbuilder.validate.alone import (
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.locate import finding_in_description, finding_in_file
+from taskbuilder.validate.playing import play_nothing, play_random
+from taskbuilder.validate.proportion import Proportion
+from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.solo import (
     fetched,
     first_grasps,
     play_solo,
@@ -30,12 +36,6 @@ from taskbuilder.validate.alone import (
     solos,
     within_reach,
 )
-from taskbuilder.validate.places import finding_in_description, finding_in_file
-from taskbuilder.validate.playing import play_nothing, play_random
-from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.shares import Share
-from taskbuilder.validate.studio import Start, Studio
 
 MOST_SOLOS = 3
 
@@ -95,21 +95,21 @@ _SHORTCUTS = (
 )
 
 
-def needs_family(run: Run) -> FamilyResult:
+def needs_family(context: Context) -> FamilyResult:
     """Try to succeed without some of the robots, and without a plan."""
-    starts = run.some_starts()
+    starts = context.some_starts()
     in_reach: dict[tuple[str, str], list[Start]] = {}
-    for start, tried in zip(starts, run.ask(try_ways, starts, "needs its robots"), strict=True):
+    for start, tried in zip(starts, context.ask(try_ways, starts, "needs its robots"), strict=True):
         for way, play in tried.plays.items():
-            run.plays.setdefault(way, {})[start] = play
+            context.plays.setdefault(way, {})[start] = play
         for pair in tried.in_reach:
             in_reach.setdefault(pair, []).append(start)
-    results = list(_judged(run))
-    if all(check.ok for check, _ in results) and _matters(run.task) and run.has_expert:
-        results.append(_check_out_of_reach(run, in_reach, len(starts)))
+    results = list(_judged(context))
+    if all(check.ok for check, _ in results) and _matters(context.task) and context.has_expert:
+        results.append(_check_out_of_reach(context, in_reach, len(starts)))
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
-    return FamilyResult("needs its robots", checks, findings, _summary(run))
+    return FamilyResult("needs its robots", checks, findings, _summary(context))
 
 
 def _matters(task: Task) -> bool:
@@ -117,14 +117,14 @@ def _matters(task: Task) -> bool:
     return task.file.spec.cooperation == "required" and len(task.agents) > 1
 
 
-def _summary(run: Run) -> str:
+def _summary(context: Context) -> str:
     counts: Counter[Way] = Counter()
-    for way, plays in run.plays.items():
+    for way, plays in context.plays.items():
         together = Way(way.kind) if way.kind is Kind.ALONE else way
         counts[together] += sum(play.success for play in plays.values())
     order = sorted(counts, key=lambda way: (way in (NOTHING, RANDOM), way == NOTHING))
     said = ", ".join(f"{_called(way)} {counts[way]}" for way in order)
-    if run.has_expert and len(run.task.agents) > 1 and Way(Kind.ALONE) not in counts:
+    if context.has_expert and len(context.task.agents) > 1 and Way(Kind.ALONE) not in counts:
         said += "; success names nothing that a robot could take alone"
     return said
 
@@ -139,16 +139,16 @@ def _called(way: Way) -> str:
 # --- in each process
 
 
-def try_ways(studio: Studio, start: Start) -> Tried:
+def try_ways(cache: EnvCache, start: Start) -> Tried:
     """Play all probes that must not succeed, from a start."""
-    task, env = studio.task, studio.env(start.variation)
+    task, env = cache.task, cache.env(start.variation)
     plays = {
         NOTHING: play_nothing(env, start.seed),
         RANDOM: play_random(env, start.seed),
     }
-    if not studio.has_expert or len(task.agents) < 2:
+    if not cache.has_expert or len(task.agents) < 2:
         return Tried(plays, ())
-    expert = studio.expert(start.variation)
+    expert = cache.expert(start.variation)
     for robot in task.agents:
         plays[Way(Kind.WITHOUT, robot=robot)] = expert.play(
             start.seed, without={robot}, persist=True
@@ -159,12 +159,12 @@ def try_ways(studio: Studio, start: Start) -> Tried:
     turns = [(first + offset) % len(listed) for offset in range(min(MOST_SOLOS, len(listed)))]
     for solo in (listed[turn] for turn in turns):
         plays[solo.way] = play_solo(expert, start.seed, solo)
-    return Tried(plays, tuple(_in_reach(studio, start)))
+    return Tried(plays, tuple(_in_reach(cache, start)))
 
 
-def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
+def _in_reach(cache: EnvCache, start: Start) -> Iterator[tuple[str, str]]:
     """Robots that could take, at the start, an object that another one should take first."""
-    task, env = studio.task, studio.env(start.variation)
+    task, env = cache.task, cache.env(start.variation)
     env.reset(seed=start.seed)
     world = env.episode.world
     things = fetched(task, world.scene)
@@ -180,25 +180,25 @@ def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
 # --- the checks
 
 
-def _judged(run: Run) -> Iterator[Result]:
+def _judged(context: Context) -> Iterator[Result]:
     """Judge the probes, from the simplest on, up to the first that succeeds."""
     for shortcut in _SHORTCUTS:
-        plays = {way: found for way, found in run.plays.items() if way.kind is shortcut.kind}
+        plays = {way: found for way, found in context.plays.items() if way.kind is shortcut.kind}
         if not plays:
             continue
         counts = {way: sum(p.success for p in found.values()) for way, found in plays.items()}
         total = sum(counts.values())
-        excused = shortcut.code in ("TB541", "TB542") and not _matters(run.task)
+        excused = shortcut.code in ("TB541", "TB542") and not _matters(context.task)
         findings: list[Finding] = []
         if total and not excused:
             worst = max(counts, key=counts.__getitem__)
             start = next(start for start, play in plays[worst].items() if play.success)
-            share = Share(counts[worst], len(plays[worst]))
+            share = Proportion(counts[worst], len(plays[worst]))
             verb = shortcut.verb.format(way=worst)
             message = f"{verb} succeeds from {share} seeds ({start}); {shortcut.mend}"
-            success = run.task.description.success
+            success = context.task.description.success
             findings = [
-                finding_in_description(run.task, shortcut.code, message, "success", success)
+                finding_in_description(context.task, shortcut.code, message, "success", success)
             ]
         limit = None if excused else 0
         yield Check(shortcut.code, shortcut.name, not findings, total, limit, "episodes"), findings
@@ -207,7 +207,7 @@ def _judged(run: Run) -> Iterator[Result]:
 
 
 def _check_out_of_reach(
-    run: Run, in_reach: dict[tuple[str, str], list[Start]], episodes: int
+    context: Context, in_reach: dict[tuple[str, str], list[Start]], episodes: int
 ) -> Result:
     """An object of one robot starts out of reach of the others; otherwise a warning."""
     findings = []
@@ -217,7 +217,7 @@ def _check_out_of_reach(
             f"({starts[0]}), which another robot is to take; put it out of reach"
         )
         path = ("scene", "objects", grasp.partition(".")[0])
-        found = finding_in_file(run.task, "TB545", message, *path, severity="warning")
+        found = finding_in_file(context.task, "TB545", message, *path, severity="warning")
         findings.append(found)
     count = max((len(starts) for starts in in_reach.values()), default=0)
     check = Check("TB545", "objects start out of the others' reach", True, count, None, "episodes")

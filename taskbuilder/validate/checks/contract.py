@@ -23,7 +23,10 @@ from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.quiet import without_remarks
 from taskbuilder.task import Task
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import SMALL, EnvCache, Start, at_work
 from taskbuilder.validate.environments import check_ended, check_kept, check_picture, regions
+from taskbuilder.validate.locate import arose_in_description, finding_in_file
 from taskbuilder.validate.observing import (
     Find,
     check_inside,
@@ -36,11 +39,8 @@ from taskbuilder.validate.observing import (
     sees_itself,
     watch,
 )
-from taskbuilder.validate.places import arose_in_description, finding_in_file
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import SMALL, Start, Studio, at_work
 from taskbuilder.validate.traces import actions_of
 
 EPISODES = 2
@@ -48,13 +48,13 @@ MOST_CYCLES = 60
 SEED_CYCLES = 10
 
 
-def contract_family(run: Run) -> FamilyResult:
+def contract_family(context: Context) -> FamilyResult:
     """Check observations and rewards, and run the tests of PettingZoo and Gymnasium."""
-    env, task = run.studio.env(0), run.task
+    env, task = context.cache.env(0), context.task
     find = partial(finding_in_file, task)
     results = [_check_end(find, env)]
     if results[0][0].ok:
-        views = watch(env, range(min(run.seeds, EPISODES)), _actions(run, env))
+        views = watch(env, range(min(context.seeds, EPISODES)), _actions(context, env))
         blind = [agent for agent in task.agents if not sees_itself(task, agent)]
         results += [
             check_spaces(find, env),
@@ -69,7 +69,7 @@ def contract_family(run: Run) -> FamilyResult:
         if task.file.scenes[0].cameras:
             results.append(_check_render(find, env))
     if all(check.ok for check, _ in results):
-        results += run.spread(partial(at_work, _check_suite, run.source), SUITES)
+        results += context.spread(partial(at_work, _check_suite, context.source), SUITES)
     wrong = [check.name for check, _ in results if not check.ok]
     summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} suites"
     findings = tuple(finding for _, found in results for finding in found)
@@ -95,18 +95,18 @@ def _check_render(find: Find, env: TaskEnv) -> Result:
         env.render_mode = mode
 
 
-def _actions(run: Run, env: TaskEnv) -> list[Actions]:
+def _actions(context: Context, env: TaskEnv) -> list[Actions]:
     """The actions of the checked episodes."""
     by_chance = list(random_actions(env, 0))
-    if not run.has_expert:
+    if not context.has_expert:
         return by_chance
-    (played,) = run.demonstrate([Start(0, 0)], "contract")
+    (played,) = context.demonstrate([Start(0, 0)], "contract")
     done = played.trouble.step if played.trouble else max(played.stage_ends, default=0)
     return actions_of(played)[:done] + by_chance[done:]
 
 
-def _check_suite(studio: Studio, code: str) -> Result:
-    return check_suite(studio.task, code)
+def _check_suite(cache: EnvCache, code: str) -> Result:
+    return check_suite(cache.task, code)
 
 
 def check_suite(task: Task, code: str) -> Result:

@@ -12,13 +12,13 @@ from taskbuilder.expert.ways import Way
 from taskbuilder.jobs import Map
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
+from taskbuilder.validate.env_cache import EnvCache, EnvSource, Start, at_work, open_cache
 from taskbuilder.validate.playing import play_expert
 from taskbuilder.validate.report import Progress
-from taskbuilder.validate.studio import Source, Start, Studio, at_work, open_studio
 
 
 @dataclass
-class Run:
+class Context:
     """A validation of one task.
 
     Attributes:
@@ -35,7 +35,7 @@ class Run:
     """
 
     task: Task
-    source: Source
+    source: EnvSource
     seeds: int
     progress: Progress
     spread: Map
@@ -55,9 +55,9 @@ class Run:
         self.measures, self.demonstrations, self.plays = state
 
     @property
-    def studio(self) -> Studio:
+    def cache(self) -> EnvCache:
         """The studio of this process."""
-        return open_studio(self.source, self.task)
+        return open_cache(self.source, self.task)
 
     @property
     def variations(self) -> int:
@@ -67,7 +67,7 @@ class Run:
     @property
     def has_expert(self) -> bool:
         """Whether the task has an expert whose action modes can be planned for."""
-        return self.studio.has_expert
+        return self.cache.has_expert
 
     @property
     def every_start(self) -> tuple[Start, ...]:
@@ -85,7 +85,7 @@ class Run:
 
     def ask(
         self,
-        function: Callable[[Studio, Any], Any],
+        function: Callable[[EnvCache, Any], Any],
         starts: Sequence[Start],
         label: str,
         *,
@@ -94,7 +94,7 @@ class Run:
         """Distribute work, and yield the results in order.
 
         Args:
-            function: A function of a module, called with a studio and a start, or an item.
+            function: A function of a module, called with a cache and a start, or an item.
             starts: The starts of the episodes, in the order of their variations.
             label: Label of the progress display.
             about: A picklable item for each start, passed instead of the start.

@@ -13,7 +13,7 @@ from taskbuilder.expert.named import has_expert
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.validate.places import failure_of_description
+from taskbuilder.validate.locate import failure_of_description
 
 SMALL = (32, 24)
 """Size of observed images during validation; the checks do not depend on it."""
@@ -31,7 +31,7 @@ class Start(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Source:
+class EnvSource:
     """The source of the task, for every process of a validation.
 
     Attributes:
@@ -42,10 +42,10 @@ class Source:
 
     reference: str
     catalogue: Catalogue
-    run: int
+    number: int
 
 
-class Studio:
+class EnvCache:
     """A task's environments in this process, one a variation, and an expert for each.
 
     Args:
@@ -104,28 +104,28 @@ def _endless(task: Task) -> Task:
     return replace(task, file=replace(task.file, spec=spec.model_copy(update={"timing": timing})))
 
 
-_STUDIOS: dict[Source, Studio] = {}
+_CACHES: dict[EnvSource, EnvCache] = {}
 """The studios of this process."""
 
 
-def open_studio(source: Source, task: Task | None = None) -> Studio:
-    """Open this process's studio for a validation.
+def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
+    """Open this process's cache for a validation.
 
     Args:
         source: The source of the task.
         task: The task, if it has been loaded already.
     """
-    if source not in _STUDIOS:
+    if source not in _CACHES:
         loaded = task or load_task(source.reference, catalogue=source.catalogue)
-        _STUDIOS[source] = Studio(loaded)
-    return _STUDIOS[source]
+        _CACHES[source] = EnvCache(loaded)
+    return _CACHES[source]
 
 
-def close_studio(source: Source) -> None:
+def close_cache(source: EnvSource) -> None:
     """Close this process's studio for a validation, if there is one."""
-    studio = _STUDIOS.pop(source, None)
-    if studio is not None:
-        studio.close()
+    cache = _CACHES.pop(source, None)
+    if cache is not None:
+        cache.close()
 
 
 class DescriptionError(Exception):
@@ -140,21 +140,21 @@ class DescriptionError(Exception):
         self.finding = finding
 
 
-def at_work(function: Callable[[Studio, Any], Any], source: Source, item: Any) -> Any:
+def at_work(function: Callable[[EnvCache, Any], Any], source: EnvSource, item: Any) -> Any:
     """Run a unit of work in this process; sent to workers.
 
     Args:
-        function: A function of a module, called with the process's studio and the item.
+        function: A function of a module, called with the process's cache and the item.
         source: The source of the task.
         item: The item of work.
 
     Raises:
         DescriptionError: The description raised an error.
     """
-    studio = open_studio(source)
+    cache = open_cache(source)
     try:
-        return function(studio, item)
+        return function(cache, item)
     except BaseException as error:
         if is_interrupt(error):
             raise
-        raise DescriptionError(failure_of_description(error, studio.task.file.entry)) from None
+        raise DescriptionError(failure_of_description(error, cache.task.file.entry)) from None
