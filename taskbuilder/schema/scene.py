@@ -81,7 +81,7 @@ class PartSpec(Model):
     capsule: Cylinder | None = None
     at: Position = (0.0, 0.0, 0.0)
     rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
-    color: Color | None = Field(None, description="The body's colour where not given.")
+    color: Color | None = Field(None, description="Colour; by default that of the body.")
 
     @property
     def kind(self) -> str:
@@ -107,7 +107,8 @@ class Grasp(Model):
 
     at: Position = Field((0.0, 0.0, 0.0), description="Point in the body's frame.")
     approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
-        "down", description="Direction in which the tool comes: world's down or a body axis."
+        "down",
+        description="Direction in which the tool approaches: down in the world, or a body axis.",
     )
     across: Literal["x", "y", "z"] = Field(
         "y", description="Body axis along which the fingers close."
@@ -118,13 +119,13 @@ class Place(Model):
     """A region to be placed in at random: on a surface (x, y) or in the air (x, y, z)."""
 
     surface: Annotated[Reference, Refers("surface")] | None = Field(
-        None, description="Object, or part of one, on whose top the body is put."
+        None, description="Object or part on whose top the object is placed."
     )
     frame: FrameOrWorld = Field("world", alias="in", description="Frame of center and size.")
     center: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
     size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
-    yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Least and greatest yaw.")
-    rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation before the yaw.")
+    yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Minimum and maximum yaw.")
+    rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation, before the yaw is added.")
 
     @model_validator(mode="after")
     def _fits(self) -> Place:
@@ -172,8 +173,8 @@ class ObjectSpec(_Placed):
 
     shape: Shape | None = None
     parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
-    fixed: bool = Field(False, description="Bolted to the world.")
-    mass: Mass | None = Field(None, description="Kilograms; a URDF has its own.")
+    fixed: bool = Field(False, description="Whether it is fixed to the world.")
+    mass: Mass | None = Field(None, description="Mass in kilograms; a URDF has its own.")
     friction: Friction = 0.8
     rolling_friction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
@@ -183,7 +184,7 @@ class ObjectSpec(_Placed):
     )
     joints: Annotated[Mapping[Reference, float], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
-        description="Joint values of a URDF at the start: metres, or degrees where it turns.",
+        description="Initial joint values of a URDF: metres, or degrees for a revolute joint.",
     )
 
     @property
@@ -228,7 +229,9 @@ class SiteSpec(_Placed):
 class CameraSpec(Model):
     """A camera that stands in the world or is mounted on a frame."""
 
-    mount: FrameName | None = Field(None, description="Frame to ride on, such as left.tcp.")
+    mount: FrameName | None = Field(
+        None, description="Frame that it is attached to, such as left.tcp."
+    )
     position: Position | None = None
     look_at: Position | None = None
     fov_deg: Annotated[float, Field(ge=5.0, le=150.0)] = 50.0
@@ -282,7 +285,7 @@ class Home(Model):
 
     tcp: TcpPose | None = None
     joints_deg: tuple[float, ...] | None = Field(
-        None, description="One value an arm joint: degrees, or metres where it slides."
+        None, description="One value per arm joint: degrees, or metres for a prismatic joint."
     )
 
     @model_validator(mode="after")
@@ -316,8 +319,8 @@ class RobotEntry(Model):
     """A robot of the scene: an agent."""
 
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
-    base: Base = Field(description="Where it stands, such as {position: [0, 0, 0.4]}.")
-    home: Home | None = Field(None, description="The model's own home where not given.")
+    base: Base = Field(description="Pose of its base, such as {position: [0, 0, 0.4]}.")
+    home: Home | None = Field(None, description="Start configuration; by default the model's own.")
     action: ActionSpec = ActionSpec()
 
 

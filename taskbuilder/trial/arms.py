@@ -1,4 +1,4 @@
-"""Playing trials: who is measured, and beside it those that it is compared with."""
+"""Playing the episodes of a trial: the evaluated policy and its baselines."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
 SUBJECT = Way(Kind.POLICY)
-"""The arm that is measured."""
+"""The arm of the evaluated policy."""
 
 CONTROLS = (EXPERT, RANDOM, NOTHING)
-"""Whom it is compared with, besides stalling."""
+"""The arms of the baselines, other than stalling."""
 
 Episodes = dict[Way, Rollout]
-"""What was played from one seed, by arm."""
+"""The episodes from one seed, by arm."""
 
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
@@ -33,13 +33,13 @@ Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 
 @dataclass(frozen=True, eq=False)
 class TrialConfig:
-    """Who plays where, in a form that other processes can be told.
+    """The players and environments of a trial, picklable for other processes.
 
     Attributes:
-        player: A trained policy, or the name of another.
-        make_env: Makes the environment that it plays in; options given to it come on top.
-        make_control_env: The same for those that it is compared with.
-        token: By which a config knows itself again where it was sent more than once.
+        player: A trained policy, or the name of another policy.
+        make_env: Makes the environment of the policy; it takes further options.
+        make_control_env: Makes the environment of the baselines.
+        token: Identifies the config in processes that receive it more than once.
     """
 
     player: TrainedPolicy | str
@@ -55,11 +55,11 @@ class TrialConfig:
 
 
 class Job(NamedTuple):
-    """An episode to be played.
+    """An episode to play.
 
     Attributes:
-        seed: Of its reset.
-        compared: Whether all arms play, or only the one that is measured.
+        seed: Seed of the reset.
+        compared: Whether the baselines play too.
     """
 
     seed: int
@@ -67,7 +67,7 @@ class Job(NamedTuple):
 
 
 class TrialPlayer:
-    """Plays the episodes of a trial in this process; environments and experts are made once."""
+    """Plays the episodes of an trial in this process, and reuses environments and experts."""
 
     def __init__(self, config: TrialConfig) -> None:
         self._config = config
@@ -78,11 +78,11 @@ class TrialPlayer:
         self._policies: dict[tuple[Way, int], Policy] = {}
 
     def close(self) -> None:
-        """Free all physics."""
+        """Close all environments."""
         self._stack.close()
 
     def play(self, job: Job) -> Episodes:
-        """Play from a seed."""
+        """Play the arms of a job from its seed."""
         subject = play(self._env, self._policy, job.seed, forces=True, explain=True)
         episodes = {SUBJECT: subject}
         if not job.compared:
@@ -125,12 +125,12 @@ class TrialPlayer:
 def play_all(
     config: TrialConfig, jobs: Iterable[Job], spread: Spread | None = None
 ) -> Generator[Episodes, None, None]:
-    """Play episodes, each as soon as it can be, in order.
+    """Play episodes, and yield them in order.
 
     Args:
-        config: Who plays where.
-        jobs: What to play.
-        spread: A `map` over several processes; without it they are played in this one.
+        config: The players and environments.
+        jobs: The episodes to play.
+        spread: A `map` over several processes; by default episodes are played in this process.
     """
     if spread is not None:
         yield from spread(partial(_play_elsewhere, config), jobs)
@@ -145,7 +145,7 @@ def _play_elsewhere(config: TrialConfig, job: Job) -> Episodes:
 
 @lru_cache(maxsize=1)
 def _player_made_once(config: TrialConfig) -> TrialPlayer:
-    """A player that is kept for as long as its process lives."""
+    """A player that is cached for the lifetime of the process."""
     return TrialPlayer(config)
 
 
@@ -153,8 +153,8 @@ def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
     """The episodes of a trial.
 
     Args:
-        seeds: Of all.
-        compared: From how many of them, the first ones, all arms play.
+        seeds: All seeds.
+        compared: Number of first seeds that the baselines play too.
     """
     return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
 

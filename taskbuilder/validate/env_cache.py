@@ -1,4 +1,4 @@
-"""What a process keeps of the task that it validates: environments and experts, made once."""
+"""Caches of a validating process: the environments and experts of its task."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from taskbuilder.task import Task, load_task
 from taskbuilder.validate.locate import failure_of_description
 
 SMALL = (32, 24)
-"""Size of the pictures that agents see meanwhile; what is checked does not depend on it."""
+"""Size of observed images during validation; the checks do not depend on it."""
 
 
 class Start(NamedTuple):
@@ -32,12 +32,12 @@ class Start(NamedTuple):
 
 @dataclass(frozen=True)
 class EnvSource:
-    """Where every process of a validation finds the task.
+    """The source of the task, for every process of a validation.
 
     Attributes:
-        reference: Its name in the catalogue, or its path.
-        catalogue: Where names are looked up.
-        number: Of the validation: files that have changed since another are read anew.
+        reference: Name or path of the task.
+        catalogue: The catalogue that names are looked up in.
+        run: Number of the validation, so that files that have changed since another are reread.
     """
 
     reference: str
@@ -59,16 +59,16 @@ class EnvCache:
 
     @property
     def has_expert(self) -> bool:
-        """Whether the task has an expert, and one that can be planned for."""
+        """Whether the task has an expert whose action modes can be planned for."""
         return has_expert(self.task)
 
     def env(self, variation: int, horizon: int | None = None, *, endless: bool = False) -> TaskEnv:
-        """The environment of a variation, between episodes or in one that nobody needs any more.
+        """The environment of a variation, for a new episode.
 
         Args:
-            variation: Which.
-            horizon: Control steps of an episode; by default the task's.
-            endless: Episodes end by their length alone, whatever the task's ``ends_on`` says.
+            variation: Number of the variation.
+            horizon: Length of an episode in control steps; by default the task's.
+            endless: Ignore the task's ``ends_on``, so that episodes end by their length only.
         """
         key = (variation, horizon, endless)
         if key not in self._envs:
@@ -81,14 +81,14 @@ class EnvCache:
     def expert(
         self, variation: int, horizon: int | None = None, *, endless: bool = False
     ) -> Expert:
-        """The expert that plays in that environment."""
+        """The expert for this environment."""
         key = (variation, horizon, endless)
         if key not in self._experts:
             self._experts[key] = Expert(self.env(variation, horizon, endless=endless))
         return self._experts[key]
 
     def close(self) -> None:
-        """Free all physics."""
+        """Close all environments."""
         for expert in self._experts.values():
             expert.close()
         for env in self._envs.values():
@@ -98,22 +98,22 @@ class EnvCache:
 
 
 def _endless(task: Task) -> Task:
-    """The task with episodes that neither success nor failure ends."""
+    """The task without termination by success or failure."""
     spec = task.file.spec
     timing = spec.timing.model_copy(update={"ends_on": ()})
     return replace(task, file=replace(task.file, spec=spec.model_copy(update={"timing": timing})))
 
 
 _CACHES: dict[EnvSource, EnvCache] = {}
-"""Those of this process; a worker's go with the worker."""
+"""The studios of this process."""
 
 
 def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
-    """This process's cache for a validation.
+    """Open this process's cache for a validation.
 
     Args:
-        source: Where the task is found.
-        task: The task, where it has been loaded already.
+        source: The source of the task.
+        task: The task, if it has been loaded already.
     """
     if source not in _CACHES:
         loaded = task or load_task(source.reference, catalogue=source.catalogue)
@@ -122,17 +122,17 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
 
 
 def close_cache(source: EnvSource) -> None:
-    """Free what this process keeps for a validation, if it keeps anything."""
+    """Close this process's studio for a validation, if there is one."""
     cache = _CACHES.pop(source, None)
     if cache is not None:
         cache.close()
 
 
 class DescriptionError(Exception):
-    """A description raised an error while it was asked.
+    """A description raised an error.
 
     Attributes:
-        finding: Which, and at which line.
+        finding: The error and its line.
     """
 
     def __init__(self, finding: Finding) -> None:
@@ -141,12 +141,12 @@ class DescriptionError(Exception):
 
 
 def at_work(function: Callable[[EnvCache, Any], Any], source: EnvSource, item: Any) -> Any:
-    """Do a piece of work in this process; what a worker is sent.
+    """Run a unit of work in this process; sent to workers.
 
     Args:
-        function: Of a module, to be called with the process's cache and the item.
-        source: Where the task is found.
-        item: What the work is about.
+        function: A function of a module, called with the process's cache and the item.
+        source: The source of the task.
+        item: The item of work.
 
     Raises:
         DescriptionError: The description raised an error.

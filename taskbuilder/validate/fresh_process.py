@@ -1,4 +1,4 @@
-"""Work in fresh processes: interpreters that have done nothing before, each with hashes its own."""
+"""Work in fresh processes, each a new interpreter with a hash seed of its own."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from taskbuilder.jobs import worker_processes
 from taskbuilder.validate.env_cache import EnvCache, EnvSource, at_work
 
 Give = Callable[[Callable[[EnvCache, Any], Any], EnvSource, Any], Callable[[], list[Any]]]
-"""Gives fresh processes their work; what it returns waits for the results."""
+"""Gives work to fresh processes; the returned function waits for the results."""
 
 
 @contextmanager
 def fresh_processes(
     count: int, *, limit_s: float | None = None, beat: Callable[[], None] = lambda: None
 ) -> Iterator[Give]:
-    """Have the same work done in several fresh processes, while other things are done here.
+    """Run the same work in several fresh processes in the background.
 
-    They begin to load what they need at once, before there is any work for them. One that somebody
-    kills or stops is replaced by another.
+    The processes start to load their modules at once, before they get work. A process that is
+    killed or stopped from outside is replaced.
 
     Args:
-        count: How many processes.
-        limit_s: How long the work may take.
-        beat: Called again and again while results are waited for.
+        count: Number of processes.
+        limit_s: Time limit of the work.
+        beat: Called repeatedly while waiting for results.
 
     Yields:
-        Gives each of them the same work, once: a function of a module, which is called with the
-        process's cache and an item; where the task is found; and the item, which is picklable.
-        What this returns waits for the results. It raises DescriptionError if the description
-        raised an error, and LostError if a process was lost.
+        A function that gives the same work to each process, once. It takes a function of a module,
+        which is called with the process's cache and an item; the source of the task; and the
+        picklable item. It returns a function that waits for the results, and raises
+        DescriptionError if the description raised an error, or LostError if a process was lost.
     """
     with ExitStack() as stack:
         spreads = [

@@ -53,11 +53,10 @@ class Family:
     """A family of checks.
 
     Attributes:
-        name: As reports show it.
-        level: The first level that it belongs to.
-        check: Makes the checks.
-        after: Families that must have found no error for this one to mean anything: what they
-            find would show here again.
+        name: Name in reports.
+        level: The first level that includes it.
+        check: Runs its checks.
+        after: Families that must have passed for this one to be meaningful.
     """
 
     name: str
@@ -103,19 +102,18 @@ def validate_task(
     only: Collection[str] | None = None,
     apart: bool = True,
 ) -> TaskReport:
-    """Try to break a task.
+    """Validate a task.
 
     Args:
-        reference: Its name in the catalogue, or the path of its YAML file.
+        reference: Name of the task, or path of its YAML file.
         level: ``static`` (no physics), ``build``, or ``full``.
-        seeds: How many episodes to sample where chance is involved.
-        catalogue: Where names are looked up; by default that of this installation.
-        progress: Wraps the seeds of a family to show progress.
-        jobs: How many processes play episodes; the results do not depend on it.
-        only: Names of families: no others run, not even those whose errors
-            would show in them.
-        apart: Load and play the task in processes of their own alone, which its description can
-            end, crash or hold up without harm. In this one it can be debugged.
+        seeds: Number of seeds per variation.
+        catalogue: The catalogue that names are looked up in; by default that of this installation.
+        progress: Wraps the seeds of a family to display progress.
+        jobs: Number of processes that play episodes; results do not depend on it.
+        only: Names of the families to run; by default all.
+        apart: Load and play the task only in child processes, so that a description that crashes
+            or hangs does no harm. Use False to debug a description in this process.
 
     Raises:
         UnknownNameError: There is no such task.
@@ -158,12 +156,12 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
 
 
 def _loaded(config: ValidationConfig, listener: Listener) -> Task:
-    """The task; its description is imported first, so that what it does then can be told."""
+    """Load the task; its description is imported first, so that its errors can be located."""
     if not owned():
         return load_task(config.reference, catalogue=config.catalogue, guarded=True)
     entry = config.catalogue.task(config.reference)
     listener.begin(IMPORT, config.limits.import_s)
-    with suppress(FileError):  # what is wrong is found with all the rest
+    with suppress(FileError):  # errors are reported with all others
         load_description(entry)
     listener.begin(CHECK, config.limits.import_s)
     return load_task(config.reference, catalogue=config.catalogue)
@@ -173,7 +171,7 @@ def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
     """The families of a level, or some of them.
 
     Raises:
-        UsageError: There is none of a name.
+        UsageError: There is no family of this name.
     """
     known = {family.name: family for family in _families() if level in ("full", family.level)}
     for name in only or ():
@@ -220,11 +218,11 @@ def _play(
 
 
 FATAL = ("TB314", "TB315")
-"""Codes of findings that no other family would get past."""
+"""Codes of findings after which no other family can run."""
 
 
 def _with(report: TaskReport, context: Context, family: Family) -> TaskReport:
-    """A report with the result of one more family, or its name if it is not run."""
+    """Add the result of one more family to a report, or its name if it is skipped."""
     fatal = any(finding.code in FATAL for finding in report.findings)
     wrong = {*report.skipped, *(found.name for found in report.families if not found.ok)}
     if fatal or wrong & set(family.after):
@@ -235,7 +233,7 @@ def _with(report: TaskReport, context: Context, family: Family) -> TaskReport:
 
 
 def _checked(context: Context, family: Family) -> FamilyResult:
-    """A family's result; what a description raises meanwhile is a finding of it."""
+    """Run a family; an error of the description becomes a finding."""
     from taskbuilder.validate.env_cache import DescriptionError
     from taskbuilder.validate.locate import failure_of_description, finding_at, finding_of_scene
 

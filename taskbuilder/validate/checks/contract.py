@@ -1,8 +1,8 @@
-"""The contract family: what learning libraries rely on.
+"""The contract family: properties that learning libraries rely on.
 
-Agents are watched over a few episodes of the same actions: the expert's until it is done, if the
-task has an expert, and random ones from there on. Then come the tests that PettingZoo and Gymnasium
-ship; they are not run where what is observed is wrong, which they would only say in other words.
+Observations and rewards are checked over a few episodes of the same actions: those of the expert,
+if there is one, and random ones after it. Then the tests of PettingZoo and Gymnasium run, unless
+the observations were wrong, which these tests would only report again.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ SEED_CYCLES = 10
 
 
 def contract_family(context: Context) -> FamilyResult:
-    """Watch what agents see, and run the tests of PettingZoo and Gymnasium."""
+    """Check observations and rewards, and run the tests of PettingZoo and Gymnasium."""
     env, task = context.cache.env(0), context.task
     find = partial(finding_in_file, task)
     results = [_check_end(find, env)]
@@ -77,7 +77,7 @@ def contract_family(context: Context) -> FamilyResult:
 
 
 def _check_end(find: Find, env: TaskEnv) -> Result:
-    """An episode ends with its last control step, to which it is brought at once."""
+    """An episode ends at its last control step."""
     env.reset(seed=0)
     env.episode.steps = env.episode.horizon - 1
     if env.agents:
@@ -96,7 +96,7 @@ def _check_render(find: Find, env: TaskEnv) -> Result:
 
 
 def _actions(context: Context, env: TaskEnv) -> list[Actions]:
-    """What the agents do while they are watched."""
+    """The actions of the checked episodes."""
     by_chance = list(random_actions(env, 0))
     if not context.has_expert:
         return by_chance
@@ -110,7 +110,7 @@ def _check_suite(cache: EnvCache, code: str) -> Result:
 
 
 def check_suite(task: Task, code: str) -> Result:
-    """The environment that a task makes passes the tests of a library, whose warnings are not ours.
+    """The environment of a task passes the tests of a library; their warnings are ignored.
 
     Args:
         task: The task.
@@ -124,7 +124,7 @@ def check_suite(task: Task, code: str) -> Result:
     try:
         with without_remarks():
             suite(task)
-    except Exception as error:  # whatever the tests of others raise
+    except Exception as error:  # the tests of other libraries may raise anything
         if arose_in_description(error, task.file.entry):
             raise
         said = f"{type(error).__name__}: {error}".splitlines()[0]
@@ -160,14 +160,14 @@ SUITES: Mapping[str, tuple[str, Callable[[Task], None]]] = MappingProxyType(
         "TB523": ("check_env", _joint),
     }
 )
-"""Code -> the tests of a library, by name."""
+"""The tests of a library, by code: name and function."""
 
 _TESTS = ("parallel_api_test", "api_test", "seed_test", "check_env")
 
 
 @contextlib.contextmanager
 def _made(task: Task) -> Iterator[TaskEnv]:
-    """An environment whose spaces are seeded, so that the tests always act alike."""
+    """An environment with seeded spaces, so that the tests always draw the same actions."""
     env = _env(task)
     for agent in env.possible_agents:
         _seed(env.observation_space(agent), env.action_space(agent))
@@ -187,5 +187,5 @@ def _seed(*spaces: Any) -> None:
 
 
 def _cycles(env: TaskEnv) -> int:
-    """Control steps that show an episode's end, or enough of a long one."""
+    """Number of control steps up to the end of an episode, or less for a long one."""
     return min(env.episode.horizon + 10, MOST_CYCLES)

@@ -1,4 +1,4 @@
-"""The cost family: what episodes take, in figures without a verdict."""
+"""The cost family: measures speed, without a verdict."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ RESETS = 20
 
 
 def cost_family(context: Context) -> FamilyResult:
-    """Time steps, resets and building in this process; a second or two in all."""
+    """Measure the time of steps, resets and building in this process, in a second or two."""
     cost = measure_steps(context.task, episodes=EPISODES, repeats=REPEATS)
     reset_ms = measure_resets(context.task, resets=RESETS)
     figures = (

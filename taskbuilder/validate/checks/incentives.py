@@ -1,16 +1,16 @@
-"""The pays family: nothing that is easier than success earns as much as the expert does.
+"""The pays family: no probe earns as much as the expert.
 
-Every seed from which the expert succeeds is played again up to the end of each of its stages; from
-there on all hold still, or fail on purpose: from half of the seeds they drop what they hold, from
-the others they throw it away, because playing both from all would take half as long again. What
-random play, waiting, and the expert without a robot earn is known from the needs family.
+Every seed from which the expert succeeds is played again up to the end of each of its stages. From
+there on the robots hold still, or fail on purpose: they drop their objects from half of the seeds,
+and throw them from the others, which saves a third of the time. The returns of random actions,
+waiting, and the expert without a robot are known from the needs family.
 
-Compared are returns from the same seeds, pair by pair, undiscounted and at a discount of 0.95. The
-expert must earn more beyond doubt: the interval of the mean difference, at 95 %, lies above zero.
-Episodes that succeed are no rivals to success, whoever plays them; how many do is shown.
+Returns from the same seeds are compared pair by pair, undiscounted and at a discount of 0.95. The
+95 % interval of the mean difference must lie above zero. Episodes of a probe that succeed are left
+out; the report shows their number.
 
-Ways are judged in a fixed order, up to the first sort that pays as well as success; the finding
-names the closest of that sort, and how many others pay as well: they tend to have one reason.
+Probes are judged in a fixed order, up to the first kind that earns as much as success. The finding
+names the closest probe of that kind and the number of others, which usually have the same cause.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, w
 from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
 
 LEAST_PAIRS = 3
-"""Episodes that did not succeed, for a way that mostly succeeds to be held against the expert."""
+"""Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
 
 Plays = Mapping[Way, Mapping[Start, Rollout]]
-"""What was played, by way of playing, and by how the episode began."""
+"""Episodes by probe and start."""
 
 
 class Replayed(NamedTuple):
-    """An episode of the expert that is to be left at each of its stages."""
+    """An episode of the expert that probes leave after each of its stages."""
 
     start: Start
     rollout: Rollout
@@ -49,12 +49,12 @@ class Replayed(NamedTuple):
 
 @dataclass(frozen=True)
 class _Sort:
-    """A sort of playing that must not earn as much as success.
+    """A kind of probe that must not earn as much as success.
 
     Attributes:
-        code: Of the check.
-        name: What the check is about.
-        kinds: The kinds of its ways.
+        code: Code of the check.
+        name: Name of the check.
+        kinds: Prefixes of the names of its probes.
     """
 
     code: str
@@ -71,7 +71,7 @@ _SORTS = (
 
 
 def pays_family(context: Context) -> FamilyResult:
-    """Compare what the expert earns with what is easier."""
+    """Compare the returns of the expert with those of the probes."""
     plays: dict[Way, Mapping[Start, Rollout]] = {}
     if context.has_expert:
         starts = context.some_starts()
@@ -117,7 +117,7 @@ def _probe(way: Way, found: Mapping[Start, Rollout]) -> Probe:
 
 
 def _summary(plays: Plays) -> str:
-    """The closest rival of all, and by how much the expert leads it."""
+    """The closest probe, and the expert's lead over it."""
     rivals = [rival for sort in _SORTS for rival in _rivals(sort, plays)]
     if not rivals:
         return "every way of playing succeeds"
@@ -136,14 +136,14 @@ def _mean(values: Iterable[float]) -> float:
 
 
 def leave_stages(cache: EnvCache, job: Replayed) -> dict[Way, Rollout]:
-    """What comes of leaving the expert's way after each of its stages."""
+    """The episodes that leave the expert's script after each of its stages."""
     env, whole = cache.env(job.start.variation), job.rollout
     last = len(cache.task.file.spec.expert)
 
     def who(number: int) -> Mapping[Kind, Policy]:
         odd = job.start.seed // len(cache.task.file.scenes) % 2
         ways: dict[Kind, Policy] = {Kind.FAIL: ThrowAll() if odd else DropAll()}
-        # After the last one the expert itself holds still.
+        # After the last stage the expert itself holds still.
         return {**ways, Kind.STALL: HoldStill()} if number < last else ways
 
     return leave_after_stages(env, whole, who)
@@ -174,7 +174,7 @@ def _check_terms(context: Context, plays: Plays) -> Result:
 
 
 def _compared(context: Context, plays: Plays) -> Iterator[Result]:
-    """The sorts of playing in order, up to the first that pays as well as success."""
+    """Compare the kinds of probes in order, up to the first that earns as much as success."""
     for sort in _SORTS:
         if sort.code == "TB554" and context.task.file.spec.cooperation != "required":
             continue
@@ -192,15 +192,15 @@ def _compared(context: Context, plays: Plays) -> Iterator[Result]:
 
 @dataclass(frozen=True)
 class _Rival:
-    """What a way of playing earns beside the expert, from the same seeds.
+    """The returns of a probe and the expert, from the same seeds.
 
     Attributes:
-        way: The way.
-        discount: Of both returns.
-        expert: What the expert earns, in the mean.
-        earned: What this way earns, in the mean.
-        lead: The expert's return minus this way's, pair by pair.
-        steps: Control steps of the episode, each weighted by the discount to its power.
+        way: Name of the probe.
+        discount: Discount of the returns.
+        expert: Mean return of the expert.
+        earned: Mean return of the probe.
+        lead: The expert's return minus the probe's, pair by pair.
+        steps: Discounted number of control steps of the episode.
     """
 
     way: Way
@@ -216,7 +216,7 @@ def _pairs(rival: _Rival) -> str:
 
 
 def _closeness(rival: _Rival) -> tuple[bool, float]:
-    """How close a rival comes, least first; undiscounted returns come first if they are equal."""
+    """Sort key: the expert's lead, smallest first; for equal leads, undiscounted returns first."""
     return rival.lead.low > 0.0, rival.lead.low / rival.steps
 
 
@@ -230,10 +230,10 @@ def _rivals(sort: _Sort, plays: Plays) -> Iterator[_Rival]:
 def _beside_expert(
     way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout]
 ) -> Iterator[_Rival]:
-    """A way of playing beside the expert, undiscounted and discounted.
+    """Compare a probe with the expert, undiscounted and discounted.
 
-    Episodes that succeed are left out: they are what is paid for. So is a way of which fewer than
-    `LEAST_PAIRS` episodes are left while others succeed.
+    Successful episodes of the probe are left out, since the reward is meant for them. A probe is
+    left out if some of its episodes succeed and fewer than `LEAST_PAIRS` others remain.
     """
     common = [start for start, play in found.items() if start in expert and not play.success]
     if len(common) < (LEAST_PAIRS if len(common) < len(found) else 1):

@@ -1,14 +1,14 @@
-"""The needs family: nobody succeeds without all robots, nor by chance, nor by waiting.
+"""The needs family: the task cannot be done without all robots, by chance, or by waiting.
 
-Every seed is played once in each of several ways, the variations taking turns: holding still, at
-random, the expert without one of the robots, and one robot alone. A robot alone takes each object
-that the success condition names, at each of its grasp points, and brings it to each place that the
-condition names, or just up; where the condition names joints, it moves their object by each of its
-grasp points along them. Of these ways up to `MOST_SOLOS` are tried from a seed, taking turns.
+Every seed is played once by each of several probes, and the variations take turns: holding still,
+random actions, the expert without one of the robots, and one robot alone. A robot alone takes each
+object in the success condition, at each of its grasp points, and brings it to each place in the
+condition, or just up. If the condition names joints, it moves their object by each of its grasp
+points along them. From each seed up to `MOST_SOLOS` of these attempts are played, in turn.
 
-Ways are judged from the simplest on, up to the first that succeeds: where waiting is enough, all
-else is, too. Where the task says ``cooperation: optional``, what robots do without each other is
-measured but is no finding.
+Probes are judged from the simplest on, up to the first that succeeds: if waiting is enough,
+everything else is, too. If the task says ``cooperation: optional``, the success of single robots is
+measured and is not a finding.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ MOST_SOLOS = 3
 
 
 class Tried(NamedTuple):
-    """What was tried from a start.
+    """The episodes of all probes from a start.
 
     Attributes:
-        plays: What it came to, by way of playing.
-        in_reach: Grasp points that a robot could reach which is not to take them, with its name.
+        plays: The episodes, by probe.
+        in_reach: Robots with grasp points in reach that another robot should take.
     """
 
     plays: dict[Way, Rollout]
@@ -96,7 +96,7 @@ _SHORTCUTS = (
 
 
 def needs_family(context: Context) -> FamilyResult:
-    """Try to succeed without the robots, and without any plan."""
+    """Try to succeed without some of the robots, and without a plan."""
     starts = context.some_starts()
     in_reach: dict[tuple[str, str], list[Start]] = {}
     for start, tried in zip(starts, context.ask(try_ways, starts, "needs its robots"), strict=True):
@@ -113,7 +113,7 @@ def needs_family(context: Context) -> FamilyResult:
 
 
 def _matters(task: Task) -> bool:
-    """Whether robots must need each other."""
+    """Whether the task must need several robots."""
     return task.file.spec.cooperation == "required" and len(task.agents) > 1
 
 
@@ -140,7 +140,7 @@ def _called(way: Way) -> str:
 
 
 def try_ways(cache: EnvCache, start: Start) -> Tried:
-    """Every way of playing that must not succeed, from a start."""
+    """Play all probes that must not succeed, from a start."""
     task, env = cache.task, cache.env(start.variation)
     plays = {
         NOTHING: play_nothing(env, start.seed),
@@ -163,7 +163,7 @@ def try_ways(cache: EnvCache, start: Start) -> Tried:
 
 
 def _in_reach(cache: EnvCache, start: Start) -> Iterator[tuple[str, str]]:
-    """Which robots could take, at the start, what another one is to take first."""
+    """Robots that could take, at the start, an object that another one should take first."""
     task, env = cache.task, cache.env(start.variation)
     env.reset(seed=start.seed)
     world = env.episode.world
@@ -181,7 +181,7 @@ def _in_reach(cache: EnvCache, start: Start) -> Iterator[tuple[str, str]]:
 
 
 def _judged(context: Context) -> Iterator[Result]:
-    """The ways of playing, from the simplest on, up to the first that succeeds."""
+    """Judge the probes, from the simplest on, up to the first that succeeds."""
     for shortcut in _SHORTCUTS:
         plays = {way: found for way, found in context.plays.items() if way.kind is shortcut.kind}
         if not plays:
@@ -209,7 +209,7 @@ def _judged(context: Context) -> Iterator[Result]:
 def _check_out_of_reach(
     context: Context, in_reach: dict[tuple[str, str], list[Start]], episodes: int
 ) -> Result:
-    """What one robot is to fetch starts where no other can fetch it; a warning."""
+    """An object of one robot starts out of reach of the others; otherwise a warning."""
     findings = []
     for (robot, grasp), starts in in_reach.items():
         message = (

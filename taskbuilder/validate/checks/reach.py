@@ -1,4 +1,4 @@
-"""The reach family: every pose that the expert asks for is one that its robot can take.
+"""The reach family: every pose that the expert needs is reachable for its robot.
 
 A dry run goes through the stages without physics, from every seed in every variation. For each
 order the pose that lies farthest from the robot's shoulder is tried farther out still, along the
@@ -28,31 +28,31 @@ from taskbuilder.validate.report import Check, FamilyResult
 from taskbuilder.world.robot import Robot
 
 NEAR_M, NEAR_TURN = 0.004, math.radians(3.0)
-"""How near to a pose the tcp must come, which is what experts are content with."""
+"""Maximum deviation of the tcp from a pose (m, rad), the same as for experts."""
 
 FARTHEST_M = 0.5
-"""How far beyond a pose, or before it, is looked for the edge of what can be reached."""
+"""Maximum distance from a pose at which the edge of the workspace is searched, in metres."""
 
 HALVINGS = 6
 ATTEMPTS = 6
-"""Beginnings of inverse kinematics while the edge is looked for; a pose itself gets more."""
+"""Starts of inverse kinematics in the search for the edge; a pose itself gets more."""
 
 
 Key = tuple[int, str, str]
-"""An order: the number of its stage, its robot, and what is to be done."""
+"""An order: the number of its stage, its robot, and its words."""
 
 Verdict = Literal["fine", "warning", "error", ""]
 
 
 class Reached(NamedTuple):
-    """Whether a robot can take a pose that was asked of it.
+    """Whether a robot can reach a required pose.
 
     Attributes:
-        start: How the episode begins.
-        asked: What was asked.
-        pose: The pose of its tcp in the world: the first that can be taken, or else the first.
-        ok: Whether it can be taken.
-        distance: Of the pose from the robot's shoulder, in metres.
+        start: The start of the episode.
+        asked: The required pose with its alternatives.
+        pose: World pose of the tcp: the first reachable alternative, or else the first.
+        ok: Whether it is reachable.
+        distance: Distance of the pose from the robot's shoulder, in metres.
     """
 
     start: Start
@@ -68,11 +68,11 @@ class Reached(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """How far a pose is from the edge of what its robot can reach.
+    """The distance of a pose from the edge of the workspace.
 
     Attributes:
         reached: The pose.
-        metres: How much farther out it could be, below 0 where it must come nearer.
+        metres: How much farther out it could be; negative if it must be closer.
     """
 
     reached: Reached
@@ -105,7 +105,7 @@ def reach_family(context: Context) -> FamilyResult:
 
 
 def _play_missed(context: Context, found: Sequence[Reached]) -> Sequence[Reached]:
-    """Have the expert play from every start from which a pose seems out of reach."""
+    """Play the expert from every start with a pose that seems out of reach."""
     starts = sorted({reached.start for reached in found if not reached.ok})
     if starts and context.has_expert:
         for _ in context.demonstrate(starts, "reach, played"):
@@ -114,7 +114,7 @@ def _play_missed(context: Context, found: Sequence[Reached]) -> Sequence[Reached
 
 
 def _verdict(context: Context, reached: Reached) -> Verdict:
-    """What it means that a pose is, or is not, in reach; "" where physics shows otherwise."""
+    """The verdict on a pose; "" if the simulation shows that it is reachable."""
     if reached.ok:
         return "fine"
     asked, played = reached.asked, context.demonstrations.get(reached.start)
@@ -152,7 +152,7 @@ def _summary(context: Context, found: Sequence[Reached], worst: Margin | None) -
 def _findings(
     context: Context, missed: Sequence[tuple[Reached, Verdict]], margins: Sequence[Margin]
 ) -> list[Finding]:
-    """One for each order that asks for what cannot be reached."""
+    """A finding for each order with an unreachable pose."""
     short = {margin.reached.key: margin for margin in margins}
     findings: list[Finding] = []
     for key in dict.fromkeys(reached.key for reached, _ in missed):
@@ -186,7 +186,7 @@ def _far(metres: float) -> str:
 
 
 def dry_run_from(cache: EnvCache, start: Start) -> list[Reached]:
-    """Every pose that the expert asks for from a start."""
+    """All poses that the expert needs from a start."""
     env = cache.env(start.variation)
     env.reset(seed=start.seed)
     world = env.episode.world
@@ -201,7 +201,7 @@ def dry_run_from(cache: EnvCache, start: Start) -> list[Reached]:
 
 
 def find_margin(cache: EnvCache, reached: Reached) -> Margin:
-    """How much farther from the shoulder a pose could be, by halving."""
+    """How much farther from the shoulder a pose could be, by bisection."""
     robot = cache.env(reached.start.variation).episode.world.robots[reached.asked.robot]
     away = subtract(reached.pose.position, _shoulder(robot))
     outwards = scale(away, 1.0 / max(norm(away), 1e-9))
@@ -233,7 +233,7 @@ def reaches(robot: Robot, pose: Pose, attempts: int = 20) -> bool:
 
 
 def _shoulder(robot: Robot) -> Vec3:
-    """Where an arm's first joint is, in the world."""
+    """The position of an arm's first joint in the world."""
     x, y, z = (float(value) for value in robot.chain.frames[0][:3, 3])
     return robot.body.pose().apply((x, y, z))
 

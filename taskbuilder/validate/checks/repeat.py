@@ -1,10 +1,9 @@
-"""The repeat family: the same seed and actions give the same episode, wherever and whenever.
+"""The repeat family: the same seed and actions give the same episode, bit for bit.
 
-Played are the expert's actions if the task has an expert, else random ones, in up to `EPISODES`
-episodes, the variations taking turns: in each of two fresh processes, and in this one, where other
-episodes have been played. Where the fresh ones differ they are asked again, to play each episode
-twice over: what differs then differs everywhere. Of the ways in which an episode can fail to repeat
-itself only the first that explains the others is reported.
+Up to `EPISODES` episodes of the expert's actions, or of random ones without an expert, are played
+in each of two fresh processes, and in this one after other episodes. The variations take turns. If
+the fresh processes differ, each plays its episodes twice, to find out whether they differ even
+within a process. Only the first difference that explains the others is reported.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ from taskbuilder.validate.traces import (
 
 EPISODES = 3
 SAVED_AT = (0.25, 0.5, 0.75)
-"""Shares of an episode after which it is saved, to be gone back to."""
+"""Fractions of an episode at which its state is saved and restored."""
 
 
 class Script(NamedTuple):
-    """An episode that is to be repeated."""
+    """An episode to repeat."""
 
     start: Start
     actions: list[Actions]
@@ -87,7 +86,7 @@ def _scripts(context: Context, starts: Sequence[Start]) -> list[Script]:
 
 
 def _check_untouched(context: Context, script: Script) -> Result:
-    """Asking the description leaves the world as it was."""
+    """Evaluating the description does not change the world."""
     env = context.cache.env(script.start.variation)
     found = next(_changes(env, context.task, script), None)
     findings = []
@@ -100,7 +99,7 @@ def _check_untouched(context: Context, script: Script) -> Result:
 
 
 def _changes(env: TaskEnv, task: Task, script: Script) -> Iterator[Difference]:
-    """What a referee changes by asking, in an episode that no other referee watches."""
+    """What the evaluation by a referee changes in an episode."""
     world, modes = env.episode.world, env.episode.actions
     referee = Referee(task.description, task.agents)
     world.reset(script.start.seed)
@@ -173,7 +172,7 @@ def _differs(task: Task, code: str, start: Start, found: Difference) -> Finding:
 
 
 def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
-    """The part of a description that differs, if one can be told."""
+    """The part of a description that differs, if it can be identified."""
     description = task.description
     terms = {f"reward/{term.label}": (f"reward.{term.label}", term) for term in description.reward}
     named = {
@@ -193,7 +192,7 @@ def _again(context: Context, scripts: Sequence[Script]) -> list[Difference | Non
 
 
 def play_scripts(cache: EnvCache, scripts: Sequence[Script]) -> list[Trace]:
-    """One episode after the other."""
+    """Play episodes one after the other."""
     return [trace(cache.env(start.variation), start.seed, acts) for start, acts in scripts]
 
 
@@ -203,7 +202,7 @@ def play_scripts(cache: EnvCache, scripts: Sequence[Script]) -> list[Trace]:
 def _check_restores(
     context: Context, scripts: Sequence[Script], restored: Sequence[Difference | None]
 ) -> Result:
-    """An episode goes on the same from a state that was saved in the middle of it."""
+    """An episode continues identically from a saved state."""
     findings: list[Finding] = []
     for script, found in zip(scripts, restored, strict=True):
         if found and not findings:
@@ -215,7 +214,7 @@ def _check_restores(
 def _with_restores(
     env: TaskEnv, seed: int, actions: Sequence[Actions]
 ) -> tuple[Trace, Difference | None]:
-    """An episode, and where it differs when it goes on from saved states, the latest first."""
+    """An episode, and its differences after restoring saved states, the latest first."""
     marks = {round(share * len(actions)) for share in SAVED_AT}
     saved = []
     steps = list(trace(env, seed, ()))
@@ -224,7 +223,7 @@ def _with_restores(
             saved.append((number, env.save_state()))
         steps += go_on(env, [action])
     found = None
-    if not env.episode.exploded:  # with its world, the states would have gone
+    if not env.episode.exploded:  # otherwise its states are gone with its world
         for number, state in reversed(saved):
             env.load_state(state)
             again = list(go_on(env, actions[number:]))

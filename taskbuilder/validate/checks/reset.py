@@ -1,4 +1,4 @@
-"""The reset family: what shows over many episodes' beginnings."""
+"""The reset family: checks of the initial states of many episodes."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
 SETTLING_M = 0.003
-"""How far beyond its region a thing may come to rest: it is put down and settles."""
+"""Tolerance in metres for an object that settles at the edge of its region."""
 
 
 @dataclass
 class _Tally:
-    """What was seen over the beginnings of episodes."""
+    """Results collected over the resets."""
 
     episodes: int = 0
     misplaced: dict[str, Finding] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class _Tally:
 
 
 def reset_family(context: Context) -> FamilyResult:
-    """Begin episodes of the plain scene and of every variation, and look at each."""
+    """Reset episodes of every variation, and check each initial state."""
     task, measures = context.task, context.measures
     tally = _Tally()
     for variation in range(context.variations):
@@ -76,7 +76,7 @@ def _summary(tally: _Tally, measures: dict[str, float]) -> str:
 
 
 def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
-    """Begin an episode and look at it; False if no further one can begin in this world."""
+    """Reset an episode and check it; False if the world can no longer be used."""
     started = time.perf_counter()
     try:
         world.reset(start.seed)

@@ -1,4 +1,4 @@
-"""The solvable family: the task's own expert succeeds, from nearly every seed, in time, to last."""
+"""The solvable family: the expert succeeds from nearly every seed, in time, and success lasts."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from taskbuilder.validate.proportion import Proportion
 from taskbuilder.validate.report import Check, FamilyResult
 
 LEAST = 0.95
-"""Proportion of the seeds from which the expert must succeed."""
+"""Minimum fraction of seeds from which the expert must succeed."""
 
 LONGER, LEAST_LONGER = 3, 200
-"""How many times longer an episode is where time may be all that was wanting, and how many control
-steps long it is at least."""
+"""Factor and minimum (control steps) of the length of an episode that tests whether time was too
+short."""
 
 MOST_LONGER = 6
-"""How many such episodes are played."""
+"""Maximum number of such episodes."""
 
 LASTS_S = 2.0
-"""How long after the end of an episode success must still hold, everybody holding still."""
+"""Time for which success must still hold after the end, while all hold still, in seconds."""
 
 LASTING_SHARE = 10
-"""One seed in so many is played on in each variation, at least one."""
+"""One seed in this many is played on in each variation, and at least one."""
 
 MOST_REASONS = 3
-"""Why success did not hold, as many as a finding tells."""
+"""Maximum number of reasons in a finding."""
 
 MOST_FAILED = 3
-"""How many failed episodes the report keeps."""
+"""Maximum number of failed episodes in the report."""
 
 TOO_LATE = "no time left"
 
 
 def solvable_family(context: Context) -> FamilyResult:
-    """Let the expert play every seed in every variation."""
+    """Play the expert from every seed in every variation."""
     if not context.has_expert:
         return _without_expert(context)
     starts = context.every_start
@@ -102,7 +102,7 @@ def _summary(worst: Proportion, variations: int, needed: int, horizon: int) -> s
 
 
 def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
-    """The first that succeeded, and the first few that failed."""
+    """The first successful episode, and the first few failed ones."""
     listed = list(rollouts)
     good = next((demo for demo in listed if demo.success), None)
     bad = islice((demo for demo in listed if not demo.success), MOST_FAILED)
@@ -113,12 +113,12 @@ def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
 
 
 class PlayedOn(NamedTuple):
-    """What became of an episode after its end.
+    """The result of an episode that continued after its end.
 
     Attributes:
-        reached: The control step with which success was reached, or None.
-        held_s: Seconds, from then on, in which success held.
-        lasts: Success holds after the last control step.
+        reached: Control step at which success was reached, or None.
+        held_s: Time for which success held from then on, in seconds.
+        lasts: Whether success holds after the last control step.
     """
 
     reached: int | None
@@ -127,7 +127,7 @@ class PlayedOn(NamedTuple):
 
 
 def _passing(context: Context) -> list[Finding]:
-    """Whether what the expert reaches still holds when it then holds still."""
+    """Check whether success lasts while the expert holds still."""
     seeds = range(max(1, context.seeds // LASTING_SHARE))
     starts = [Start(variation, seed) for variation in range(context.variations) for seed in seeds]
     for start, played in zip(starts, context.ask(play_on, starts, "success lasts"), strict=True):
@@ -144,18 +144,18 @@ def _passing(context: Context) -> list[Finding]:
 
 
 def play_on(cache: EnvCache, start: Start) -> PlayedOn:
-    """Let the expert play an episode that goes on after its end, in which it holds still."""
+    """Play the expert in an episode that continues after its end while it holds still."""
     timing = cache.task.file.spec.timing
     horizon = timing.episode_steps + round(LASTS_S * timing.control_hz)
     played = cache.expert(start.variation, horizon, endless=True).play(start.seed)
     return PlayedOn(played.first_success, played.success_held_s, played.success_at_end)
 
 
-# --- what keeps it from succeeding
+# --- why it fails
 
 
 def _failing(context: Context, demos: Mapping[Start, Rollout], share: Proportion) -> Finding:
-    """Why the expert fails in a variation: for want of time, or otherwise."""
+    """A finding on why the expert fails in a variation: lack of time, or another reason."""
     failed = {start: demo for start, demo in demos.items() if not demo.success}
     others = [demo for demo in failed.values() if demo.trouble and demo.trouble.cause != TOO_LATE]
     suspects = [start for start, demo in failed.items() if demo not in others]
@@ -168,7 +168,7 @@ def _failing(context: Context, demos: Mapping[Start, Rollout], share: Proportion
 
 
 def play_longer(cache: EnvCache, start: Start) -> int | None:
-    """Control steps that the expert takes in an episode that may last longer; None if it fails."""
+    """Control steps of the expert in a longer episode; None if it fails."""
     horizon = max(LONGER * cache.task.file.spec.timing.episode_steps, LEAST_LONGER)
     return cache.expert(start.variation, horizon).play(start.seed).first_success
 
