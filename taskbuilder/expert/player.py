@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
@@ -13,6 +13,10 @@ from taskbuilder.expert.planning import Planner
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.spec.expert import ExpertStage, in_words
+
+Finish = bool | Literal["undecided"]
+"""Whether to hold still until the episode is over once the stages are done; ``"undecided"``: only
+if by then neither success was reached nor a stage could not be done."""
 
 
 class Expert:
@@ -42,7 +46,7 @@ class Expert:
         stages: Sequence[ExpertStage] | None = None,
         without: Collection[str] = (),
         persist: bool = False,
-        finish: bool = True,
+        finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
         forces: bool = False,
         explain: bool = False,
@@ -55,7 +59,8 @@ class Expert:
             stages: What to do in place of the stages of the task file.
             without: Robots that stay home: their parts of all stages are left out.
             persist: Go on with the next stage after one that could not be done.
-            finish: Hold still until the episode is over once the stages are done.
+            finish: Hold still until the episode is over once the stages are done; with
+                ``"undecided"`` only if by then success was not reached and no stage failed.
             after_stage: Called with a stage's number, from 1, when it is done and the next has
                 not begun; the environment may be saved there, and must be left as it was.
             forces: As for `taskbuilder.rollout.play`.
@@ -133,7 +138,7 @@ class _Script:
         *,
         without: frozenset[str] = frozenset(),
         persist: bool = False,
-        finish: bool = True,
+        finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
     ) -> None:
         self._env, self._planner, self._stages = env, planner, stages
@@ -173,6 +178,8 @@ class _Script:
             self._ends.append(self._env.episode.steps)
             self._after_stage(number)
         self._stage = 0
+        if self._finish == "undecided" and (self._env.episode.succeeded or self._trouble):
+            return
         while self._finish:
             yield self._performance.encoder.hold()
 

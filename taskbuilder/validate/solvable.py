@@ -8,6 +8,8 @@ from itertools import islice
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
+from taskbuilder.rollout.play import play, resume
+from taskbuilder.rollout.players import HoldStill, RecordedActions
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.places import (
     finding_in_description,
@@ -112,6 +114,13 @@ def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
 # --- whether success lasts
 
 
+class Played(NamedTuple):
+    """An episode of the expert that is to go on after its end."""
+
+    start: Start
+    demo: Rollout
+
+
 class PlayedOn(NamedTuple):
     """What became of an episode after its end.
 
@@ -130,7 +139,10 @@ def _passing(run: Run) -> list[Finding]:
     """Whether what the expert reaches still holds when it then holds still."""
     seeds = range(max(1, run.seeds // LASTING_SHARE))
     starts = [Start(variation, seed) for variation in range(run.variations) for seed in seeds]
-    for start, played in zip(starts, run.ask(play_on, starts, "success lasts"), strict=True):
+    demos = [run.demonstrations[start] for start in starts]
+    jobs = [Played(start, demo) for start, demo in zip(starts, demos, strict=True)]
+    asked = run.ask(play_on, starts, "success lasts", about=jobs)
+    for start, played in zip(starts, asked, strict=True):
         if played.reached is not None and not played.lasts:
             message = (
                 f"success passes: {start}, the expert reaches it at control step {played.reached}, "
@@ -143,11 +155,20 @@ def _passing(run: Run) -> list[Finding]:
     return []
 
 
-def play_on(studio: Studio, start: Start) -> PlayedOn:
-    """Let the expert play an episode that goes on after its end, in which it holds still."""
+def play_on(studio: Studio, job: Played) -> PlayedOn:
+    """Let the expert play an episode that goes on after its end, in which it holds still.
+
+    Where it did all its stages before, it would do the same again: that need not be planned anew.
+    """
     timing = studio.task.file.spec.timing
     horizon = timing.episode_steps + round(LASTS_S * timing.control_hz)
-    played = studio.expert(start.variation, horizon, endless=True).play(start.seed)
+    variation, seed = job.start
+    if len(job.demo.stage_ends) == len(studio.task.file.spec.expert):
+        env = studio.env(variation, horizon, endless=True)
+        begun = play(env, RecordedActions(job.demo.until(max(job.demo.stage_ends)).actions), seed)
+        played = resume(env, HoldStill(), begun)
+    else:
+        played = studio.expert(variation, horizon, endless=True).play(seed)
     return PlayedOn(played.first_success, played.success_held_s, played.success_at_end)
 
 
