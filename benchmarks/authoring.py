@@ -20,7 +20,7 @@ from pathlib import Path
 from machine import describe_machine
 
 from taskbuilder import build_world, catalogue, load_task
-from taskbuilder.render import take_still
+from taskbuilder.visual.still import take_still
 
 RESULTS = Path(__file__).parent / "results" / "authoring.json"
 RUNS = 9

@@ -24,7 +24,7 @@ from machine import describe_machine
 
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.plan import make_plan
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.training import TrainingStatus, train
 from taskbuilder.task import load_task
 
@@ -93,7 +93,7 @@ def pace(steps: int, workers: int, update_every: float) -> float:
     return (last - first) / (at[last] - at[first])
 
 
-def _nothing(policy: Policy) -> Evaluation:
+def _nothing(policy: TrainedPolicy) -> Evaluation:
     """No evaluation."""
     del policy
     return Evaluation(0.0, {})

@@ -19,8 +19,8 @@ import numpy as np
 
 from taskbuilder.cli import main as taskbuilder
 from taskbuilder.learn.zoo import zoo_names
-from taskbuilder.render import Pixels, save_image
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.visual.still import Pixels, save_image
 
 IMAGES = Path(__file__).parent / "images"
 RUNS = Path(__file__).parents[1] / "benchmarks" / "results" / "learning"

@@ -5,9 +5,9 @@ What is here is imported when it is first used, so that ``import taskbuilder`` c
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from taskbuilder._lazy import exported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
-    from taskbuilder.expert.player import Expert
+    from taskbuilder.expert.script.player import Expert
     from taskbuilder.learn.assessment import evaluate
-    from taskbuilder.learn.policy import Policy
+    from taskbuilder.learn.policy import TrainedPolicy
     from taskbuilder.learn.runs import train
     from taskbuilder.learn.zoo import load_policy
-    from taskbuilder.rollout.play import play, replay
+    from taskbuilder.rollout.play import Policy, play, replay
     from taskbuilder.rollout.record import Rollout
-    from taskbuilder.spec.catalogue import Catalogue
+    from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.environments import check_env
     from taskbuilder.validate.run import validate_task
@@ -40,6 +40,7 @@ __all__ = [
     "TaskEnv",
     "TaskVectorEnv",
     "TaskbuilderError",
+    "TrainedPolicy",
     "UnknownNameError",
     "UsageError",
     "World",
@@ -59,16 +60,17 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Catalogue": "taskbuilder.spec.catalogue",
-    "Expert": "taskbuilder.expert.player",
+    "Catalogue": "taskbuilder.schema.catalogue",
+    "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
-    "Policy": "taskbuilder.learn.policy",
+    "Policy": "taskbuilder.rollout.play",
     "Rollout": "taskbuilder.rollout.record",
     "Task": "taskbuilder.task",
     "TaskEnv": "taskbuilder.env.parallel",
     "TaskVectorEnv": "taskbuilder.env.vector",
     "TaskbuilderError": "taskbuilder.errors",
+    "TrainedPolicy": "taskbuilder.learn.policy",
     "UnknownNameError": "taskbuilder.errors",
     "UsageError": "taskbuilder.errors",
     "World": "taskbuilder.world.world",
@@ -87,15 +89,7 @@ _HOMES = {
 
 
 if not TYPE_CHECKING:  # to a type checker, a name that is not listed above is a mistake
-
-    def __getattr__(name: str) -> Any:
-        if name not in _HOMES:
-            raise AttributeError(f"module 'taskbuilder' has no attribute {name!r}")
-        return getattr(import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    __getattr__, __dir__ = exported(__name__, _HOMES)
 
 
 def catalogue(*folders: str) -> Catalogue:
@@ -107,6 +101,6 @@ def catalogue(*folders: str) -> Catalogue:
     Raises:
         UnknownNameError: A folder does not exist.
     """
-    from taskbuilder.spec.catalogue import Catalogue
+    from taskbuilder.schema.catalogue import Catalogue
 
     return Catalogue.discover(folders)

@@ -16,7 +16,6 @@ from typing import Any
 
 from taskbuilder.env.options import Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.render import take_still
 from taskbuilder.rollout.play import play, replay, replaying
 from taskbuilder.rollout.players import RandomActions
 from taskbuilder.rollout.record import Rollout
@@ -24,6 +23,7 @@ from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.motors import Command, Motors
 from taskbuilder.sim.renderers import probe_egl
 from taskbuilder.task import Task
+from taskbuilder.visual.still import take_still
 
 IMAGE_SIZES = ((84, 84), (128, 128), (640, 480))
 

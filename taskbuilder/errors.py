@@ -122,6 +122,10 @@ class ExplosionError(SimulationError):
     """The simulation diverged: a non-finite or absurd state. The world must be built anew."""
 
 
+class DivergenceError(TaskbuilderError):
+    """Learning came to numbers that are not finite."""
+
+
 class PlacementError(TaskbuilderError):
     """Objects could not be placed without overlap.
 

@@ -92,12 +92,12 @@ def workers(
     if count <= 1:
         yield map
         return
-    with crew([{}] * count, limit_s=limit_s, beat=beat, prepared=prepared) as spread:
+    with worker_processes([{}] * count, limit_s=limit_s, beat=beat, prepared=prepared) as spread:
         yield spread
 
 
 @contextmanager
-def crew(
+def worker_processes(
     environments: Sequence[Mapping[str, str]],
     *,
     limit_s: float | None = None,

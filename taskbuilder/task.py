@@ -11,10 +11,10 @@ from taskbuilder.description.check import check_description
 from taskbuilder.description.description import Description
 from taskbuilder.description.load import load_description, try_import
 from taskbuilder.errors import FileError, Finding, Location
-from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.expert import waits
-from taskbuilder.spec.load import TaskFile, TaskFileError, read_task
-from taskbuilder.spec.source import dotted
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.expert import waits
+from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
+from taskbuilder.schema.source import dotted
 from taskbuilder.wording import suggestion
 
 
@@ -98,7 +98,7 @@ def _check_waits(file: TaskFile, description: type[Description]) -> Iterator[Fin
             yield Finding("TB214", message, dotted(path), file.source.locate(path))
 
 
-def _where(description: type[Description], entry: Entry) -> Location:
+def _where(description: type[Description], entry: CatalogueEntry) -> Location:
     try:
         _, line = inspect.getsourcelines(description)
     except (OSError, TypeError):

@@ -8,15 +8,15 @@ from taskbuilder.description import (
     Distance,
     Duration,
     ForceAbove,
+    Fraction,
     Height,
     Held,
     Ladder,
-    Least,
     Level,
+    Minimum,
     Near,
     On,
     Once,
-    Share,
     Sustained,
     Then,
 )
@@ -51,7 +51,7 @@ class CollaborativeLift(Description):
         Bonus("goal", at_goal, 4.0),
     )
 
-    lowest = Least(
+    lowest = Minimum(
         Height("tray.left_handle", "table.top"), Height("tray.right_handle", "table.top")
     )
     progress = Ladder(
@@ -61,9 +61,9 @@ class CollaborativeLift(Description):
         + Ladder(0.0, (Held("tray.right_handle", by="right"), 0.5)),
         (
             lifted & On("cube", "tray"),
-            2.5 + 2.0 * Share(lowest - 0.05, of=0.08) + 2.0 * Closeness("cube", "goal"),
+            2.5 + 2.0 * Fraction(lowest - 0.05, of=0.08) + 2.0 * Closeness("cube", "goal"),
         ),
-        (presented, 7.5 + 2.0 * Share(Duration(presented), of=1.0)),
+        (presented, 7.5 + 2.0 * Fraction(Duration(presented), of=1.0)),
         (success, 10.5),
     )
 

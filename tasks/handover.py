@@ -8,13 +8,13 @@ from taskbuilder.description import (
     Distance,
     Duration,
     ForceAbove,
+    Fraction,
     GripperOpening,
     Height,
     Held,
     Ladder,
     Near,
     Once,
-    Share,
     Sustained,
     Then,
 )
@@ -47,7 +47,7 @@ class Handover(Description):
         Bonus("handover", handed_over, 2.0),
     )
 
-    lift = Share(Height("stick", "table.top"), of=0.1)
+    lift = Fraction(Height("stick", "table.top"), of=0.1)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "stick.left_end") + 0.15 * Closeness("right.tcp", "goal"),
         (
@@ -66,7 +66,7 @@ class Handover(Description):
             - 0.15 * Closeness("left.tcp", "stick.left_end")
             + 3.0 * Closeness("stick", "goal", scale=0.5),
         ),
-        (at_goal, 8.5 + 2.0 * Share(Duration(at_goal), of=1.0)),
+        (at_goal, 8.5 + 2.0 * Fraction(Duration(at_goal), of=1.0)),
         (success, 11.5),
     )
 

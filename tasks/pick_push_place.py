@@ -8,6 +8,7 @@ from taskbuilder.description import (
     Distance,
     Duration,
     ForceAbove,
+    Fraction,
     GripperOpening,
     Height,
     Held,
@@ -17,7 +18,6 @@ from taskbuilder.description import (
     On,
     Once,
     Released,
-    Share,
     Sustained,
     Then,
 )
@@ -55,7 +55,7 @@ class PickPushPlace(Description):
     cube_held = Held("cube", by="left")
     tray_held = Held("tray", by="right")
     over_tray = Near("cube", "above_tray", within=0.06)
-    lift = Share(Height("cube", "table.top") - 0.0225, of=0.06)
+    lift = Fraction(Height("cube", "table.top") - 0.0225, of=0.06)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "cube.middle")
         + 0.5 * Closeness("right.tcp", "tray.grip")
@@ -70,8 +70,8 @@ class PickPushPlace(Description):
             + lift * Closeness("cube", "above_tray", scale=0.08),
         ),
         (over_tray | in_tray, 6.0 + GripperOpening("left")),
-        (let_go, 8.0 - Share(Height("tray", "table.top"), of=0.1)),
-        (placed, 8.5 + 2.0 * Share(Duration(placed), of=1.0)),
+        (let_go, 8.0 - Fraction(Height("tray", "table.top"), of=0.1)),
+        (placed, 8.5 + 2.0 * Fraction(Duration(placed), of=1.0)),
         (success, 11.5),
     )
 

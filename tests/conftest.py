@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from taskbuilder.validate.formats.pages import make_page
+from taskbuilder.validate.html.page import make_page
 from taskbuilder.validate.run import validate_task
 
 # Tests are shared out over the cores already; with threads besides, they would wait for each other.

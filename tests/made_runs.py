@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.learn.plan import Plan, save_plan
-from taskbuilder.learn.policy import Network, Policy
+from taskbuilder.learn.policy import Network, TrainedPolicy
 from taskbuilder.learn.zoo import save_policy
 
 SCENE = """\
@@ -66,7 +66,7 @@ def sideways(
     seen: int = SEEN,
     said: int = SAID,
     **about: Any,
-) -> Policy:
+) -> TrainedPolicy:
     """A policy that pushes along y, whatever it sees; at half its speed it passes most goals."""
     bias = np.zeros(said, dtype=np.float32)
     bias[axis] = np.arctanh(push)
@@ -82,7 +82,7 @@ def sideways(
         "step": 20_000,
         "command": "taskbuilder train sideways.yaml --steps 20000 --seed 3",
     }
-    return Policy(dict.fromkeys(agents, net), known | about)
+    return TrainedPolicy(dict.fromkeys(agents, net), known | about)
 
 
 def policy_content(**options: Any) -> bytes:

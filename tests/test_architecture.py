@@ -11,9 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("errors", "geometry", "intervals", "interpreters", "quiet", "wording")
+FOUNDATION = ("_lazy", "errors", "geometry", "intervals", "interpreters", "quiet", "wording")
 
-FILES = ("spec", "assets", *FOUNDATION)
+FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
 SIMULATED = ("world", "sim", *TASKS_LOADED)
 
@@ -21,15 +21,13 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("validate", "bench", "trial", "learn", "data", "film", "expert", "portrait", "render"),
+        *("validate", "bench", "trial", "learn", "visual", "expert"),
         *(
             "rollout",
             "env",
             "digests",
             "reference",
-            "codes",
-            "curves",
-            "charts",
+            "diagnostics",
             "jobs",
             "arrays",
             "files",
@@ -37,23 +35,18 @@ LAYERS: dict[str, tuple[str, ...]] = {
         ),
     ),
     "validate": (
-        *("bench", "film", "expert", "render", "rollout", "env"),
-        *("codes", "jobs", "files", "processes", *SIMULATED),
+        *("bench", "visual", "expert", "rollout", "env"),
+        *("diagnostics", "jobs", "files", "processes", *SIMULATED),
     ),
-    "bench": ("expert", "render", "rollout", "env", *SIMULATED),
+    "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
     "trial": (*("learn", "expert", "rollout", "env", "machine", "digests", "files", *SIMULATED),),
     "learn": ("expert", "rollout", "env", "jobs", "arrays", "files", *SIMULATED),
-    "data": ("expert", "render", "rollout", "env", *SIMULATED),
-    "film": ("render", "rollout", "env", "files", *SIMULATED),
+    "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
-    "portrait": ("render", *SIMULATED),
-    "render": ("files", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
     "env": ("processes", *SIMULATED),
-    "reference": ("codes", "description", *FILES),
-    "codes": (),
-    "curves": ("charts",),
-    "charts": (),
+    "reference": ("diagnostics", "description", *FILES),
+    "diagnostics": (),
     "jobs": ("processes", "errors"),
     "machine": ("digests",),
     "digests": (),
@@ -63,7 +56,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "world": ("sim", *FILES),
     "sim": ("assets", *FOUNDATION),
     "description": ("processes", *FILES),
-    "spec": ("assets", "_library", *FOUNDATION),
+    "schema": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
     "processes": ("interpreters",),
     "geometry": (),
@@ -72,6 +65,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "errors": (),
     "wording": (),
     "interpreters": (),
+    "_lazy": (),
     "_library": (),
     "_version": (),
 }
@@ -80,23 +74,21 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/engine_output.py"),
-    "pydantic": ("taskbuilder/spec/", "taskbuilder/reference/"),
-    "pydantic_core": ("taskbuilder/spec/",),
-    "yaml": ("taskbuilder/spec/",),
+    "pydantic": ("taskbuilder/schema/", "taskbuilder/reference/"),
+    "pydantic_core": ("taskbuilder/schema/",),
+    "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),
-    "cv2": (
-        *("taskbuilder/render.py", "taskbuilder/portrait.py", "taskbuilder/film/"),
-        "taskbuilder/sim/cameras.py",
-    ),
-    "matplotlib": ("taskbuilder/charts.py", "taskbuilder/curves.py"),
+    "cv2": ("taskbuilder/visual/", "taskbuilder/sim/cameras.py"),
+    "jinja2": ("taskbuilder/validate/html/templates.py",),
+    "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "PIL": (
-        *("taskbuilder/render.py", "taskbuilder/film/files.py"),
-        "taskbuilder/validate/formats/pictures.py",
+        *("taskbuilder/visual/still.py", "taskbuilder/visual/video.py"),
+        "taskbuilder/validate/html/pictures.py",
     ),
 }
 
 # Checking files takes no numpy, so that it takes no time.
-WITHOUT_NUMPY = {"codes", "reference", *TASKS_LOADED}
+WITHOUT_NUMPY = {"diagnostics", "reference", *TASKS_LOADED}
 
 # These stand above the layers: they hand out, by name, what is below.
 ABOVE = tuple(

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tarfile
+import zipfile
 from email import message_from_bytes
 from pathlib import Path
 
@@ -15,7 +16,9 @@ import yaml
 from taskbuilder._version import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
-BUILD = "import sys; from setuptools import build_meta; print(build_meta.build_sdist(sys.argv[1]))"
+BUILD = "import sys; from setuptools import build_meta; build_meta.build_{}(sys.argv[1])"
+PAGES = [file.name for file in (ROOT / "taskbuilder/validate/html").glob("*.*")]
+"""Code, templates and style sheet of reports."""
 
 
 def own_files() -> list[str]:
@@ -29,18 +32,22 @@ def own_files() -> list[str]:
     return [str(file.relative_to(ROOT)) for file in (*ROOT.glob("*"), *files)]
 
 
-@pytest.fixture(scope="module")
-def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """The files of the archive of sources, by their paths in it."""
-    folder = tmp_path_factory.mktemp("built")
+def built(kind: str, folder: Path) -> Path:
+    """What is made of the files of a checkout: a source archive or a wheel."""
     for name in own_files():
         if (ROOT / name).is_file():
             (folder / "src" / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / "src" / name).write_bytes((ROOT / name).read_bytes())
-    command = [sys.executable, "-c", BUILD, str(folder)]
+    command = [sys.executable, "-c", BUILD.format(kind), str(folder)]
     subprocess.run(command, cwd=folder / "src", check=True, capture_output=True)
-    (archive,) = folder.glob("*.tar.gz")
-    with tarfile.open(archive) as file:
+    (file,) = (file for file in folder.iterdir() if file.is_file())
+    return file
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of the archive of sources, by their paths in it."""
+    with tarfile.open(built("sdist", tmp_path_factory.mktemp("built"))) as file:
         members = [member for member in file.getmembers() if member.isfile()]
         return {
             member.name.partition("/")[2]: file.extractfile(member).read()  # type: ignore[union-attr]
@@ -55,9 +62,17 @@ def test_the_archive_of_sources_is_whole(sources):
         *("tests/conftest.py", "tests/made_runs.py", "tests/learn/test_maddpg.py"),
         *("tests/interop/run.sh", "tasks/handover.yaml"),
         *("robots/ur5e/robot.yaml", "taskbuilder/py.typed"),
+        *(f"taskbuilder/validate/html/{name}" for name in PAGES),
     }
     assert needed <= set(sources)
     assert not [name for name in sources if "__pycache__" in name or "_build/" in name]
+
+
+def test_a_wheel_has_all_that_is_read_as_data(tmp_path):
+    with zipfile.ZipFile(built("wheel", tmp_path)) as wheel:
+        packed = set(wheel.namelist())
+    needed = {"taskbuilder/py.typed", "taskbuilder/tasks/handover.yaml"}
+    assert needed | {f"taskbuilder/validate/html/{name}" for name in PAGES} <= packed
 
 
 def test_the_text_of_a_package_index_leads_nowhere_that_an_index_has_not(sources):

@@ -8,7 +8,7 @@ import pytest
 
 from taskbuilder.description import Description
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 YAML = """\

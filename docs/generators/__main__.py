@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from generators import fill, pages
 from taskbuilder._library import folder
-from taskbuilder.spec.summaries import INDEX, index_text
+from taskbuilder.schema.summaries import INDEX, index_text
 
 for page in pages():
     text = page.read_text(encoding="utf-8")

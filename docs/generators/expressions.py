@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields
 
-from taskbuilder.description import Ladder, Least
+from taskbuilder.description import Ladder, Minimum
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
-from taskbuilder.description.node import All, Any_, Node, Not
+from taskbuilder.description.node import AllOf, AnyOf, Node, Not
 
 
 def expression(node: Node) -> str:
     """A condition or a measure as it is written in a description."""
     match node:
-        case All() | Any_():
-            return (" & " if isinstance(node, All) else " | ").join(
-                f"({expression(part)})" if isinstance(part, All | Any_) else expression(part)
+        case AllOf() | AnyOf():
+            return (" & " if isinstance(node, AllOf) else " | ").join(
+                f"({expression(part)})" if isinstance(part, AllOf | AnyOf) else expression(part)
                 for part in node.of
             )
         case Not():
             inner = expression(node.of)
-            return f"~({inner})" if isinstance(node.of, All | Any_) else f"~{inner}"
+            return f"~({inner})" if isinstance(node.of, AllOf | AnyOf) else f"~{inner}"
         case Constant():
             return f"{node.number:g}"
         case Sum():
@@ -31,8 +31,8 @@ def expression(node: Node) -> str:
                 f"({expression(factor)})" if isinstance(factor, Sum) else expression(factor)
                 for factor in node.of
             )
-        case Least():
-            return f"Least({', '.join(map(expression, node.of))})"
+        case Minimum():
+            return f"Minimum({', '.join(map(expression, node.of))})"
         case Ladder():
             rungs = (f"({expression(when)}, {expression(value)})" for when, value in node.rungs)
             return f"Ladder({', '.join((expression(node.ground), *rungs))})"

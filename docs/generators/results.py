@@ -37,11 +37,14 @@ def experts(_: str) -> str:
                 task,
                 variation,
                 f"{found['solved']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
+                f"{found['at_end']} of {found['episodes']}",
                 f"{found['first_success_median']:g}, at most {found['first_success_last']}",
+                f"{found['peak_force_largest']:.0f} N",
                 f"{found['planning_median_s']:.2f} s",
             ]
         )
-    head = ["task", "variation", "succeeds", "after control steps, median", "planning, median"]
+    head = ["task", "variation", "succeeds", "still at the last step"]
+    head += ["after control steps, median", "force between robots, largest", "planning, median"]
     return table(head, rows)
 
 

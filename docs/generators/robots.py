@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from taskbuilder.reference.markdown import number, side_by_side, table
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.robots import load_robot
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.robots import load_robot
 
 IMAGES = Path(__file__).parents[1] / "images"
 

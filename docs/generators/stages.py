@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from taskbuilder.reference.markdown import code, number
-from taskbuilder.spec.expert import NOTHING, ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.expert import NOTHING, ExpertStage, Order, Repeat, Together, Wait
 
 
 def numbered(stages: Sequence[ExpertStage], indent: str = "") -> str:

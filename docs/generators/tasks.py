@@ -12,9 +12,9 @@ from generators.expressions import expression
 from generators.stages import numbered
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
 from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import fill
-from taskbuilder.spec.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import fill
+from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
 from taskbuilder.task import Task, load_task
 
 DOCS = Path(__file__).parents[1]

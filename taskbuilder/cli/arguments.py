@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.kinds import whole
+from taskbuilder.cli.argument_types import whole
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
 from taskbuilder.wording import suggestion

@@ -13,23 +13,23 @@ from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, progress, say
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
-from taskbuilder.cli.trained import Place, is_trained
+from taskbuilder.cli.trained import EnvFactory, is_trained
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.files import write_whole
-from taskbuilder.film.film import save_film
-from taskbuilder.film.strip import film_strip
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.zoo import load_policy
-from taskbuilder.render import save_image
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
+from taskbuilder.visual.film import save_film
+from taskbuilder.visual.still import save_image
+from taskbuilder.visual.strip import film_strip
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -77,11 +77,11 @@ def _cast(catalogue: Catalogue, arguments: argparse.Namespace) -> Cast:
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
-    place = Place(arguments.task, catalogue, tuple(options.items()))
+    place = EnvFactory(arguments.task, catalogue, tuple(options.items()))
     cast = Cast(place, arguments.policy)
     if trained:
         with ExitStack() as stack:
-            cast.hire(stack)
+            cast.make_player(stack)
     return cast
 
 
@@ -97,10 +97,10 @@ class Cast:
         policy: Who plays.
     """
 
-    place: Place
+    place: EnvFactory
     policy: str
 
-    def hire(self, stack: ExitStack) -> Callable[[int], Rollout]:
+    def make_player(self, stack: ExitStack) -> Callable[[int], Rollout]:
         """What plays an episode from a seed; it is freed by the stack.
 
         Raises:
@@ -127,17 +127,17 @@ def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Rollout,
             yield from spread(partial(_play_elsewhere, cast), seeds)
         return
     with ExitStack() as stack:
-        yield from map(cast.hire(stack), seeds)
+        yield from map(cast.make_player(stack), seeds)
 
 
 def _play_elsewhere(cast: Cast, seed: int) -> Rollout:
-    return _hired_once(cast)(seed)
+    return _player_made_once(cast)(seed)
 
 
 @lru_cache(maxsize=1)
-def _hired_once(cast: Cast) -> Callable[[int], Rollout]:
+def _player_made_once(cast: Cast) -> Callable[[int], Rollout]:
     """A policy in its environment that is kept for as long as its process lives."""
-    return cast.hire(ExitStack())
+    return cast.make_player(ExitStack())
 
 
 # Saying
@@ -205,7 +205,7 @@ def _as_data(task: Task, episodes: Sequence[Rollout]) -> dict[str, Any]:
 
 def _show(task: Task, episode: Rollout, cast: Cast, arguments: argparse.Namespace) -> list[Path]:
     """Write what an episode looked like, and say where."""
-    from taskbuilder.charts import Mark, reward_chart  # a second, when all else is in order
+    from taskbuilder.visual.charts import Mark, reward_chart  # a second, when all else is in order
 
     stem = arguments.out / task.name.replace("/", "-")
     strip, chart = (stem.with_name(f"{stem.name}-{what}.png") for what in ("strip", "rewards"))

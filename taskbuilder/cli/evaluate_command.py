@@ -19,14 +19,14 @@ from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
-from taskbuilder.film.film import save_film
-from taskbuilder.film.shooting import Frame
 from taskbuilder.jobs import cores, workers
-from taskbuilder.learn.evaluation import Summary, summarise
+from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.trial.arms import SUBJECT, Arena, Job, by_arm, jobs_of, play_all
 from taskbuilder.trial.certificate import Trial, certificate, write_certificate
 from taskbuilder.trial.results import Arms, as_data, compare, record
+from taskbuilder.visual.capture import Frame
+from taskbuilder.visual.film import save_film
 
 CONTROLS = 20
 """From how many seeds those play that a policy is compared with, unless it is certified."""
@@ -146,7 +146,7 @@ def _write(
     found: Evaluated,
     data: dict[str, Any],
     arms: Arms,
-    summary: Summary,
+    summary: EvaluationSummary,
     arguments: argparse.Namespace,
 ) -> list[Path]:
     """Write the result and the films that were asked for, and say where."""

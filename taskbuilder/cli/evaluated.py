@@ -8,15 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.cli.trained import Place, task_of
+from taskbuilder.cli.trained import EnvFactory, task_of
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import POLICIES, has_expert
+from taskbuilder.expert.ways import Kind
 from taskbuilder.learn.evaluation import check_fits, options_of
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.arms import EXPERT, Arena
+from taskbuilder.trial.arms import Arena
 
 
 @dataclass(frozen=True)
@@ -33,21 +34,21 @@ class Evaluated:
     """
 
     name: str
-    player: Policy | str
+    player: TrainedPolicy | str
     file: Path | None
     task: Task
-    place: Place
+    place: EnvFactory
     options: Mapping[str, Any]
 
     @property
     def arena(self) -> Arena:
         """Who plays where, those that it is compared with included."""
-        return Arena(self.player, self.place, Place(self.place.task, self.place.catalogue, ()))
+        return Arena(self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ()))
 
     @property
     def about(self) -> Mapping[str, Any]:
         """What a trained policy says of itself."""
-        return self.player.about if isinstance(self.player, Policy) else {}
+        return self.player.about if isinstance(self.player, TrainedPolicy) else {}
 
 
 def named_player(name: str) -> tuple[str, str] | None:
@@ -80,7 +81,7 @@ def evaluated(
         StoreError: The policy is damaged.
     """
     named = named_player(name)
-    player: Policy | str
+    player: TrainedPolicy | str
     file: Path | None = None
     chosen: dict[str, Any] = {"variation": 0}
     if named is not None:
@@ -94,12 +95,12 @@ def evaluated(
         chosen["variation"] = variation
     reference = task or reference
     loaded = load_task(reference, catalogue=catalogue)
-    if player == EXPERT and not has_expert(loaded):
+    if player == Kind.EXPERT.value and not has_expert(loaded):
         raise UsageError(
             f"{loaded.name} has no expert; write its stages under expert: in "
             f"{display_path(loaded.file.entry.file)}"
         )
-    place = Place(reference, catalogue, tuple(chosen.items()))
+    place = EnvFactory(reference, catalogue, tuple(chosen.items()))
     return Evaluated(name, player, file, loaded, place, chosen)
 
 
@@ -110,5 +111,5 @@ def check_plays(found: Evaluated) -> None:
         UsageError: So it is.
     """
     with closing(found.place()) as env:
-        if isinstance(found.player, Policy):
+        if isinstance(found.player, TrainedPolicy):
             check_fits(found.player, env, found.name)

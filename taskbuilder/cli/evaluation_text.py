@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from taskbuilder.cli.output import paint, print_table
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.description.reasons import Reason
-from taskbuilder.learn.evaluation import Summary
+from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM
+from taskbuilder.learn.evaluation import EvaluationSummary
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.arms import EXPERT, NOTHING, RANDOM, STALL
 from taskbuilder.trial.results import Beside, Comparison, roles
 
 BAR = 24
@@ -26,7 +26,7 @@ _CALLED = {EXPERT: "the expert", RANDOM: "random play", NOTHING: "holding still"
 
 
 def print_result(
-    played: Sequence[Rollout], summary: Summary, beside: Comparison, stages: Sequence[str]
+    played: Sequence[Rollout], summary: EvaluationSummary, beside: Comparison, stages: Sequence[str]
 ) -> None:
     """Print what episodes say together, and those that are worth being looked at."""
     print(paint(_verdict(summary), "bold"))
@@ -54,7 +54,7 @@ def print_result(
         print(f"failed seeds: {', '.join(failed[:FEW])}{more}")
 
 
-def _verdict(summary: Summary) -> str:
+def _verdict(summary: EvaluationSummary) -> str:
     low, high = summary.interval
     parts = [
         f"{summary.successes} of {summary.episodes} succeeded ({summary.success_rate:.1%}), "
@@ -65,7 +65,7 @@ def _verdict(summary: Summary) -> str:
     return " · ".join(parts)
 
 
-def _at_end(summary: Summary) -> str:
+def _at_end(summary: EvaluationSummary) -> str:
     low, high = summary.interval_at_end
     said = (
         f"{summary.successes_at_end} of {summary.episodes} at the last step "
@@ -82,8 +82,8 @@ def _print_beside(beside: Comparison) -> None:
     rows = [["beside", "return", "policy's", "succeeded", "at the end", "seeds"]]
     rows += [_row(_CALLED[each.arm], each) for each in beside.controls]
     if beside.best_stall is not None:
-        number = beside.best_stall.arm.removeprefix(STALL)
-        rows.append(_row(f"best stall: after stage {number}", beside.best_stall))
+        stage = beside.best_stall.arm.stage
+        rows.append(_row(f"best stall: after stage {stage}", beside.best_stall))
     print_table(rows)
     if beside.normalized_return is not None:
         said = f"normalized return {beside.normalized_return:.2f}"
@@ -96,7 +96,7 @@ def _row(called: str, each: Beside) -> list[str]:
     return [called, earned, own, *rates, str(each.episodes)]
 
 
-def _print_stages(summary: Summary, stages: Sequence[str]) -> None:
+def _print_stages(summary: EvaluationSummary, stages: Sequence[str]) -> None:
     """How many episodes got how far and no further."""
     width = len(str(summary.episodes))
     rows = [["furthest stage", "episodes"]]
@@ -144,7 +144,7 @@ def _line(episode: Rollout) -> str:
     return f"seed {episode.seed}  {verdict}  return {episode.team_return:8.2f}  {how}"
 
 
-def shown(summary: Summary) -> dict[str, int]:
+def shown(summary: EvaluationSummary) -> dict[str, int]:
     """Seeds of the episodes that are shown, each once, by what they are shown for."""
     found: dict[str, int] = {}
     for role, seed in roles(summary).items():

@@ -6,18 +6,18 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.kinds import share, variation, whole
+from taskbuilder.cli.argument_types import share, variation, whole
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
 
 
-class Adder(Protocol):
+class CommandAdder(Protocol):
     """Adds a command to the parser."""
 
     def command(self, summary: str, example: str) -> argparse.ArgumentParser:
         """The parser of the command."""
 
 
-def add_train(adder: Adder) -> None:
+def add_train(adder: CommandAdder) -> None:
     """`taskbuilder train`."""
     parser = adder.command(
         "train a policy for each robot of a task",
@@ -108,7 +108,7 @@ def add_train(adder: Adder) -> None:
     )
 
 
-def add_evaluate(adder: Adder) -> None:
+def add_evaluate(adder: CommandAdder) -> None:
     """`taskbuilder evaluate`."""
     parser = adder.command(
         "measure what a policy achieves, to the end of episodes that it has never seen",
@@ -173,7 +173,7 @@ def add_evaluate(adder: Adder) -> None:
     add_json(parser)
 
 
-def add_plot(adder: Adder) -> None:
+def add_plot(adder: CommandAdder) -> None:
     """`taskbuilder plot`."""
     parser = adder.command(
         "draw the learning curves of training runs, those alike as one with its band",

@@ -8,8 +8,8 @@ from typing import Any
 from taskbuilder.cli.output import paint, print_json, print_table
 from taskbuilder.cli.tasks import catalogue_of
 from taskbuilder.errors import display_path
-from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.summaries import summarize
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.summaries import summarize
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _describe(entry: Entry, catalogue: Catalogue) -> dict[str, Any]:
+def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
     summary = summarize(entry, catalogue)
     return {
         "name": entry.name,

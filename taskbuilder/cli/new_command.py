@@ -11,7 +11,7 @@ from string import Template
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
-from taskbuilder.spec.values import RESERVED
+from taskbuilder.schema.values import RESERVED
 
 _ROBOT = Template("""\
     $name:

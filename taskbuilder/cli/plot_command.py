@@ -25,7 +25,7 @@ from taskbuilder.learn.run_groups import (
 )
 
 if TYPE_CHECKING:
-    from taskbuilder.curves import Curve, Group
+    from taskbuilder.visual.curves import Curve, Group
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     runs = [read_run(folder) for folder in folders.values()]
     groups = group_runs(runs)
     make_folder(arguments.out.parent)
-    from taskbuilder.curves import learning_curves  # a second, when all else is in order
+    from taskbuilder.visual.curves import learning_curves  # a second, when all else is in order
 
     names = names_of(groups)
     task = Path(runs[0].plan.task).stem
@@ -80,7 +80,7 @@ def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[RunLog]) -> 
 
 def _drawn(groups: Sequence[RunGroup], names: Sequence[str], runs: Sequence[RunLog]) -> list[Group]:
     """The groups as they are drawn."""
-    from taskbuilder.curves import Group
+    from taskbuilder.visual.curves import Group
 
     longest, labels = _longest(runs), labels_of(runs)
     return [
@@ -98,7 +98,7 @@ def _drawn(groups: Sequence[RunGroup], names: Sequence[str], runs: Sequence[RunL
 
 def _curve(lines: Sequence[Line]) -> Curve:
     """Runs and what they have in common; the same draws for all, so that pictures repeat."""
-    from taskbuilder.curves import Curve
+    from taskbuilder.visual.curves import Curve
 
     found = aggregate(lines, np.random.default_rng(0))
     return Curve(lines, (found.steps, found.iqm, found.low, found.high) if found else None)

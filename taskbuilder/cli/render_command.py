@@ -8,8 +8,8 @@ from pathlib import Path
 from taskbuilder.cli.output import print_json
 from taskbuilder.cli.tasks import asked_tasks, catalogue_of, check_views, make_folder
 from taskbuilder.errors import display_path
-from taskbuilder.render import contact_sheet, save_image, save_still, take_still
 from taskbuilder.task import Task, load_task
+from taskbuilder.visual.still import contact_sheet, save_image, save_still, take_still
 from taskbuilder.world.building import build_world
 
 

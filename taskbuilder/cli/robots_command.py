@@ -22,10 +22,10 @@ from taskbuilder.errors import (
     display_path,
     in_reading_order,
 )
-from taskbuilder.portrait import take_portrait
-from taskbuilder.render import save_image
-from taskbuilder.spec.catalogue import Catalogue, Entry, similar
-from taskbuilder.spec.robots import RobotModel, load_robot
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
+from taskbuilder.schema.robots import RobotModel, load_robot
+from taskbuilder.visual.robot_picture import take_robot_picture
+from taskbuilder.visual.still import save_image
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -55,7 +55,7 @@ def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
     return 0
 
 
-def _describe(entry: Entry, catalogue: Catalogue) -> dict[str, Any]:
+def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
     known = {"name": entry.name, "path": display_path(entry.file)}
     try:
         robot = load_robot(entry, catalogue.folders)
@@ -79,7 +79,7 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         joints = dict(zip(robot.spec.arm, robot.home, strict=True)) if robot else {}
         joints |= _open_gripper(robot) if robot else {}
         file = arguments.out or Path("renders", f"{robot.entry.name if robot else urdf.name}.png")
-        picture = _portrait(file, urdf, joints, findings, trusted=trusted)
+        picture = _robot_picture(file, urdf, joints, findings, trusted=trusted)
     ok = not any(finding.severity == "error" for finding in findings)
     if arguments.json:
         print_json(_check_data(arguments.robot, ok, urdf, findings, picture))
@@ -126,7 +126,7 @@ def _open_gripper(robot: RobotModel) -> dict[str, float]:
     return {name: ends.open for name, ends in robot.spec.gripper.joints.items()}
 
 
-def _portrait(
+def _robot_picture(
     file: Path,
     urdf: Urdf,
     joints: Mapping[str, float],
@@ -136,7 +136,7 @@ def _portrait(
 ) -> Path | None:
     """Take the picture, unless the engine does not survive or understand the asset."""
     try:
-        pixels, said = take_portrait(urdf, joints, trusted=trusted)
+        pixels, said = take_robot_picture(urdf, joints, trusted=trusted)
     except AssetError as error:
         findings.append(error.finding(location=Location(urdf.path)))
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from taskbuilder.cli.output import print_json
-from taskbuilder.spec.dump import json_schema
+from taskbuilder.schema.dump import json_schema
 
 
 def run(arguments: argparse.Namespace) -> int:

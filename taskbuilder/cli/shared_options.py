@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.kinds import size, whole
+from taskbuilder.cli.argument_types import size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from taskbuilder.cli.tasks import catalogue_of
-from taskbuilder.spec.dump import as_yaml
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.dump import as_yaml
+from taskbuilder.schema.load import read_task
 
 
 def run(arguments: argparse.Namespace) -> int:

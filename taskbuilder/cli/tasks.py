@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, reference_of
 from taskbuilder.learn.plan import Plan, make_plan
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
 

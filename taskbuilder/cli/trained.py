@@ -10,9 +10,9 @@ from typing import Any
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.expert.named import POLICIES
 from taskbuilder.learn.plan import RUN_FILE
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.runs import named_task, task_of_run
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 _SAW = {
@@ -28,7 +28,7 @@ _HELPED = {
 
 
 @dataclass(frozen=True)
-class Place:
+class EnvFactory:
     """Where a policy plays, in a form that other processes can be told.
 
     Attributes:
@@ -54,7 +54,7 @@ def is_trained(name: str) -> bool:
     return name.startswith("zoo:") or "/" in name or Path(name).exists()
 
 
-def task_of(name: str, policy: Policy, catalogue: Catalogue) -> Path:
+def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue) -> Path:
     """The file of the task that a policy is for; nothing is imported to find it.
 
     Args:

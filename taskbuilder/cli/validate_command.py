@@ -15,15 +15,15 @@ from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
 from taskbuilder.quiet import printing_to_stderr
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.validate.formats.blame import why_skipped
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
 from taskbuilder.validate.report import FamilyResult, TaskReport, as_data
 from taskbuilder.validate.run import QUICK_SEEDS, SEEDS, validate_task
 
 if TYPE_CHECKING:  # pages need the physics engine, which a static validation never loads
-    from taskbuilder.validate.formats.page import Page
+    from taskbuilder.validate.html.page import Page
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -82,7 +82,8 @@ class _Pages:
     def add(self, name: str, report: TaskReport) -> None:
         """Write the page of a task at once: it is there even if a later one is interrupted."""
         if self._folder:
-            from taskbuilder.validate.formats.pages import INDEX, make_page, write_page
+            from taskbuilder.validate.html.files import INDEX, write_page
+            from taskbuilder.validate.html.page import make_page
 
             taken = [INDEX, *(file for file, _ in self._written)]
             page = make_page(name, report, self._catalogue)
@@ -92,7 +93,7 @@ class _Pages:
         """Write the page that leads to the others; name the one to begin with, or ""."""
         if not self._folder:
             return ""
-        from taskbuilder.validate.formats.pages import write_index
+        from taskbuilder.validate.html.files import write_index
 
         index = write_index(self._folder, self._written)
         (first, _), *others = self._written

@@ -14,7 +14,7 @@ from taskbuilder.cli.tasks import catalogue_of
 from taskbuilder.digests import digest, digests_of_folder
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.zoo import policy_file
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.trial.arms import jobs_of
 from taskbuilder.trial.certificate import (
     LIBRARY,

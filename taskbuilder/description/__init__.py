@@ -3,6 +3,9 @@
 Everything that a description file needs is importable from here.
 """
 
+import warnings
+from typing import Any
+
 from taskbuilder.description.contact import Contact, EmptyHanded, ForceAbove, Held, On, Released
 from taskbuilder.description.custom import condition
 from taskbuilder.description.description import Description, Outcome
@@ -11,13 +14,13 @@ from taskbuilder.description.measures import (
     Closeness,
     ContactForce,
     Duration,
+    Fraction,
     Gap,
     GripperOpening,
     Height,
     Ladder,
-    Least,
     Measure,
-    Share,
+    Minimum,
     measure,
 )
 from taskbuilder.description.node import (
@@ -63,6 +66,7 @@ __all__ = [
     "Duration",
     "EmptyHanded",
     "ForceAbove",
+    "Fraction",
     "FrameName",
     "Gap",
     "GripperOpening",
@@ -73,9 +77,9 @@ __all__ = [
     "JointName",
     "JointPosition",
     "Ladder",
-    "Least",
     "Level",
     "Measure",
+    "Minimum",
     "Moved",
     "Near",
     "Never",
@@ -87,7 +91,6 @@ __all__ = [
     "Potential",
     "Released",
     "RobotName",
-    "Share",
     "SiteName",
     "SolidName",
     "Stationary",
@@ -100,3 +103,14 @@ __all__ = [
     "condition",
     "measure",
 ]
+
+_RENAMED = {"Least": "Minimum", "Share": "Fraction"}
+"""Names that descriptions may have been written with, kept for one version."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _RENAMED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    new = _RENAMED[name]
+    warnings.warn(f"{name} is called {new} now", FutureWarning, stacklevel=2)
+    return globals()[new]

@@ -12,7 +12,7 @@ from taskbuilder.description.measures import CustomMeasure, Measure
 from taskbuilder.description.node import Argument, Condition, Node
 from taskbuilder.description.rewards import Term
 from taskbuilder.errors import Finding, Location
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 DEEPEST = 100
 """How deep expressions may be nested in each other: Python goes some hundred calls deep."""

@@ -9,7 +9,7 @@ from taskbuilder.description.figures import beside, listed
 from taskbuilder.description.measures import one_body
 from taskbuilder.description.node import BodyName, Condition, Memory, RobotName, SolidName
 from taskbuilder.description.view import WorldView
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 _CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has less
 

@@ -20,7 +20,7 @@ from taskbuilder.description.node import (
     walk,
 )
 from taskbuilder.description.origin import is_ours
-from taskbuilder.description.reasons import Moment
+from taskbuilder.description.reasons import EvaluatedState
 from taskbuilder.description.rewards import Term
 from taskbuilder.description.view import WorldView
 
@@ -161,7 +161,7 @@ class Referee:
         self.values = values
         return self._outcome(values, stage)
 
-    def moment(self, world: WorldView, history: Sequence[Sequence[Any]]) -> Moment:
+    def moment(self, world: WorldView, history: Sequence[Sequence[Any]]) -> EvaluatedState:
         """The world as it was last judged, to ask for reasons.
 
         Args:
@@ -169,7 +169,7 @@ class Referee:
             history: `values` after every judgement of the episode, the last one included.
         """
         index = {node: position for position, node in enumerate(self._nodes)}
-        return Moment(world, index, self.memory[0], history)
+        return EvaluatedState(world, index, self.memory[0], history)
 
     def _outcome(self, values: list[Any], stage: int) -> Outcome:
         conditions = {name: values[position] for name, position in self._conditions}

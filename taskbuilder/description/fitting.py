@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from taskbuilder.description.measures import Measure
 from taskbuilder.description.node import Condition
-from taskbuilder.spec.names import Refers
+from taskbuilder.schema.names import Refers
 
 _WORDS = {
     bool: "True or False",

@@ -28,14 +28,14 @@ from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.interpreters import interpreter
 from taskbuilder.processes import environment_of_children, owned
 from taskbuilder.quiet import printing_to_stderr
-from taskbuilder.spec.catalogue import Entry
+from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.wording import suggestion
 
 TRIAL_LIMIT_S = 10.0
 _TRIAL = "from taskbuilder.description.load import main; main()"
 
 
-def load_description(entry: Entry) -> type[Description]:
+def load_description(entry: CatalogueEntry) -> type[Description]:
     """The description class of a task.
 
     Raises:
@@ -62,7 +62,7 @@ def load_description(entry: Entry) -> type[Description]:
     return found[0]
 
 
-def try_import(entry: Entry, limit_s: float = TRIAL_LIMIT_S) -> None:
+def try_import(entry: CatalogueEntry, limit_s: float = TRIAL_LIMIT_S) -> None:
     """Import a description in a child process first, where it can hang or die without harm.
 
     A description that merely raises is left for `load_description` to explain.
@@ -106,7 +106,7 @@ def try_import(entry: Entry, limit_s: float = TRIAL_LIMIT_S) -> None:
         raise FileError([Finding("TB213", message, location=Location(file, 1, 1))])
 
 
-def _import(entry: Entry, file: Path) -> ModuleType:
+def _import(entry: CatalogueEntry, file: Path) -> ModuleType:
     try:
         with printing_to_stderr():
             if entry.module:

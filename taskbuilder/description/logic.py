@@ -15,7 +15,7 @@ from taskbuilder.description.node import (
     blame_those,
 )
 from taskbuilder.description.view import WorldView
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 _TIME_SLACK = 1e-9  # seconds; times are sums of control steps
 

@@ -25,7 +25,7 @@ from taskbuilder.description.node import (
     ValueOfNodeError,
 )
 from taskbuilder.description.view import WorldView
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 
 class Measure(Node):
@@ -214,7 +214,7 @@ class Duration(Measure):
 
 
 @dataclass(frozen=True)
-class Share(Measure):
+class Fraction(Measure):
     """How much of a whole there is: measure / of, from 0 to 1."""
 
     measure: Measure
@@ -235,8 +235,8 @@ class Share(Measure):
 
 
 @dataclass(frozen=True, init=False)
-class Least(Measure):
-    """The least of measures: ``Least(Height("tray.left"), Height("tray.right"))``."""
+class Minimum(Measure):
+    """The least of measures: ``Minimum(Height("tray.left"), Height("tray.right"))``."""
 
     of: tuple[Measure, ...]
 

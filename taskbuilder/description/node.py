@@ -22,7 +22,7 @@ from typing import Annotated, Any, NamedTuple, SupportsFloat, get_args, get_type
 from taskbuilder.description.origin import is_ours, place_of
 from taskbuilder.description.view import WorldView
 from taskbuilder.errors import Location, TaskbuilderError
-from taskbuilder.spec.names import Kind, Refers, SceneNames
+from taskbuilder.schema.names import Kind, Refers, SceneNames
 
 RobotName = Annotated[str, Refers("robot")]
 ObjectName = Annotated[str, Refers("object")]
@@ -215,10 +215,10 @@ class Condition(Node):
         return None
 
     def __and__(self, other: Condition) -> Condition:
-        return All(_flat(All, self) + _flat(All, other))
+        return AllOf(_flat(AllOf, self) + _flat(AllOf, other))
 
     def __or__(self, other: Condition) -> Condition:
-        return Any_(_flat(Any_, self) + _flat(Any_, other))
+        return AnyOf(_flat(AnyOf, self) + _flat(AnyOf, other))
 
     def __invert__(self) -> Condition:
         return Not(self)
@@ -228,10 +228,10 @@ class Condition(Node):
         raise TypeError("a condition has no truth of its own; combine conditions by &, | and ~")
 
 
-def _flat(sort: type[All] | type[Any_], node: Condition) -> tuple[Condition, ...]:
+def _flat(sort: type[AllOf] | type[AnyOf], node: Condition) -> tuple[Condition, ...]:
     if not isinstance(node, Condition):
         raise TypeError(f"{node!r} is no condition; combine conditions with conditions")
-    return node.of if isinstance(node, All | Any_) and type(node) is sort else (node,)
+    return node.of if isinstance(node, AllOf | AnyOf) and type(node) is sort else (node,)
 
 
 def blame_those(of: tuple[Condition, ...], values: Parts, *, wanted: bool, every: bool) -> Blame:
@@ -241,7 +241,7 @@ def blame_those(of: tuple[Condition, ...], values: Parts, *, wanted: bool, every
 
 
 @dataclass(frozen=True)
-class All(Condition):
+class AllOf(Condition):
     """Every one of several conditions; written ``a & b``."""
 
     of: tuple[Condition, ...]
@@ -262,7 +262,7 @@ class All(Condition):
 
 
 @dataclass(frozen=True)
-class Any_(Condition):  # noqa: N801  # `Any` would hide typing's
+class AnyOf(Condition):  # `Any` would hide typing's
     """At least one of several conditions; written ``a | b``."""
 
     of: tuple[Condition, ...]

@@ -44,7 +44,7 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Moment:
+class EvaluatedState:
     """A state of an episode, and the values that led to it.
 
     Attributes:
@@ -82,7 +82,7 @@ class Moment:
         return best
 
 
-def reasons(node: Condition, moment: Moment, *, wanted: bool, of: str) -> list[Reason]:
+def reasons(node: Condition, moment: EvaluatedState, *, wanted: bool, of: str) -> list[Reason]:
     """Why a condition is not as it is wanted; nothing if it is.
 
     Args:
@@ -107,7 +107,7 @@ def reasons(node: Condition, moment: Moment, *, wanted: bool, of: str) -> list[R
     return [_one_of(node, found, moment, of)]
 
 
-def _kept(node: Condition, moment: Moment, wanted: bool, of: str) -> Iterator[Reason]:
+def _kept(node: Condition, moment: EvaluatedState, wanted: bool, of: str) -> Iterator[Reason]:
     """For how long what has to last did last, where it no longer does."""
     if not (isinstance(node, Sustained) and wanted):
         return
@@ -119,7 +119,9 @@ def _kept(node: Condition, moment: Moment, wanted: bool, of: str) -> Iterator[Re
         yield Reason(of, label(node), says, moment.since(node))
 
 
-def _one_of(node: Condition, found: Sequence[Sequence[Reason]], moment: Moment, of: str) -> Reason:
+def _one_of(
+    node: Condition, found: Sequence[Sequence[Reason]], moment: EvaluatedState, of: str
+) -> Reason:
     """Several reasons of which one would have to go, as one."""
     shown = found[:MOST_ALTERNATIVES]
     said = [" and ".join(f"{r.part}: {r.says}" for r in each) for each in shown]

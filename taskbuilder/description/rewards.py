@@ -13,7 +13,7 @@ from dataclasses import KW_ONLY, dataclass
 from taskbuilder.description.measures import Measure
 from taskbuilder.description.node import Condition, FrameName, Memory, Node, Parts, RobotName, Step
 from taskbuilder.description.view import WorldView
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 
 class Term(Node):

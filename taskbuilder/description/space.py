@@ -20,7 +20,7 @@ from taskbuilder.description.node import (
 )
 from taskbuilder.description.view import WorldView
 from taskbuilder.geometry import norm, subtract, turn_between
-from taskbuilder.spec.names import SceneNames
+from taskbuilder.schema.names import SceneNames
 
 
 @dataclass(frozen=True)

@@ -10,20 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.env.arm_modes import Arm, ArmMode, Targets
-from taskbuilder.env.joint_modes import JointDelta, JointPosition, JointTorque, JointVelocity
-from taskbuilder.env.tcp_modes import TcpDelta, TcpPath, TcpPose
-from taskbuilder.spec.scene import ActionSpec
+from taskbuilder.env.joint_modes import (
+    JointDeltaMode,
+    JointPositionMode,
+    JointTorqueMode,
+    JointVelocityMode,
+)
+from taskbuilder.env.tcp_modes import TcpDeltaMode, TcpPathMode, TcpPoseMode
+from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
 ARM_MODES: Mapping[str, Callable[[Arm], ArmMode]] = {
-    "tcp_delta": TcpDelta,
-    "tcp_pose": TcpPose,
-    "tcp_path": TcpPath,
-    "joint_delta": JointDelta,
-    "joint_position": JointPosition,
-    "joint_velocity": JointVelocity,
-    "joint_torque": JointTorque,
+    "tcp_delta": TcpDeltaMode,
+    "tcp_pose": TcpPoseMode,
+    "tcp_path": TcpPathMode,
+    "joint_delta": JointDeltaMode,
+    "joint_position": JointPositionMode,
+    "joint_velocity": JointVelocityMode,
+    "joint_torque": JointTorqueMode,
 }
 """Arm modes by the name that task files give them."""
 

@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Protocol
 
 from taskbuilder.geometry import Pose, Quat, norm
-from taskbuilder.sim.stepper import ArmStepper
-from taskbuilder.spec.scene import ActionSpec
+from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.sim.differential_ik import DifferentialIK
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
@@ -32,7 +32,7 @@ class Arm:
         robot: The robot.
         spec: What its action means.
         dt: Length of a control step, s.
-        stepper: The arm's inverse kinematics.
+        ik: The arm's inverse kinematics.
         longest: How far each joint can move in a control step, rad or m.
         home: Orientation of the tool at home, in the base frame.
         base_from_world: The world's frame as seen from the base, which never moves.
@@ -42,7 +42,7 @@ class Arm:
     robot: Robot
     spec: ActionSpec
     dt: float
-    stepper: ArmStepper
+    ik: DifferentialIK
     longest: tuple[float, ...]
     home: Quat
     base_from_world: Pose
@@ -50,11 +50,11 @@ class Arm:
     @classmethod
     def of(cls, world: World, robot: Robot, spec: ActionSpec, dt: float) -> Arm:
         """Prepare a robot's arm."""
-        stepper = ArmStepper.of(robot.chain)
+        ik = DifferentialIK.of(robot.chain)
         longest = tuple((joint.velocity or math.pi) * dt for joint in robot.model.arm)
-        home = stepper.forward(robot.home).quaternion
+        home = ik.forward(robot.home).quaternion
         base_from_world = robot.body.pose().inverse()
-        return cls(world, robot, spec, dt, stepper, longest, home, base_from_world)
+        return cls(world, robot, spec, dt, ik, longest, home, base_from_world)
 
     @cached_property
     def tcp_name(self) -> str:
@@ -64,8 +64,8 @@ class Arm:
     @property
     def reach(self) -> float:
         """How far the tool can get from the base at most, m."""
-        links = [norm(offset) for offset, _ in self.stepper.offsets]
-        return sum(links) + norm(self.stepper.tool.position)
+        links = [norm(offset) for offset, _ in self.ik.offsets]
+        return sum(links) + norm(self.ik.tool.position)
 
     def approach(self, joints: Sequence[float], goal: Sequence[float]) -> list[float]:
         """Joints on the straight line to a goal, as far as one control step allows."""

@@ -11,32 +11,34 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.env.errors import ActionError, AgentError
-from taskbuilder.env.shared import Form
+from taskbuilder.env.shared_buffers import Signature
 from taskbuilder.errors import UsageError
 
 _SEED_LIMIT = 2**63
 
 
-def read_actions(actions: Any, form: Form, num_envs: int) -> dict[str, NDArray[np.float64]]:
+def read_actions(
+    actions: Any, signature: Signature, num_envs: int
+) -> dict[str, NDArray[np.float64]]:
     """Every agent's actions: (num_envs, n) float64, checked but not clipped.
 
     Raises:
         AgentError: It is no mapping, an agent's actions are missing, or there is no such agent.
         ActionError: Actions are not finite, or of another shape or kind.
     """
-    agents = ", ".join(form.agents)
+    agents = ", ".join(signature.agents)
     if not isinstance(actions, Mapping):
         kind = type(actions).__name__
         raise AgentError(f"actions are a mapping from agent to array, not {kind}; agents: {agents}")
-    missing = [agent for agent in form.agents if agent not in actions]
-    unknown = [agent for agent in actions if agent not in form.agents]
+    missing = [agent for agent in signature.agents if agent not in actions]
+    unknown = [agent for agent in actions if agent not in signature.agents]
     if missing or unknown:
         parts = [f"no actions for {', '.join(missing)}"] if missing else []
         parts += [f"no agent {', '.join(map(str, unknown))}"] if unknown else []
         raise AgentError(f"{'; '.join(parts)}; the agents are {agents}")
     return {
         agent: _read(agent, actions[agent], space, num_envs)
-        for agent, space in form.action_spaces.items()
+        for agent, space in signature.action_spaces.items()
     }
 
 

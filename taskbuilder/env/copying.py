@@ -19,7 +19,7 @@ from taskbuilder.env.episode import Actions, Episode
 from taskbuilder.env.observing import Observer
 from taskbuilder.env.options import Options
 from taskbuilder.errors import FileError, UsageError
-from taskbuilder.spec.catalogue import Entry
+from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.task import Task
 
 Env = TypeVar("Env", bound="Copyable")
@@ -95,7 +95,7 @@ def _recipe(env: Copyable) -> Recipe:
 
 
 def _unpacked(
-    kind: type[Env], entry: Entry, packed: bytes, recipe: Recipe, rest: dict[str, Any]
+    kind: type[Env], entry: CatalogueEntry, packed: bytes, recipe: Recipe, rest: dict[str, Any]
 ) -> Env:
     try:
         load_description(entry)

@@ -18,8 +18,8 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.interpreters import Lineage
+from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.sim.single import Single
-from taskbuilder.spec.scene import ActionSpec
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.randomness import EpisodeRandomness

@@ -10,7 +10,7 @@ from taskbuilder.env.arm_modes import Arm, Targets
 
 
 @dataclass(frozen=True)
-class JointDelta:
+class JointDeltaMode:
     """Moves each commanded joint by a step: rad, at most `max_turn_deg`; m, at most `max_step`."""
 
     arm: Arm
@@ -21,17 +21,17 @@ class JointDelta:
         spec = self.arm.spec
         steps = [
             min(most, math.radians(spec.max_turn_deg) if turns else spec.max_step)
-            for most, turns in zip(self.arm.longest, self.arm.stepper.turns, strict=True)
+            for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
         ]
         return tuple((-step, step) for step in steps)
 
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
-        stepper = self.arm.stepper
+        ik = self.arm.ik
         return [
             min(max(joint + value, low), high)
             for joint, value, low, high in zip(
-                self.arm.robot.commanded(), values, stepper.lower, stepper.upper, strict=True
+                self.arm.robot.commanded(), values, ik.lower, ik.upper, strict=True
             )
         ]
 
@@ -41,7 +41,7 @@ class JointDelta:
 
 
 @dataclass(frozen=True)
-class JointPosition:
+class JointPositionMode:
     """Moves the joints towards positions within their limits, at most at their speed limits."""
 
     arm: Arm
@@ -49,10 +49,10 @@ class JointPosition:
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `ArmMode.bounds`; a joint without limits turns once either way."""
-        stepper = self.arm.stepper
+        ik = self.arm.ik
         return tuple(
             (low, high) if math.isfinite(high - low) else (-math.pi, math.pi)
-            for low, high in zip(stepper.lower, stepper.upper, strict=True)
+            for low, high in zip(ik.lower, ik.upper, strict=True)
         )
 
     def command(self, values: Sequence[float]) -> Targets:
@@ -65,7 +65,7 @@ class JointPosition:
 
 
 @dataclass(frozen=True)
-class JointVelocity:
+class JointVelocityMode:
     """Turns or slides the joints at velocities, rad/s or m/s."""
 
     arm: Arm
@@ -89,7 +89,7 @@ class JointVelocity:
 
 
 @dataclass(frozen=True)
-class JointTorque:
+class JointTorqueMode:
     """Applies torques (Nm) or forces (N) to the joints; nothing makes up for gravity."""
 
     arm: Arm

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose, Quat, multiply
-from taskbuilder.sim.faults import REACH_M, SPEED_LIMIT
-from taskbuilder.spec.channels import CAMERA_QUANTITIES, Channel
-from taskbuilder.spec.task import Noise
+from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
+from taskbuilder.schema.task import Noise
+from taskbuilder.sim.divergence import REACH_M, SPEED_LIMIT
 from taskbuilder.world.world import World
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ _FORCE_LIMIT = 1e4  # newtons
 
 
 @dataclass(frozen=True)
-class Reading:
+class ObservedValue:
     """One channel, ready to be read.
 
     Attributes:
@@ -51,7 +51,7 @@ class Reading:
         """How many numbers it has."""
         return len(self.low)
 
-    def with_matrix(self) -> Reading:
+    def with_matrix(self) -> ObservedValue:
         """The same with rotations as the first two columns of their matrices, six numbers."""
         if self.turns is None:
             return self
@@ -91,7 +91,7 @@ class Reading:
 class View:
     """What one observer sees: channels of numbers in one vector, and cameras beside it."""
 
-    def __init__(self, readings: Sequence[Reading], cameras: Sequence[Channel]) -> None:
+    def __init__(self, readings: Sequence[ObservedValue], cameras: Sequence[Channel]) -> None:
         self.readings = tuple(readings)
         self.cameras = tuple(cameras)
         numbers = [value for reading in self.readings for value in reading.low]
@@ -118,7 +118,9 @@ class View:
         return {r.name: piece.copy() for r, piece in zip(self.readings, pieces, strict=True)}
 
 
-def make_reading(name: str, channel: Channel, world: World, noise: Noise | None = None) -> Reading:
+def make_reading(
+    name: str, channel: Channel, world: World, noise: Noise | None = None
+) -> ObservedValue:
     """Prepare a channel of numbers.
 
     Args:
@@ -128,7 +130,7 @@ def make_reading(name: str, channel: Channel, world: World, noise: Noise | None 
         noise: Gaussian noise on it.
     """
     read, low, high, turns = _parts(channel, world)
-    return Reading(name, read, low, high, turns, noise)
+    return ObservedValue(name, read, low, high, turns, noise)
 
 
 def is_camera(channel: Channel, world: World) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
-    Reading,
+    ObservedValue,
     View,
     everything,
     is_camera,
@@ -22,9 +22,9 @@ from taskbuilder.env.observations import (
 from taskbuilder.env.options import Options
 from taskbuilder.env.spaces import VECTOR, image_values, observation_space
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.channels import Channel, default_channels, parse_channel
+from taskbuilder.schema.task import Noise
 from taskbuilder.sim.cameras import CameraView, Image, capture
-from taskbuilder.spec.channels import Channel, default_channels, parse_channel
-from taskbuilder.spec.task import Noise
 from taskbuilder.task import Task
 from taskbuilder.world.world import World
 
@@ -92,7 +92,7 @@ class Observer:
 
     def _reading(
         self, text: str, channel: Channel, agent: str | None, noise: Noise | None
-    ) -> Reading:
+    ) -> ObservedValue:
         if agent and self._own_frames and channel.frame == "world":
             channel = replace(channel, frame=f"{agent}.base")
         reading = make_reading(text, channel, self._world, noise)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Literal, TypedDict, Unpack
 
 from taskbuilder.errors import UsageError
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.scene import RobotEntry, SceneSpec
-from taskbuilder.spec.values import frozen
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.scene import RobotEntry, SceneSpec
+from taskbuilder.schema.values import frozen
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 

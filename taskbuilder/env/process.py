@@ -31,7 +31,7 @@ class WorkerProcess(ChildProcess):
 
         Args:
             orders: What it is to run, for `WorkerConfig.read`.
-            memory: Descriptor of the board's memory.
+            memory: Descriptor of the shared memory.
         """
         self.begin(_MAIN, orders, self.rows.start, self.rows.stop, passed=[memory])
         self.busy = True

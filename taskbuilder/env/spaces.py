@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.errors import ActionError
 from taskbuilder.env.observations import View
+from taskbuilder.schema.channels import Channel
 from taskbuilder.sim.cameras import CameraView, Image, point_cloud
-from taskbuilder.spec.channels import Channel
 
 VECTOR = "vector"
 """Key of the numbers in an observation that also has images."""

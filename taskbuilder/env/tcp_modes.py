@@ -29,7 +29,7 @@ LAG_STEPS = 2.0
 
 
 @dataclass(frozen=True)
-class TcpDelta:
+class TcpDeltaMode:
     """Moves the commanded tool by a step, and turns it.
 
     Numbers: a translation (m), then by `turn` nothing, an angle about the tool's axis, or a
@@ -50,7 +50,7 @@ class TcpDelta:
         """See `ArmMode.command`."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
-        tool = arm.stepper.forward(joints)
+        tool = arm.ik.forward(joints)
         shift = _shortened((values[0], values[1], values[2]), spec.max_step)
         goal = add(tool.position, self._in_base(shift, tool))
         measured = arm.base_from_world.apply(arm.world.position(arm.tcp_name))
@@ -58,12 +58,12 @@ class TcpDelta:
         if norm(ahead) > LAG_STEPS * spec.max_step:
             goal = add(measured, _shortened(ahead, LAG_STEPS * spec.max_step))
         target = Pose(goal, self._turned(tool, values[3:]))
-        return arm.stepper.step(joints, target, arm.longest)
+        return arm.ik.step(joints, target, arm.longest)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
         arm, spec = self.arm, self.arm.spec
-        tool, goal = arm.stepper.forward(arm.robot.commanded()), arm.stepper.forward(joints)
+        tool, goal = arm.ik.forward(arm.robot.commanded()), arm.ik.forward(joints)
         shift = self._from_base(subtract(goal.position, tool.position), tool)
         if spec.turn == "none":
             return shift
@@ -98,7 +98,7 @@ class TcpDelta:
 
 
 @dataclass(frozen=True)
-class TcpPose:
+class TcpPoseMode:
     """Moves the tool towards a pose, by at most a step of `tcp_delta` at a time.
 
     Numbers: a position (m) relative to the arm's home tool position, in `frame`; then by `turn`
@@ -118,19 +118,19 @@ class TcpPose:
         """See `ArmMode.command`."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
-        tool = arm.stepper.forward(joints)
+        tool = arm.ik.forward(joints)
         goal = self.goal(values)
         shift = _shortened(subtract(goal.position, tool.position), spec.max_step)
         turn = _vector_of(multiply(goal.quaternion, conjugate(tool.quaternion)))
         step = _rotation(_shortened(turn, math.radians(spec.max_turn_deg)))
         target = Pose(add(tool.position, shift), multiply(step, tool.quaternion))
-        return arm.stepper.step(joints, target, arm.longest)
+        return arm.ik.step(joints, target, arm.longest)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
         arm, spec = self.arm, self.arm.spec
-        goal = arm.stepper.forward(joints)
-        offset = subtract(goal.position, arm.stepper.forward(arm.robot.home).position)
+        goal = arm.ik.forward(joints)
+        offset = subtract(goal.position, arm.ik.forward(arm.robot.home).position)
         if spec.frame == "world":
             offset = rotate(conjugate(arm.base_from_world.quaternion), offset)
         elif spec.frame == "tcp":
@@ -144,7 +144,7 @@ class TcpPose:
     def goal(self, values: Sequence[float]) -> Pose:
         """The pose that the numbers mean, in the base frame."""
         arm, spec = self.arm, self.arm.spec
-        start = arm.stepper.forward(arm.robot.home)
+        start = arm.ik.forward(arm.robot.home)
         offset: Vec3 = (values[0], values[1], values[2])
         if spec.frame == "world":
             offset = rotate(arm.base_from_world.quaternion, offset)
@@ -159,10 +159,10 @@ class TcpPose:
 
 
 @dataclass(frozen=True)
-class TcpPath:
+class TcpPathMode:
     """Drives to a pose by way of the joints: for scripts, and for slow control.
 
-    The numbers are those of `TcpPose`. The pose's inverse kinematics is solved in full, with
+    The numbers are those of `TcpPoseMode`. The pose's inverse kinematics is solved in full, with
     restarts, from where the joints are; they go there in a straight line at their speed limits,
     so that poses are reached to which no straight motion of the tool leads. About a millisecond.
     """
@@ -172,19 +172,19 @@ class TcpPath:
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """See `ArmMode.bounds`."""
-        return TcpPose(self.arm).bounds
+        return TcpPoseMode(self.arm).bounds
 
     def command(self, values: Sequence[float]) -> Targets:
         """See `ArmMode.command`."""
         arm = self.arm
         joints = arm.robot.commanded()
         rng = np.random.default_rng(0)  # the same path for the same command
-        found = solve(arm.robot.chain, TcpPose(arm).goal(values), start=joints, rng=rng)
+        found = solve(arm.robot.chain, TcpPoseMode(arm).goal(values), start=joints, rng=rng)
         return arm.approach(joints, found.joints)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """See `ArmMode.leading_to`."""
-        return TcpPose(self.arm).leading_to(joints)
+        return TcpPoseMode(self.arm).leading_to(joints)
 
 
 def _shortened(vector: Vec3, longest: float) -> Vec3:

@@ -13,13 +13,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from taskbuilder.env.backends import Backend, InProcess, Subprocesses
 from taskbuilder.env.batch import read_actions, read_seeds
-from taskbuilder.env.crew import Alone, Crew, Workers
+from taskbuilder.env.env_group import Wrap, unwrapped
 from taskbuilder.env.errors import EpisodeOverError
 from taskbuilder.env.options import EnvOptions, Options, make_options
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.env.shard import Wrap, unwrapped
-from taskbuilder.env.shared import Arena, Form, StepView, copied, row_of
+from taskbuilder.env.shared_buffers import Allocator, Signature, StepView, copied, row_of
 from taskbuilder.env.worker import WorkerConfig
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task, load_task
@@ -58,42 +58,42 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     """
 
     def __init__(
-        self, form: Form, crew: Crew, num_envs: int, mode: AutoresetMode, name: str
+        self, signature: Signature, backend: Backend, num_envs: int, mode: AutoresetMode, name: str
     ) -> None:
-        self._finalizer = weakref.finalize(self, crew.close)
+        self._finalizer = weakref.finalize(self, backend.close)
         self.num_envs = num_envs
         self.metadata = {"name": f"{name}_v0", "render_modes": [], "autoreset_mode": mode}
         self._same_step = mode is AutoresetMode.SAME_STEP
-        self._form = form
-        self._crew = crew
-        self._board = crew.board
-        # What was returned last. Workers may die while they write to the board, but not to this.
-        self._seen = StepView(form, num_envs, Arena())
+        self._signature = signature
+        self._backend = backend
+        self._buffers = backend.buffers
+        # What was returned last. Workers may die while they write to buffers that they share.
+        self._seen = StepView(signature, num_envs, Allocator())
         self._running = self._under_way = False
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
         self._draw_seeds(np.ones(num_envs, dtype=np.bool_))
         self._make_spaces()
 
     def _make_spaces(self) -> None:
-        self.single_observation_space = spaces.Dict(dict(self._form.observation_spaces))
-        self.single_action_space = spaces.Dict(dict(self._form.action_spaces))
+        self.single_observation_space = spaces.Dict(dict(self._signature.observation_spaces))
+        self.single_action_space = spaces.Dict(dict(self._signature.action_spaces))
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
     @property
     def agents(self) -> tuple[str, ...]:
         """The robots of the scene, in file order."""
-        return self._form.agents
+        return self._signature.agents
 
     @property
     def state_space(self) -> spaces.Box:
         """The space of one environment's `state`."""
-        return self._form.state_space
+        return self._signature.state_space
 
     @property
     def worker_pids(self) -> tuple[int, ...]:
         """The processes of the workers, in their order; -1 for one that is not running."""
-        return self._crew.pids
+        return self._backend.pids
 
     # --- time
 
@@ -120,17 +120,17 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
             raise UsageError("reset_mask is not supported; episodes follow each other as they end")
         seeds = read_seeds(seed, self.num_envs)
         self._running = self._under_way = False
-        self._crew.settle()
+        self._backend.settle()
         for row, number in enumerate(seeds):
             if number is not None:
                 self._generators[row] = np.random.default_rng(number)
-                self._board.seeds[row] = number
-        self._board.begin[:] = True
-        self._crew.go()
-        self._crew.wait(begin_anew=True)
-        self._draw_seeds(self._board.begin)
-        self._board.begin[:] = False
-        self._seen.copy(self._board.now)
+                self._buffers.seeds[row] = number
+        self._buffers.begin[:] = True
+        self._backend.go()
+        self._backend.wait(begin_anew=True)
+        self._draw_seeds(self._buffers.begin)
+        self._buffers.begin[:] = False
+        self._seen.copy(self._buffers.now)
         self._running = True
         return copied(self._seen.observations), self._infos()
 
@@ -170,10 +170,10 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         """
         self._check_open()
         self._check_running()
-        for agent, values in read_actions(actions, self._form, self.num_envs).items():
-            self._board.actions[agent][:] = values
+        for agent, values in read_actions(actions, self._signature, self.num_envs).items():
+            self._buffers.actions[agent][:] = values
         self._running = False  # until all is well again: an interrupt may come at any moment
-        self._crew.go()
+        self._backend.go()
         self._under_way = True
 
     def step_wait(self) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
@@ -188,22 +188,22 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         if not self._under_way:
             raise EpisodeOverError("no step is under way; call step_async")
         self._under_way = False
-        board = self._board
-        lost = self._write_off(self._crew.wait(begin_anew=self._same_step))
-        ended = board.terminated | board.truncated
-        self._draw_seeds(ended if self._same_step else board.begin & ~lost)
-        board.begin[:] = ended & (not self._same_step)
-        self._seen.copy(board.now)
+        buffers = self._buffers
+        lost = self._write_off(self._backend.wait(begin_anew=self._same_step))
+        ended = buffers.terminated | buffers.truncated
+        self._draw_seeds(ended if self._same_step else buffers.begin & ~lost)
+        buffers.begin[:] = ended & (not self._same_step)
+        self._seen.copy(buffers.now)
         self._running = True
         infos = {**self._infos(), "lost": lost.astype(np.float64)}
         if self._same_step and ended.any():
             infos |= self._final_infos(ended, infos["lost"])
-        rewards = dict(zip(self.agents, board.rewards.T.copy(), strict=True))
+        rewards = dict(zip(self.agents, buffers.rewards.T.copy(), strict=True))
         return (
             copied(self._seen.observations),
             rewards,
-            board.terminated.copy(),
-            board.truncated.copy(),
+            buffers.terminated.copy(),
+            buffers.truncated.copy(),
             infos,
         )
 
@@ -236,33 +236,33 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     def _draw_seeds(self, rows: Flags) -> None:
         """Draw the seeds of the episodes after those that have begun."""
         for row in np.flatnonzero(rows):
-            self._board.seeds[row] = self._generators[row].integers(2**31)
+            self._buffers.seeds[row] = self._generators[row].integers(2**31)
 
     def _write_off(self, lost: Sequence[range]) -> Flags:
         """Truncate the episodes of lost workers, as they were last seen; tell which they are."""
-        board = self._board
+        buffers = self._buffers
         mask = np.zeros(self.num_envs, dtype=np.bool_)
         for rows in lost:
             part = slice(rows.start, rows.stop)
-            (board.final if self._same_step else board.now).copy(self._seen, rows)
-            board.rewards[part] = 0.0
-            board.terminated[part] = False
-            board.truncated[part] = mask[part] = True
+            (buffers.final if self._same_step else buffers.now).copy(self._seen, rows)
+            buffers.rewards[part] = 0.0
+            buffers.terminated[part] = False
+            buffers.truncated[part] = mask[part] = True
         return mask
 
     # --- infos
 
     def _infos(self) -> dict[str, Any]:
-        infos = dict(zip(self._form.info_keys, self._seen.infos.T.copy(), strict=True))
+        infos = dict(zip(self._signature.info_keys, self._seen.infos.T.copy(), strict=True))
         return {**infos, "lost": np.zeros(self.num_envs)}
 
     def _final_infos(self, ended: Flags, lost: NDArray[np.float64]) -> dict[str, Any]:
-        final = self._board.final
+        final = self._buffers.final
         observations = np.full(self.num_envs, None, dtype=object)
         for row in np.flatnonzero(ended):
             observations[row] = row_of(final.observations, int(row))
         numbers = np.where(ended, final.infos.T, 0.0)
-        infos = dict(zip(self._form.info_keys, numbers, strict=True))
+        infos = dict(zip(self._signature.info_keys, numbers, strict=True))
         return {
             "final_obs": observations,
             "_final_obs": ended,
@@ -307,18 +307,20 @@ def make_vec(
     _check_numbers(num_envs, workers, timeout_s, retries)
     loaded = task if isinstance(task, Task) else load_task(task)
     made = make_options(**options)
-    form = _form(loaded, made, wrap)
-    config = WorkerConfig(loaded, made, wrap, form, num_envs, mode is AutoresetMode.SAME_STEP)
-    crew: Crew = (
-        Workers(config, workers, timeout_s=timeout_s, retries=retries) if workers else Alone(config)
+    signature = _signature(loaded, made, wrap)
+    config = WorkerConfig(loaded, made, wrap, signature, num_envs, mode is AutoresetMode.SAME_STEP)
+    backend: Backend = (
+        Subprocesses(config, workers, timeout_s=timeout_s, retries=retries)
+        if workers
+        else InProcess(config)
     )
-    return TaskVectorEnv(form, crew, num_envs, mode, loaded.name)
+    return TaskVectorEnv(signature, backend, num_envs, mode, loaded.name)
 
 
-def _form(task: Task, options: Options, wrap: Wrap) -> Form:
+def _signature(task: Task, options: Options, wrap: Wrap) -> Signature:
     env = wrap(TaskEnv(task, options))
     try:
-        return Form.of(env)
+        return Signature.of(env)
     finally:
         env.close()
 

@@ -1,8 +1,9 @@
-"""A worker: a process of its own that runs a shard.
+"""A worker: a process of its own that runs a group of environments.
 
-Started by `taskbuilder.env.crew` as a fresh interpreter. What it is to run comes on its standard
-input; then every byte that it receives over its socket means `Shard.advance`, and is answered by a
-byte. It never prints: what it says on the way to its death goes to a file that its owner reads.
+Started by `taskbuilder.env.backends` as a fresh interpreter. What it is to run comes on its
+standard input; then every byte that it receives over its socket means `EnvGroup.advance`, and is
+answered by a byte. It never prints: what it says on the way to its death goes to a file that its
+owner reads.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from taskbuilder.processes import become_child
 from taskbuilder.quiet import drop
 
 if TYPE_CHECKING:  # imported by main, when a failure to import can already be told
+    from taskbuilder.env.env_group import EnvGroup, Wrap
     from taskbuilder.env.options import Options
-    from taskbuilder.env.shard import Shard, Wrap
-    from taskbuilder.env.shared import Form
+    from taskbuilder.env.shared_buffers import Signature
     from taskbuilder.task import Task
 
 
@@ -33,15 +34,15 @@ class WorkerConfig:
         task: The task.
         options: How it is made into environments.
         wrap: Put around each of them.
-        form: What its environments have alike.
+        signature: What its environments have alike.
         num_envs: How many there are, with those of other workers.
-        same_step: See `Shard`.
+        same_step: See `EnvGroup`.
     """
 
     task: Task
     options: Options
     wrap: Wrap
-    form: Form
+    signature: Signature
     num_envs: int
     same_step: bool
 
@@ -68,32 +69,32 @@ class WorkerConfig:
         config: WorkerConfig = pickle.load(file)  # noqa: S301
         return config
 
-    def shard(self, memory: int, rows: range) -> Shard:
-        """Build the environments of some rows of the board in a block of memory."""
-        from taskbuilder.env.shard import Shard
-        from taskbuilder.env.shared import Arena, Board, map_block
+    def group(self, memory: int, rows: range) -> EnvGroup:
+        """Build the environments of some rows of the shared buffers in a block of memory."""
+        from taskbuilder.env.env_group import EnvGroup
+        from taskbuilder.env.shared_buffers import Allocator, SharedBuffers, map_block
 
-        board = Board(self.form, self.num_envs, Arena(map_block(memory)))
-        return Shard(self.task, self.options, self.wrap, board, rows, same_step=self.same_step)
+        buffers = SharedBuffers(self.signature, self.num_envs, Allocator(map_block(memory)))
+        return EnvGroup(self.task, self.options, self.wrap, buffers, rows, same_step=self.same_step)
 
 
 def main() -> None:
-    """Run the shard that the command line and standard input tell of, until the owner is gone."""
+    """Run the group that the command line and standard input tell of, until the owner is gone."""
     connection, lifeline, words, memory, start, stop = map(int, sys.argv[1:])
     last_words = os.fdopen(words, "wb", buffering=0)
     become_child(lifeline, last_words)
     drop(2)  # standard error: until now, it was kept with the last words
     try:
-        shard = WorkerConfig.read(sys.stdin.buffer).shard(memory, range(start, stop))
-        _serve(shard, socket.socket(fileno=connection))
+        group = WorkerConfig.read(sys.stdin.buffer).group(memory, range(start, stop))
+        _serve(group, socket.socket(fileno=connection))
     except BaseException:  # whatever it is, the owner replaces this process
         last_words.write(traceback.format_exc().encode())
         os._exit(1)
     os._exit(0)  # without waiting for threads or exit handlers of the task's
 
 
-def _serve(shard: Shard, connection: socket.socket) -> None:
+def _serve(group: EnvGroup, connection: socket.socket) -> None:
     connection.sendall(b"!")
     while connection.recv(1):
-        shard.advance()
+        group.advance()
         connection.sendall(b"!")

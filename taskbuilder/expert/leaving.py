@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from taskbuilder.env.parallel import EnvState, TaskEnv
+from taskbuilder.expert.ways import Kind, Way
 from taskbuilder.rollout.play import Policy, replay, resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 
-Way = tuple[str, int]
-"""Who plays on, and after which stage of the expert, counted from 1."""
-
 
 def leave_after_stages(
-    env: TaskEnv, whole: Rollout, who: Callable[[int], Mapping[str, Policy]]
+    env: TaskEnv, whole: Rollout, who: Callable[[int], Mapping[Kind, Policy]]
 ) -> dict[Way, Rollout]:
     """Play an episode of the expert up to the end of each of its stages, and leave its way there.
 
     Args:
         env: Of the episode's task and variation, with options that it was played with.
         whole: The expert's episode.
-        who: Who plays on after a stage, by name, given the stage's number.
+        who: Who plays on after a stage, by kind of way, given the stage's number.
     """
     ends = {
         end: number for number, end in enumerate(whole.stage_ends, start=1) if end < whole.steps
@@ -39,29 +37,26 @@ def leave_after_stages(
     lost = False
     for number, step, state in saved:
         begun = whole.until(step)
-        for name, policy in who(number).items():
+        for kind, policy in who(number).items():
             if lost:  # with a world whose physics diverged, its states went
                 replay(env, begun)
             else:
                 env.load_state(state)
-            played = plays[name, number] = resume(env, policy, begun)
+            played = plays[Way(kind, stage=number)] = resume(env, policy, begun)
             lost = lost or played.exploded
     return plays
 
 
-def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[int, Rollout]:
+def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[Way, Rollout]:
     """The expert's episode up to the end of each stage but the last, then holding still.
 
     Args:
         env: As for `leave_after_stages`.
         whole: The expert's episode.
-
-    Returns:
-        The episodes, by the number of the last stage that was played.
     """
     last = len(env.task.file.spec.expert)  # after the last one the expert itself holds still
 
-    def who(number: int) -> Mapping[str, Policy]:
-        return {"stall": HoldStill()} if number < last else {}
+    def who(number: int) -> Mapping[Kind, Policy]:
+        return {Kind.STALL: HoldStill()} if number < last else {}
 
-    return {number: p for (_, number), p in leave_after_stages(env, whole, who).items()}
+    return leave_after_stages(env, whole, who)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill, RandomActions
 from taskbuilder.task import Task

@@ -11,23 +11,24 @@ What is here is imported when it is first used. Only training needs torch; polic
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from taskbuilder._lazy import exported
 
 if TYPE_CHECKING:
     from taskbuilder.learn.assessment import evaluate
     from taskbuilder.learn.demonstrations import record
-    from taskbuilder.learn.evaluation import Summary
+    from taskbuilder.learn.evaluation import EvaluationSummary
     from taskbuilder.learn.plan import Plan
-    from taskbuilder.learn.policy import Policy
+    from taskbuilder.learn.policy import TrainedPolicy
     from taskbuilder.learn.runs import TrainedRun, resume, train
     from taskbuilder.learn.wrappers import TrainingWrappers
     from taskbuilder.learn.zoo import load_policy, save_policy
 
 __all__ = [
+    "EvaluationSummary",
     "Plan",
-    "Policy",
-    "Summary",
+    "TrainedPolicy",
     "TrainedRun",
     "TrainingWrappers",
     "evaluate",
@@ -39,25 +40,18 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Plan": "plan",
-    "Policy": "policy",
-    "Summary": "evaluation",
-    "TrainedRun": "runs",
-    "TrainingWrappers": "wrappers",
-    "evaluate": "assessment",
-    "load_policy": "zoo",
-    "record": "demonstrations",
-    "resume": "runs",
-    "save_policy": "zoo",
-    "train": "runs",
+    "Plan": "taskbuilder.learn.plan",
+    "TrainedPolicy": "taskbuilder.learn.policy",
+    "EvaluationSummary": "taskbuilder.learn.evaluation",
+    "TrainedRun": "taskbuilder.learn.runs",
+    "TrainingWrappers": "taskbuilder.learn.wrappers",
+    "evaluate": "taskbuilder.learn.assessment",
+    "load_policy": "taskbuilder.learn.zoo",
+    "record": "taskbuilder.learn.demonstrations",
+    "resume": "taskbuilder.learn.runs",
+    "save_policy": "taskbuilder.learn.zoo",
+    "train": "taskbuilder.learn.runs",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'taskbuilder.learn' has no attribute {name!r}")
-    return getattr(import_module(f"taskbuilder.learn.{_HOMES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = exported(__name__, _HOMES)

@@ -11,10 +11,10 @@ from taskbuilder.jobs import cores, workers
 from taskbuilder.learn import evaluation
 from taskbuilder.learn.demonstrations import reference_of
 from taskbuilder.learn.plan import RUN_FILE
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.runs import named_task, task_of_run
 from taskbuilder.learn.zoo import load_policy
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
 
@@ -30,14 +30,14 @@ class _EnvFactory:
 
 
 def evaluate(
-    policy: Policy | str | Path,
+    policy: TrainedPolicy | str | Path,
     episodes: int = evaluation.EPISODES,
     *,
     task: str | Path | Task | None = None,
     first_seed: int = evaluation.SEED,
     jobs: int | None = None,
     **options: Any,
-) -> evaluation.Summary:
+) -> evaluation.EvaluationSummary:
     """Play a policy in episodes that it has never seen, without exploration.
 
     Args:
@@ -56,7 +56,7 @@ def evaluate(
         UnknownNameError: There is no such policy, or no such task.
     """
     named = "the policy"
-    if not isinstance(policy, Policy):
+    if not isinstance(policy, TrainedPolicy):
         named = str(policy)
         if task is None and (Path(named) / RUN_FILE).is_file():
             task = task_of_run(Path(named), Catalogue.discover())

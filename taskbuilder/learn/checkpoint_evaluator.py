@@ -8,7 +8,7 @@ from typing import Any
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.learn.evaluation import summarise
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.rollout.play import play
 from taskbuilder.task import Task
 
@@ -43,7 +43,7 @@ class CheckpointEvaluator:
         self._stages = len(task.description.stages)
         self._seeds = range(SEEDS_FROM, SEEDS_FROM + episodes)
 
-    def __call__(self, policy: Policy) -> Evaluation:
+    def __call__(self, policy: TrainedPolicy) -> Evaluation:
         """Evaluate a policy."""
         played = summarise(
             [play(self._env, policy.act, seed) for seed in self._seeds], self._stages

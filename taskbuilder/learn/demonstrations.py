@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from taskbuilder.env.actions import HYSTERESIS
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.env.vector import TaskVectorEnv
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.collector import Collector
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TrainingReward
 from taskbuilder.rollout.files import load_rollouts
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.scene import RobotEntry
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.scene import RobotEntry
 from taskbuilder.task import Task, load_task
 
 DEMONSTRATIONS_FILE = "expert.npz"

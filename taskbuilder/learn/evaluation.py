@@ -19,7 +19,7 @@ import numpy as np
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.intervals import wilson
-from taskbuilder.learn.policy import Network, Policy
+from taskbuilder.learn.policy import Network, TrainedPolicy
 from taskbuilder.learn.statistics import iqm
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
@@ -37,7 +37,7 @@ _OPTIONS = ("observe", "frame", "rotation", "variation")
 
 
 @dataclass(frozen=True)
-class Summary:
+class EvaluationSummary:
     """What episodes say together.
 
     Attributes:
@@ -89,7 +89,7 @@ class Summary:
 
 def evaluate(
     make_env: Callable[[], TaskEnv],
-    policy: Policy,
+    policy: TrainedPolicy,
     seeds: Iterable[int],
     spread: Spread | None = None,
 ) -> Generator[Rollout, None, None]:
@@ -112,11 +112,11 @@ def evaluate(
             yield _played(env, policy, seed)
 
 
-def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: Policy, seed: int) -> Rollout:
+def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: TrainedPolicy, seed: int) -> Rollout:
     return _played(_made_once(make_env), policy, seed)
 
 
-def _played(env: TaskEnv, policy: Policy, seed: int) -> Rollout:
+def _played(env: TaskEnv, policy: TrainedPolicy, seed: int) -> Rollout:
     return play(env, policy.act, seed, forces=True, explain=True)
 
 
@@ -126,7 +126,7 @@ def _made_once(make_env: Callable[[], TaskEnv]) -> TaskEnv:
     return make_env()
 
 
-def summarise(played: Sequence[Rollout], stages: int) -> Summary:
+def summarise(played: Sequence[Rollout], stages: int) -> EvaluationSummary:
     """What episodes say together.
 
     Args:
@@ -142,7 +142,7 @@ def summarise(played: Sequence[Rollout], stages: int) -> Summary:
     failed = [episode.seed for episode in order if not episode.success]
     furthest = np.bincount([episode.stage[-1] for episode in played], minlength=stages + 1)
     terms = [episode.term_returns for episode in played]
-    return Summary(
+    return EvaluationSummary(
         episodes=len(played),
         successes=len(to_success),
         interval=wilson(len(to_success), len(played)),
@@ -165,7 +165,7 @@ def _merit(episode: Rollout) -> tuple[bool, float, int]:
     return episode.success, episode.team_return, -episode.seed
 
 
-def options_of(policy: Policy) -> dict[str, Any]:
+def options_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The options of the environment that a policy was trained in, its starts left out.
 
     Raises:
@@ -177,7 +177,7 @@ def options_of(policy: Policy) -> dict[str, Any]:
     return {name: options[name] for name in _OPTIONS if name in options}
 
 
-def check_fits(policy: Policy, env: TaskEnv, name: str = "the policy") -> None:
+def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") -> None:
     """Refuse a policy of another task, or of the task as it was.
 
     Args:

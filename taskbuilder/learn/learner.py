@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from taskbuilder.arrays import Arrays
-from taskbuilder.learn.policy import Array, Policy
+from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows
 
@@ -26,11 +26,11 @@ class Learner(Protocol):
         """What the agents do to explore, after a fraction of the training: (num_envs, n) each."""
         ...
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy, to play."""
         ...
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Begin with a trained policy; called before anything is learned.
 
         Raises:
@@ -157,4 +157,4 @@ class Algorithm:
     presets: Mapping[str, Preset] = field(default_factory=dict)
     default_preset: Callable[[bool, bool], str] = lambda demos, init: ""  # noqa: ARG005
     cannot: Mapping[str, str] = field(default_factory=dict)
-    settings_of: Callable[[Policy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005
+    settings_of: Callable[[TrainedPolicy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005

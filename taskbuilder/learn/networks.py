@@ -16,7 +16,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.learn.policy import (
     Array,
     Network,
-    Policy,
+    TrainedPolicy,
     check_network,
     folded,
     unfolded,
@@ -179,7 +179,9 @@ class SharedNetworks(nn.ModuleList):
                 networks[agent] = Network(layers, squash=squash, norms=self.norms)
         return {agent: networks[agent] for agent in self.agents}
 
-    def take(self, policy: Policy, means: Mapping[str, Array], scales: Mapping[str, Array]) -> None:
+    def take(
+        self, policy: TrainedPolicy, means: Mapping[str, Array], scales: Mapping[str, Array]
+    ) -> None:
         """Do what a policy does; undoes `policy`.
 
         Raises:

@@ -14,7 +14,7 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
 from taskbuilder.learn.learner import Preset
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.wording import suggestion
 
@@ -175,7 +175,7 @@ def make_plan(
     return replace(plan, settings={**preset.settings, **fitting, **own})
 
 
-def _env_of(policy: Policy) -> dict[str, Any]:
+def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
     """How the environment of a trained policy is observed and acted in."""
     options = policy.about.get("env", {})
     return {name: options[name] for name in ("observe", "frame", "rotation") if name in options}

@@ -49,7 +49,7 @@ def _normalized(hidden: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Policy:
+class TrainedPolicy:
     """What the agents of a task do, each by what it alone sees.
 
     Attributes:
@@ -76,7 +76,7 @@ class Policy:
     @classmethod
     def of(
         cls, arrays: Mapping[str, Array], about: Mapping[str, Any], *, squash: bool, norms: bool
-    ) -> Policy:
+    ) -> TrainedPolicy:
         """Put the numbers of a file together again.
 
         Raises:
@@ -129,7 +129,7 @@ def unfolded(
     return ((first, (bias + mean @ weight).astype(np.float32)), *rest)
 
 
-def check_network(policy: Policy, agent: str, sizes: Sequence[int], *, norms: bool) -> None:
+def check_network(policy: TrainedPolicy, agent: str, sizes: Sequence[int], *, norms: bool) -> None:
     """Refuse to start from a policy whose network is not like the actor of an agent.
 
     Args:

@@ -15,11 +15,11 @@ from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, reference_of
 from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan, save_plan
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, save_policy
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.task import Task, load_task
 
 START_EPISODES = 50
@@ -44,7 +44,7 @@ class TrainedRun:
 
     folder: Path
     plan: Plan
-    policy: Policy
+    policy: TrainedPolicy
 
 
 def train(

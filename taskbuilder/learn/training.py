@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.spaces import flatdim
+from numpy.typing import NDArray
 
 from taskbuilder.env.vector import TaskVectorEnv, make_vec
-from taskbuilder.errors import UsageError
+from taskbuilder.errors import DivergenceError, UsageError
 from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import Checkpoint, Checkpoints
@@ -28,7 +29,7 @@ from taskbuilder.learn.demonstrations import load_demonstrations, transitions
 from taskbuilder.learn.learner import Collection, Learner
 from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.plan import Plan, make_settings
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
@@ -57,7 +58,7 @@ class TrainingStatus:
     evaluation: Evaluation | None = None
 
 
-Evaluate = Callable[[Policy], Evaluation]
+Evaluate = Callable[[TrainedPolicy], Evaluation]
 Watch = Callable[[TrainingStatus], None]
 
 
@@ -213,7 +214,7 @@ class Trainer:
         rate = (self._counters.step - first) / max(time.perf_counter() - started, 1e-9)
         return TrainingStatus(self._counters.step, rate, evaluation)
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy."""
         return self._learner.policy({**about, "step": self._counters.step})
 
@@ -240,12 +241,23 @@ class Trainer:
         actions = self._learner.act(
             self._collector.observations, self._rng, self._progress_fraction
         )
+        self._check_finite(actions)
         self._collector.step_async(actions)
         self._losses |= collection.during_step(self._rng, counters.step)
         rows, lost, finished = self._collector.step_wait()
         counters.step += plan.envs
         self._losses |= collection.after_step(rows, lost, self._rng, self._progress_fraction)
         self._log(finished)
+
+    def _check_finite(self, actions: Mapping[str, NDArray[Any]]) -> None:
+        """Refuse to go on with a learner that has diverged."""
+        for agent, action in actions.items():
+            if not np.isfinite(action).all():
+                raise DivergenceError(
+                    f"learning diverged: after {self._counters.step:,} control steps the actions "
+                    f"of {agent} are not finite. Its logs and checkpoints are kept; begin anew "
+                    "with a smaller lr, or with another seed"
+                )
 
     @property
     def _progress_fraction(self) -> float:
@@ -274,7 +286,7 @@ class Trainer:
     def _seconds(self) -> float:
         return self._counters.seconds + time.perf_counter() - self._since[0]
 
-    def note(self, evaluation: Evaluation, policy: Policy) -> None:
+    def note(self, evaluation: Evaluation, policy: TrainedPolicy) -> None:
         """Keep the result of an evaluation, and the policy if none before did better."""
         counters, plan = self._counters, self._plan
         row = {"episode": counters.episode, **evaluation.row}

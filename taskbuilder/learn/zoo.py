@@ -8,7 +8,7 @@ import numpy as np
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.learn.policy import Policy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.wording import suggestion
 
 ZOO = Path(__file__).parent / "models"
@@ -24,7 +24,7 @@ _KIND = "policy"
 _PREFIX = "zoo:"
 
 
-def save_policy(path: Path, policy: Policy) -> None:
+def save_policy(path: Path, policy: TrainedPolicy) -> None:
     """Write a policy to a file.
 
     Raises:
@@ -35,7 +35,7 @@ def save_policy(path: Path, policy: Policy) -> None:
     write_arrays(path, policy.arrays(), {**policy.about, "kind": _KIND, **kind})
 
 
-def load_policy(name: str) -> Policy:
+def load_policy(name: str) -> TrainedPolicy:
     """Find a policy and read it.
 
     Args:
@@ -53,7 +53,7 @@ def load_policy(name: str) -> Policy:
             raise StoreError(f"{display_path(path)}: {part} has numbers that are not finite")
     try:
         norms = bool(about.get("norms", False))  # files from before there were any do not say
-        return Policy.of(arrays, about, squash=bool(about["squash"]), norms=norms)
+        return TrainedPolicy.of(arrays, about, squash=bool(about["squash"]), norms=norms)
     except (KeyError, ValueError):
         raise StoreError(f"{display_path(path)}: lacks parts of a policy") from None
 

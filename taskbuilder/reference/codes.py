@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from taskbuilder.assets.codes import CODES as ASSET_CODES
-from taskbuilder.codes import CODES, Code, Example
+from taskbuilder.diagnostics import CODES, Code, Example
 from taskbuilder.reference.markdown import fence
 
 _GROUPS = {

@@ -13,10 +13,10 @@ from pydantic.fields import FieldInfo
 from taskbuilder.reference.markdown import code, number
 from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
-from taskbuilder.spec import expert, robot, scene, task, values
-from taskbuilder.spec.expert import ONLY_WITH, VERBS
-from taskbuilder.spec.names import Refers
-from taskbuilder.spec.values import PALETTE, Shorthand, rgb
+from taskbuilder.schema import expert, robot, scene, task, values
+from taskbuilder.schema.expert import ONLY_WITH, VERBS
+from taskbuilder.schema.names import Refers
+from taskbuilder.schema.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model

@@ -9,8 +9,8 @@ from typing import Annotated, get_args, get_origin
 from taskbuilder import description
 from taskbuilder.description import Condition, Measure, Term, WorldView
 from taskbuilder.reference.markdown import code, first_sentences, table
-from taskbuilder.spec import channels as spec_channels
-from taskbuilder.spec.names import Refers
+from taskbuilder.schema import channels as spec_channels
+from taskbuilder.schema.names import Refers
 
 BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
 _FUNCTIONS = {"Level": "Condition"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from taskbuilder.description.reasons import Moment, Reason, reasons
+from taskbuilder.description.reasons import EvaluatedState, Reason, reasons
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.record import Rollout
 
@@ -48,5 +48,5 @@ class Witness:
         found = reasons(success, self._moment(env), wanted=True, of="success")
         return (*self._failure, *found)
 
-    def _moment(self, env: TaskEnv) -> Moment:
+    def _moment(self, env: TaskEnv) -> EvaluatedState:
         return env.episode.referee.moment(env.episode.world, self._history)

@@ -38,7 +38,7 @@ READABLE = (".obj", ".stl")
 
 
 @dataclass(frozen=True)
-class _Piece:
+class _BodyPart:
     """A part and its share of the body's mass.
 
     Attributes:
@@ -163,14 +163,14 @@ def load_urdf(
     return body
 
 
-def _weighed(parts: Sequence[Part], mass: float) -> list[_Piece]:
+def _weighed(parts: Sequence[Part], mass: float) -> list[_BodyPart]:
     """The parts with the mass spread over them by volume."""
     if not mass:
-        return [_Piece(part, 0.0, part.pose, ORIGIN) for part in parts]
+        return [_BodyPart(part, 0.0, part.pose, ORIGIN) for part in parts]
     solids = [solid(part.shape) for part in parts]
     density = mass / sum(piece.volume for piece in solids)
     return [
-        _Piece(
+        _BodyPart(
             part,
             density * piece.volume,
             part.pose @ piece.principal,
@@ -183,7 +183,7 @@ def _weighed(parts: Sequence[Part], mass: float) -> list[_Piece]:
 def _multibody(
     client: Client,
     name: str,
-    pieces: Sequence[_Piece],
+    pieces: Sequence[_BodyPart],
     pose: Pose,
     collisions: Sequence[int],
 ) -> int:

@@ -11,7 +11,7 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 
 
-class Contact(NamedTuple):
+class ContactPoint(NamedTuple):
     """A point where two links touch.
 
     Attributes:
@@ -42,7 +42,7 @@ def contacts(
     *,
     link_a: int | None = None,
     link_b: int | None = None,
-) -> tuple[Contact, ...]:
+) -> tuple[ContactPoint, ...]:
     """Contacts as of the last physics step or `Client.collide`.
 
     Args:
@@ -54,7 +54,7 @@ def contacts(
     """
     found = client.bullet.getContactPoints(**_filter(body_a, body_b, link_a, link_b))
     return tuple(
-        Contact(a, link_of_a, b, link_of_b, position, normal, force, distance)
+        ContactPoint(a, link_of_a, b, link_of_b, position, normal, force, distance)
         for _, a, b, link_of_a, link_of_b, _, position, normal, distance, force, *_ in found
     )
 
@@ -101,7 +101,7 @@ def closest_distance(body_a: Body, body_b: Body, within: float) -> float | None:
     return min((float(point[8]) for point in points), default=None)
 
 
-class Gap(NamedTuple):
+class ClosestPoint(NamedTuple):
     """Two links that are near each other.
 
     Attributes:
@@ -117,13 +117,13 @@ class Gap(NamedTuple):
     up: float
 
 
-def gaps(body_a: Body, body_b: Body, within: float) -> list[Gap]:
+def gaps(body_a: Body, body_b: Body, within: float) -> list[ClosestPoint]:
     """Wherever two bodies are nearer than a distance (m); a pair of links may come repeatedly.
 
     Needs no physics step or `Client.collide` before it.
     """
     points = body_a.client.bullet.getClosestPoints(body_a.id, body_b.id, within)
-    return [Gap(point[3], point[4], point[8], point[7][2]) for point in points]
+    return [ClosestPoint(point[3], point[4], point[8], point[7][2]) for point in points]
 
 
 def pose_joints(body: Body, indices: Sequence[int], positions: Sequence[float]) -> None:

@@ -1,7 +1,7 @@
 """Forward and inverse kinematics of an arm.
 
-A `Chain` is read off a body once and is then plain numbers: solving neither moves the simulated
-arm nor depends on where it is. Poses are those of the tool in the frame of the body's base link.
+A `Chain` is read off the robot's URDF and is then plain numbers: solving does not need the
+simulated arm. Poses are those of the tool in the frame of the base link.
 """
 
 from __future__ import annotations
@@ -10,15 +10,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.errors import SimulationError
-from taskbuilder.geometry import Pose, Vec3, from_axes, norm, rotate, subtract, turn_between, unit
-from taskbuilder.sim.body import BASE, Body, inertial_frame
+from taskbuilder.geometry import Pose, Vec3, from_axes, norm, subtract, turn_between
 
 Floats = NDArray[np.float64]
 
@@ -40,11 +39,9 @@ _IDENTITY = np.eye(6)
 
 @dataclass(frozen=True)
 class Chain:
-    """The joints between a body's base and its tool.
+    """The n movable joints between a robot's base and its tool.
 
     Attributes:
-        body: Name of the body, for messages.
-        joints: Bullet's indices of the n movable joints, from the base outwards.
         frames: (n + 1, 4, 4) each joint's frame at zero in the one before, then the tool's in the
             last joint's.
         axes: (n, 3) unit axis of each joint in its own frame.
@@ -53,8 +50,6 @@ class Chain:
         upper: (n,) largest positions.
     """
 
-    body: str
-    joints: tuple[int, ...]
     frames: Floats
     axes: Floats
     revolute: NDArray[np.bool_]
@@ -62,37 +57,39 @@ class Chain:
     upper: Floats
 
     @classmethod
-    def of(cls, body: Body, joints: Sequence[int], tcp_link: int, tcp_offset: Pose) -> Self:
-        """Read a chain off a body.
+    def of(cls, urdf: Urdf, joints: Sequence[str], tcp_link: str, tcp_offset: Pose) -> Self:
+        """Read a chain off a URDF.
 
         Args:
-            body: The body.
-            joints: Indices of the arm's joints, from the base outwards. Other joints on the way
-                are taken at zero.
-            tcp_link: Index of the link that carries the tool.
+            urdf: The robot.
+            joints: Names of the arm's joints, from the base outwards. Other joints on the way are
+                taken at zero.
+            tcp_link: The link that carries the tool.
             tcp_offset: The tool's frame in that link's.
 
         Raises:
             SimulationError: The joints are not all between base and tool, in that order.
         """
-        path = _path(body, tcp_link)
-        if [index for index in path if index in joints] != list(joints):
+        path = _path(urdf, tcp_link)
+        own = [joint for joint in path if joint.name in joints]
+        if [joint.name for joint in own] != list(joints):
             raise SimulationError(
-                f"{body.name}: joints {list(joints)} are not, in this order, on the way from the "
-                f"base to link {tcp_link}, which is {path}"
+                f"{urdf.path.name}: joints {list(joints)} are not, in this order, on the way from "
+                f"the base to {tcp_link}, which is {[joint.name for joint in path]}"
             )
-        links = _poses_at_zero(body, (BASE, *joints, tcp_link))
-        links[-1] = links[-1] @ tcp_offset
-        steps = [before.inverse() @ after for before, after in pairwise(links)]
-        info = {joint.index: joint for joint in body.joints.values()}
+        frames, frame = [], Pose()
+        for joint in path:
+            frame = frame @ joint.origin
+            if joint in own:
+                frames.append(frame)
+                frame = Pose()
+        frames.append(frame @ tcp_offset)
         return cls(
-            body=body.name,
-            joints=tuple(joints),
-            frames=np.array([_matrix(step) for step in steps]),
-            axes=np.array([_axis(body, index) for index in joints]),
-            revolute=np.array([info[index].type == "revolute" for index in joints]),
-            lower=np.array([info[index].lower for index in joints]),
-            upper=np.array([info[index].upper for index in joints]),
+            frames=np.array([_matrix(frame) for frame in frames]),
+            axes=np.array([joint.axis for joint in own]),
+            revolute=np.array([joint.type != "prismatic" for joint in own]),
+            lower=np.array([-math.inf if j.lower is None else j.lower for j in own]),
+            upper=np.array([math.inf if j.upper is None else j.upper for j in own]),
         )
 
     def forward(self, positions: Sequence[float]) -> Pose:
@@ -362,39 +359,13 @@ def _badness(result: IkResult) -> float:
     return result.position_error_m + METRES_PER_RADIAN * result.angle_error
 
 
-def _path(body: Body, link: int) -> list[int]:
+def _path(urdf: Urdf, link: str) -> list[UrdfJoint]:
     """Joints from the base to a link."""
-    path: list[int] = []
-    while link != BASE:
-        path.insert(0, link)
-        link = body.client.bullet.getJointInfo(body.id, link)[16]
+    path: list[UrdfJoint] = []
+    while (joint := urdf.joint_above(link)) is not None:
+        path.insert(0, joint)
+        link = joint.parent
     return path
-
-
-def _poses_at_zero(body: Body, links: Sequence[int]) -> list[Pose]:
-    """Poses of links with all joints at zero. The joints are left as they were found."""
-    bullet = body.client.bullet
-    movable = [joint.index for joint in body.joints.values() if joint.type != "fixed"]
-    states = bullet.getJointStates(body.id, movable) if movable else ()
-    body.reset_joints(movable, [0.0] * len(movable))
-    poses = [_exact_pose(body, link) for link in links]
-    for index, (position, velocity, *_) in zip(movable, states, strict=True):
-        bullet.resetJointState(body.id, index, position, velocity)
-    return poses
-
-
-def _exact_pose(body: Body, link: int) -> Pose:
-    """A link's pose in double precision: Bullet rounds link frames to 7 digits, not the rest."""
-    if link == BASE:
-        return body.pose()
-    state = body.client.bullet.getLinkState(body.id, link, computeForwardKinematics=1)
-    return Pose(state[0], state[1]) @ inertial_frame(body.client, body.id, link).inverse()
-
-
-def _axis(body: Body, joint: int) -> Vec3:
-    """A joint's axis in its link's frame; Bullet gives it in that of the centre of mass."""
-    axis: Vec3 = body.client.bullet.getJointInfo(body.id, joint)[13]
-    return unit(rotate(inertial_frame(body.client, body.id, joint).quaternion, axis))
 
 
 def _matrix(pose: Pose) -> Floats:

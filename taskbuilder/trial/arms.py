@@ -12,22 +12,19 @@ from typing import Any, NamedTuple
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.named import has_expert, policy_named
-from taskbuilder.expert.player import Expert
-from taskbuilder.learn.policy import Policy as Trained
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
-SUBJECT = "policy"
+SUBJECT = Way(Kind.POLICY)
 """The arm that is measured."""
 
-EXPERT, RANDOM, NOTHING = "expert", "random", "nothing"
 CONTROLS = (EXPERT, RANDOM, NOTHING)
 """Whom it is compared with, besides stalling."""
 
-STALL = "stall after stage "
-"""What the arms are called that leave the expert's way after a stage and hold still."""
-
-Episodes = dict[str, Rollout]
+Episodes = dict[Way, Rollout]
 """What was played from one seed, by arm."""
 
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
@@ -45,7 +42,7 @@ class Arena:
         token: By which an arena knows itself again where it was sent more than once.
     """
 
-    player: Trained | str
+    player: TrainedPolicy | str
     place: Callable[..., TaskEnv]
     controls: Callable[..., TaskEnv]
     token: str = field(default_factory=lambda: token_hex(8))
@@ -78,7 +75,7 @@ class Stage:
         self._env = self._stack.enter_context(closing(arena.place()))
         self._policy = self._hire(arena.player, self._env)
         self._envs: dict[int, TaskEnv] = {}
-        self._hired: dict[tuple[str, int], Policy] = {}
+        self._hired: dict[tuple[Way, int], Policy] = {}
 
     def close(self) -> None:
         """Free all physics."""
@@ -92,17 +89,16 @@ class Stage:
             return episodes
         variation = subject.variation
         env = self._control_env(variation)
-        for name in CONTROLS:
-            if name == EXPERT and not has_expert(env.task):
+        for way in CONTROLS:
+            if way == EXPERT and not has_expert(env.task):
                 continue
-            if name == self._arena.player:  # it has been played
-                episodes[name] = subject
+            if self._arena.player == way.kind.value:  # it has been played
+                episodes[way] = subject
                 continue
-            policy = self._control(name, variation)
-            episodes[name] = play(env, policy, job.seed, forces=True, explain=True)
+            policy = self._control(way, variation)
+            episodes[way] = play(env, policy, job.seed, forces=True, explain=True)
         if EXPERT in episodes:
-            stalls = stall_after_stages(env, episodes[EXPERT])
-            episodes |= {f"{STALL}{number}": played for number, played in stalls.items()}
+            episodes |= stall_after_stages(env, episodes[EXPERT])
         return episodes
 
     def _control_env(self, variation: int) -> TaskEnv:
@@ -111,13 +107,13 @@ class Stage:
             self._envs[variation] = self._stack.enter_context(closing(made))
         return self._envs[variation]
 
-    def _control(self, name: str, variation: int) -> Policy:
-        key = (name, variation)
+    def _control(self, way: Way, variation: int) -> Policy:
+        key = (way, variation)
         if key not in self._hired:
-            self._hired[key] = self._hire(name, self._control_env(variation))
+            self._hired[key] = self._hire(way.kind.value, self._control_env(variation))
         return self._hired[key]
 
-    def _hire(self, player: Trained | str, env: TaskEnv) -> Policy:
+    def _hire(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
         if not isinstance(player, str):
             return as_policy(player.act)
         made = policy_named(player)(env)
@@ -163,10 +159,10 @@ def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
     return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
 
 
-def by_arm(played: Iterable[Episodes]) -> Mapping[str, tuple[Rollout, ...]]:
+def by_arm(played: Iterable[Episodes]) -> Mapping[Way, tuple[Rollout, ...]]:
     """The episodes of each arm, in order."""
-    arms: dict[str, list[Rollout]] = {}
+    arms: dict[Way, list[Rollout]] = {}
     for episodes in played:
-        for name, rollout in episodes.items():
-            arms.setdefault(name, []).append(rollout)
-    return {name: tuple(rollouts) for name, rollouts in arms.items()}
+        for way, rollout in episodes.items():
+            arms.setdefault(way, []).append(rollout)
+    return {way: tuple(rollouts) for way, rollouts in arms.items()}

@@ -83,7 +83,7 @@ def certificate(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
         "processor": processor(),
         "system": system(),
         "results": as_data(arms, stages),
-        "episodes": {name: [record(r) for r in played] for name, played in arms.items()},
+        "episodes": {str(way): [record(r) for r in played] for way, played in arms.items()},
     }
     plain: dict[str, Any] = json.loads(json.dumps(told))  # as it will be read
     return {**plain, "seals": seals(plain)}
@@ -189,5 +189,5 @@ def _misshapen(data: Mapping[str, Any]) -> Iterator[str]:
     for name, listed in data["episodes"].items():
         if not isinstance(listed, list) or not all(isinstance(each, dict) for each in listed):
             yield f"the episodes of {name} are no list of records"
-    if SUBJECT not in data["episodes"]:
+    if str(SUBJECT) not in data["episodes"]:
         yield "it has no episodes"

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.digests import digest
-from taskbuilder.learn.evaluation import Summary, summarise
+from taskbuilder.expert.ways import EXPERT, RANDOM, Kind, Way
+from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.arms import CONTROLS, EXPERT, RANDOM, STALL, SUBJECT
+from taskbuilder.trial.arms import CONTROLS, SUBJECT
 
-Arms = Mapping[str, Sequence[Rollout]]
+Arms = Mapping[Way, Sequence[Rollout]]
 """Episodes by arm; those of the controls are from the first seeds of the subject's."""
 
 
@@ -31,7 +32,7 @@ class Beside:
         policy_return: Of the measured one, on the same seeds.
     """
 
-    arm: str
+    arm: Way
     episodes: int
     success_rate: float
     success_at_end_rate: float
@@ -67,19 +68,19 @@ class Comparison:
 def compare(arms: Arms) -> Comparison:
     """The arms of a trial beside the one that is measured."""
     own = {rollout.seed: rollout for rollout in arms[SUBJECT]}
-    controls = tuple(_beside(name, arms[name], own) for name in CONTROLS if arms.get(name))
+    controls = tuple(_beside(way, arms[way], own) for way in CONTROLS if arms.get(way))
     stalls = []
-    for name, played in arms.items():
+    for way, played in arms.items():
         failed = [rollout for rollout in played if not rollout.success]
-        if name.startswith(STALL) and failed:
-            stalls.append(_beside(name, failed, own))
+        if way.kind is Kind.STALL and failed:
+            stalls.append(_beside(way, failed, own))
     best = max(stalls, key=lambda beside: beside.mean_return, default=None)
     return Comparison(controls, best)
 
 
-def _beside(name: str, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> Beside:
+def _beside(way: Way, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> Beside:
     return Beside(
-        arm=name,
+        arm=way,
         episodes=len(played),
         success_rate=fmean(rollout.success for rollout in played),
         success_at_end_rate=fmean(rollout.success_at_end for rollout in played),
@@ -145,7 +146,7 @@ def as_data(arms: Arms, stages: Sequence[str]) -> dict[str, Any]:
         "stages": dict(zip(stages, summary.stages, strict=True)),
         "terms": dict(summary.terms),
         "seeds": roles(summary),
-        "controls": {beside.arm: _as_data(beside, arms) for beside in comparison.controls},
+        "controls": {str(beside.arm): _as_data(beside, arms) for beside in comparison.controls},
         "best_stall": _as_data(comparison.best_stall, arms) if comparison.best_stall else None,
     }
 
@@ -158,8 +159,8 @@ def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
         "success_rate": beside.success_rate,
         "success_at_end_rate": beside.success_at_end_rate,
     }
-    if beside.arm.startswith(STALL):
-        return {"after_stage": int(beside.arm.removeprefix(STALL)), **told}
+    if beside.arm.kind is Kind.STALL:
+        return {"after_stage": beside.arm.stage, **told}
     played = arms[beside.arm]
     summary = summarise(played, len(played[0].stages))
     return {
@@ -169,6 +170,6 @@ def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
     }
 
 
-def roles(summary: Summary) -> dict[str, int | None]:
+def roles(summary: EvaluationSummary) -> dict[str, int | None]:
     """Seeds of the episodes that are worth being looked at, by what they are shown for."""
     return {"best": summary.best, "median": summary.median, "failed": summary.failed}

@@ -13,15 +13,16 @@ from dataclasses import dataclass
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.foresight import displaced
-from taskbuilder.expert.player import Expert
-from taskbuilder.expert.rehearsal import rehearse
+from taskbuilder.expert.script.dry_run import dry_run
+from taskbuilder.expert.script.foresight import displaced
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.expert.ways import Kind, Way
 from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.expert import ExpertStage, Order, Repeat, Together
-from taskbuilder.spec.robots import joint_values
-from taskbuilder.spec.scene import ObjectSpec, SceneSpec
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together
+from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.playing import DropAll
 from taskbuilder.validate.reach import reaches
@@ -63,13 +64,15 @@ class Solo:
     joint: str = ""
     by: float = 0.0
 
-    @property
-    def name(self) -> str:
-        """What is tried, in words."""
+    def __str__(self) -> str:
         if self.joint:
-            return f"{self.robot} alone, {self.grasp} along {self.joint} by {self.by:+.2f}"
-        where = f"to {self.place}" if self.place else "up"
-        return f"{self.robot} alone, {self.grasp} {where}"
+            return f"{self.grasp} along {self.joint} by {self.by:+.2f}"
+        return f"{self.grasp} to {self.place}" if self.place else f"{self.grasp} up"
+
+    @property
+    def way(self) -> Way:
+        """The way of playing that tries it."""
+        return Way(Kind.ALONE, robot=self.robot, attempt=self)
 
     @property
     def thing(self) -> str:
@@ -267,6 +270,6 @@ def _each(stages: Sequence[ExpertStage]) -> Iterator[dict[str, Order] | Together
 
 def within_reach(world: World, robot: str, grasp: str) -> bool:
     """Whether a robot could take an object by a grasp point where it is now."""
-    asked = list(rehearse(world, [{robot: Order(grasp=grasp)}]))
+    asked = list(dry_run(world, [{robot: Order(grasp=grasp)}]))
     arm = world.robots[robot]
     return bool(asked) and all(any(reaches(arm, pose) for pose in one.choices) for one in asked)

@@ -16,8 +16,8 @@ from taskbuilder.errors import FileError, Finding
 from taskbuilder.jobs import DONE, RAISED, TRIES, LostError, Worker, packed, say, tell_of_loss
 from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import read_task
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
 from taskbuilder.validate.static import static_failure

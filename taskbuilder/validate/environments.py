@@ -19,8 +19,8 @@ from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.episode import Episode
 from taskbuilder.errors import Finding, TaskbuilderError, UsageError, in_reading_order
 from taskbuilder.quiet import without_remarks
-from taskbuilder.spec.scene import SceneSpec
-from taskbuilder.spec.source import dotted
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.source import dotted
 from taskbuilder.validate.observing import (
     Find,
     check_inside,

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import Any
 
-from taskbuilder.jobs import crew
+from taskbuilder.jobs import worker_processes
 from taskbuilder.validate.studio import Source, Studio, at_work
 
 Give = Callable[[Callable[[Studio, Any], Any], Source, Any], Callable[[], list[Any]]]
@@ -37,7 +37,7 @@ def fresh_processes(
     with ExitStack() as stack:
         spreads = [
             stack.enter_context(
-                crew(
+                worker_processes(
                     [{"PYTHONHASHSEED": str(number)}],
                     limit_s=limit_s,
                     beat=beat,

@@ -9,14 +9,14 @@ from pathlib import Path
 from taskbuilder.errors import Finding, Location
 from taskbuilder.jobs import TRIES
 from taskbuilder.processes import Fault
-from taskbuilder.spec.catalogue import Entry
+from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.validate.report import Check, FamilyResult
 
 _ONLY_LOOKS = "a description only looks"
 _ONLY_DECLARES = "a description only declares"
 
 
-def finding_of_loss(fault: Fault, entry: Entry) -> Finding:
+def finding_of_loss(fault: Fault, entry: CatalogueEntry) -> Finding:
     """A finding for a process that was lost, at the line of the description that it was at."""
     place = _place(fault, entry.description_file)
     if place and not fault.outside:
@@ -27,7 +27,7 @@ def finding_of_loss(fault: Fault, entry: Entry) -> Finding:
     return _finding("TB315", said, entry, place)
 
 
-def refused_import(fault: Fault, entry: Entry, *, looked_over: bool) -> Finding:
+def refused_import(fault: Fault, entry: CatalogueEntry, *, looked_over: bool) -> Finding:
     """A finding for a description that does not come back from its import.
 
     Args:
@@ -70,7 +70,7 @@ def _place(fault: Fault, file: Path) -> Location | None:
     return Location(file, int(last[1]), 1) if last else None
 
 
-def _finding(code: str, message: str, entry: Entry, place: Location | None) -> Finding:
+def _finding(code: str, message: str, entry: CatalogueEntry, place: Location | None) -> Finding:
     place = place or Location(entry.description_file, 1, 1)
     excerpt = linecache.getline(str(place.file), place.line).strip() if place.line > 1 else ""
     return Finding(code, message, location=place, excerpt=excerpt)

@@ -13,11 +13,13 @@ measured but is no finding.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
+from taskbuilder.expert.ways import NOTHING, RANDOM, Kind, Way
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
 from taskbuilder.validate.alone import (
@@ -37,8 +39,6 @@ from taskbuilder.validate.studio import Start, Studio
 
 MOST_SOLOS = 3
 
-NOTHING, RANDOM = "nothing", "random"
-
 
 class Tried(NamedTuple):
     """What was tried from a start.
@@ -48,56 +48,51 @@ class Tried(NamedTuple):
         in_reach: Grasp points that a robot could reach which is not to take them, with its name.
     """
 
-    plays: dict[str, Rollout]
+    plays: dict[Way, Rollout]
     in_reach: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Shortcut:
     """A sort of playing that must not succeed.
 
     Attributes:
         code: Of the check.
         name: What the check is about.
-        sign: The name of its only way, or what the names of its ways have in them.
+        kind: The kind of its ways.
         verb: What it does, for the message.
         mend: What would be right.
     """
 
     code: str
     name: str
-    sign: str
+    kind: Kind
     verb: str
     mend: str
 
-    def covers(self, name: str) -> bool:
-        """Whether a way of playing is of this sort."""
-        return name == self.sign or (self.sign in name and self.sign not in (NOTHING, RANDOM))
 
-
-_WAYS = (
-    _Way("TB544", "doing nothing does not succeed", NOTHING, "holding still", "ask for more"),
-    _Way("TB543", "random play does not succeed", RANDOM, "playing at random", "ask for more"),
-    _Way(
+_SHORTCUTS = (
+    _Shortcut(
+        "TB544", "doing nothing does not succeed", Kind.NOTHING, "holding still", "ask for more"
+    ),
+    _Shortcut(
+        "TB543", "random play does not succeed", Kind.RANDOM, "playing at random", "ask for more"
+    ),
+    _Shortcut(
         "TB541",
         "every robot is needed",
-        "without ",
+        Kind.WITHOUT,
         "playing {way}",
         "make its part matter, or write cooperation: optional",
     ),
-    _Way(
+    _Shortcut(
         "TB542",
         "no robot does it alone",
-        " alone, ",
+        Kind.ALONE,
         "{way}",
         "put something out of its reach, or write cooperation: optional",
     ),
 )
-
-
-def without(robot: str) -> str:
-    """The name of the way in which the expert plays without a robot."""
-    return f"without {robot}"
 
 
 def needs_family(run: Run) -> FamilyResult:
@@ -123,15 +118,22 @@ def _matters(task: Task) -> bool:
 
 
 def _summary(run: Run) -> str:
-    counts: dict[str, int] = {}
+    counts: Counter[Way] = Counter()
     for way, plays in run.plays.items():
-        label = "solo" if " alone, " in way else way.replace("without", "frozen")
-        counts[label] = counts.get(label, 0) + sum(play.success for play in plays.values())
-    order = sorted(counts, key=lambda label: (label in (NOTHING, RANDOM), label == NOTHING))
-    said = ", ".join(f"{label} {counts[label]}" for label in order)
-    if run.has_expert and len(run.task.agents) > 1 and "solo" not in counts:
+        together = Way(way.kind) if way.kind is Kind.ALONE else way
+        counts[together] += sum(play.success for play in plays.values())
+    order = sorted(counts, key=lambda way: (way in (NOTHING, RANDOM), way == NOTHING))
+    said = ", ".join(f"{_called(way)} {counts[way]}" for way in order)
+    if run.has_expert and len(run.task.agents) > 1 and Way(Kind.ALONE) not in counts:
         said += "; success names nothing that a robot could take alone"
     return said
+
+
+def _called(way: Way) -> str:
+    """A way, or all ways of robots alone, in a word or two."""
+    if way.kind is Kind.WITHOUT:
+        return f"frozen {way.robot}"
+    return "solo" if way.kind is Kind.ALONE else str(way)
 
 
 # --- in each process
@@ -148,13 +150,15 @@ def try_ways(studio: Studio, start: Start) -> Tried:
         return Tried(plays, ())
     expert = studio.expert(start.variation)
     for robot in task.agents:
-        plays[without(robot)] = expert.play(start.seed, without={robot}, persist=True)
+        plays[Way(Kind.WITHOUT, robot=robot)] = expert.play(
+            start.seed, without={robot}, persist=True
+        )
     scene = env.episode.world.scene
     listed = solos(task, scene)
     first = start.seed * MOST_SOLOS
     turns = [(first + offset) % len(listed) for offset in range(min(MOST_SOLOS, len(listed)))]
     for solo in (listed[turn] for turn in turns):
-        plays[solo.name] = play_solo(expert, start.seed, solo)
+        plays[solo.way] = play_solo(expert, start.seed, solo)
     return Tried(plays, tuple(_in_reach(studio, start)))
 
 
@@ -178,25 +182,26 @@ def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
 
 def _judged(run: Run) -> Iterator[Result]:
     """The ways of playing, from the simplest on, up to the first that succeeds."""
-    for way in _WAYS:
-        plays = {name: found for name, found in run.plays.items() if way.covers(name)}
+    for shortcut in _SHORTCUTS:
+        plays = {way: found for way, found in run.plays.items() if way.kind is shortcut.kind}
         if not plays:
             continue
-        counts = {name: sum(p.success for p in found.values()) for name, found in plays.items()}
+        counts = {way: sum(p.success for p in found.values()) for way, found in plays.items()}
         total = sum(counts.values())
-        excused = way.code in ("TB541", "TB542") and not _matters(run.task)
+        excused = shortcut.code in ("TB541", "TB542") and not _matters(run.task)
         findings: list[Finding] = []
         if total and not excused:
             worst = max(counts, key=counts.__getitem__)
             start = next(start for start, play in plays[worst].items() if play.success)
             share = Share(counts[worst], len(plays[worst]))
-            message = (
-                f"{way.verb.format(way=worst)} succeeds from {share} seeds ({start}); {way.mend}"
-            )
+            verb = shortcut.verb.format(way=worst)
+            message = f"{verb} succeeds from {share} seeds ({start}); {shortcut.mend}"
             success = run.task.description.success
-            findings = [finding_in_description(run.task, way.code, message, "success", success)]
+            findings = [
+                finding_in_description(run.task, shortcut.code, message, "success", success)
+            ]
         limit = None if excused else 0
-        yield Check(way.code, way.name, not findings, total, limit, "episodes"), findings
+        yield Check(shortcut.code, shortcut.name, not findings, total, limit, "episodes"), findings
         if findings:
             return
 

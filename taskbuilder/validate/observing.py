@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.episode import Episode
 from taskbuilder.errors import Finding
-from taskbuilder.spec.channels import Channel, default_channels, parse_channel
+from taskbuilder.schema.channels import Channel, default_channels, parse_channel
 from taskbuilder.task import Task
 from taskbuilder.validate.report import Check, Result
 from taskbuilder.validate.traces import digest

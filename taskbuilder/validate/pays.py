@@ -21,24 +21,22 @@ from typing import NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.expert.leaving import leave_after_stages
+from taskbuilder.expert.ways import EXPERT, Kind, Way
 from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.spec.expert import in_words
-from taskbuilder.validate.needs import NOTHING, RANDOM
+from taskbuilder.schema.expert import in_words
 from taskbuilder.validate.places import finding_in_description
 from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, wild_terms
 from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
 from taskbuilder.validate.running import Run
 from taskbuilder.validate.studio import Start, Studio
 
-EXPERT = "expert"
-
 LEAST_PAIRS = 3
 """Episodes that did not succeed, for a way that mostly succeeds to be held against the expert."""
 
-Plays = Mapping[str, Mapping[Start, Rollout]]
+Plays = Mapping[Way, Mapping[Start, Rollout]]
 """What was played, by way of playing, and by how the episode began."""
 
 
@@ -56,32 +54,32 @@ class _Sort:
     Attributes:
         code: Of the check.
         name: What the check is about.
-        signs: What the names of its ways begin with.
+        kinds: The kinds of its ways.
     """
 
     code: str
     name: str
-    signs: tuple[str, ...]
+    kinds: tuple[Kind, ...]
 
 
 _SORTS = (
-    _Sort("TB553", "success pays more than nothing and random play", (NOTHING, RANDOM)),
-    _Sort("TB552", "success pays more than stalling", ("stall ",)),
-    _Sort("TB554", "success pays more than leaving out a robot", ("without ",)),
-    _Sort("TB555", "success pays more than failing on purpose", ("fail ",)),
+    _Sort("TB553", "success pays more than nothing and random play", (Kind.NOTHING, Kind.RANDOM)),
+    _Sort("TB552", "success pays more than stalling", (Kind.STALL,)),
+    _Sort("TB554", "success pays more than leaving out a robot", (Kind.WITHOUT,)),
+    _Sort("TB555", "success pays more than failing on purpose", (Kind.FAIL,)),
 )
 
 
 def pays_family(run: Run) -> FamilyResult:
     """Compare what the expert earns with what is easier."""
-    plays: dict[str, Mapping[Start, Rollout]] = {}
+    plays: dict[Way, Mapping[Start, Rollout]] = {}
     if run.has_expert:
         starts = run.some_starts()
         played = zip(starts, run.demonstrate(starts, "pays for success"), strict=True)
         jobs = [Replayed(start, demo) for start, demo in played if demo.success]
         plays[EXPERT] = {job.start: job.rollout for job in jobs}
         plays |= _left(run, jobs)
-    plays |= {way: found for way, found in run.plays.items() if " alone, " not in way}
+    plays |= {way: found for way, found in run.plays.items() if way.kind is not Kind.ALONE}
     bounded = _check_terms(run, plays)
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
@@ -94,21 +92,21 @@ def pays_family(run: Run) -> FamilyResult:
     elif plays.get(EXPERT):
         summary = _summary(plays)
     else:
-        summary = ", ".join(f"{probe.name} {_mean(probe.returns):.1f}" for probe in probes)
+        summary = ", ".join(f"{probe.way} {_mean(probe.returns):.1f}" for probe in probes)
     return FamilyResult("pays for success", checks, findings, summary, probes=probes)
 
 
 def _left(run: Run, jobs: Sequence[Replayed]) -> Plays:
-    found: dict[str, dict[Start, Rollout]] = {}
+    found: dict[Way, dict[Start, Rollout]] = {}
     starts = [job.start for job in jobs]
     asked = run.ask(leave_stages, starts, "pays for success", about=jobs)
     for start, plays in zip(starts, asked, strict=True):
         for way, play in plays.items():
             found.setdefault(way, {})[start] = play
-    return dict(sorted(found.items()))
+    return {way: found[way] for way in sorted(found, key=lambda way: (way.kind, way.stage))}
 
 
-def _probe(way: str, found: Mapping[Start, Rollout]) -> Probe:
+def _probe(way: Way, found: Mapping[Start, Rollout]) -> Probe:
     listed = list(found.values())
     return Probe(
         way,
@@ -120,13 +118,7 @@ def _probe(way: str, found: Mapping[Start, Rollout]) -> Probe:
 
 def _summary(plays: Plays) -> str:
     """The closest rival of all, and by how much the expert leads it."""
-    rivals = [
-        rival
-        for sort in _SORTS
-        for way, found in plays.items()
-        if way.startswith(sort.signs)
-        for rival in _rivals(way, plays[EXPERT], found)
-    ]
+    rivals = [rival for sort in _SORTS for rival in _rivals(sort, plays)]
     if not rivals:
         return "every way of playing succeeds"
     closest = min(rivals, key=_closeness)
@@ -143,19 +135,18 @@ def _mean(values: Iterable[float]) -> float:
 # --- in each process
 
 
-def leave_stages(studio: Studio, job: Replayed) -> dict[str, Rollout]:
+def leave_stages(studio: Studio, job: Replayed) -> dict[Way, Rollout]:
     """What comes of leaving the expert's way after each of its stages."""
     env, whole = studio.env(job.start.variation), job.rollout
     last = len(studio.task.file.spec.expert)
 
-    def who(number: int) -> Mapping[str, Policy]:
+    def who(number: int) -> Mapping[Kind, Policy]:
         odd = job.start.seed // len(studio.task.file.scenes) % 2
-        ways: dict[str, Policy] = {"fail": ThrowAll() if odd else DropAll()}
+        ways: dict[Kind, Policy] = {Kind.FAIL: ThrowAll() if odd else DropAll()}
         # After the last one the expert itself holds still.
-        return {**ways, "stall": HoldStill()} if number < last else ways
+        return {**ways, Kind.STALL: HoldStill()} if number < last else ways
 
-    found = leave_after_stages(env, whole, who)
-    return {f"{name} after stage {number}": played for (name, number), played in found.items()}
+    return leave_after_stages(env, whole, who)
 
 
 # --- the checks
@@ -163,7 +154,7 @@ def leave_stages(studio: Studio, job: Replayed) -> dict[str, Rollout]:
 
 def _check_terms(run: Run, plays: Plays) -> Result:
     """Every reward term is finite, and not huge."""
-    wild: dict[str, tuple[float, str, Start]] = {}
+    wild: dict[str, tuple[float, Way, Start]] = {}
     for way, found in plays.items():
         for start, play in found.items():
             for label, pay in wild_terms(play).items():
@@ -187,12 +178,7 @@ def _compared(run: Run, plays: Plays) -> Iterator[Result]:
     for sort in _SORTS:
         if sort.code == "TB554" and run.task.file.spec.cooperation != "required":
             continue
-        rivals = [
-            rival
-            for way, found in plays.items()
-            if way.startswith(sort.signs)
-            for rival in _rivals(way, plays[EXPERT], found)
-        ]
+        rivals = list(_rivals(sort, plays))
         if not rivals:
             continue
         closest = min(rivals, key=_closeness)
@@ -217,7 +203,7 @@ class _Rival:
         steps: Control steps of the episode, each weighted by the discount to its power.
     """
 
-    way: str
+    way: Way
     discount: float
     expert: float
     earned: float
@@ -234,8 +220,15 @@ def _closeness(rival: _Rival) -> tuple[bool, float]:
     return rival.lead.low > 0.0, rival.lead.low / rival.steps
 
 
-def _rivals(
-    way: str, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout]
+def _rivals(sort: _Sort, plays: Plays) -> Iterator[_Rival]:
+    """All ways of a sort beside the expert."""
+    for way, found in plays.items():
+        if way.kind in sort.kinds:
+            yield from _beside_expert(way, plays[EXPERT], found)
+
+
+def _beside_expert(
+    way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout]
 ) -> Iterator[_Rival]:
     """A way of playing beside the expert, undiscounted and discounted.
 
@@ -255,33 +248,28 @@ def _rivals(
         yield _Rival(way, discount, _mean(ours), _mean(theirs), lead, weighted)
 
 
-_WORDS = {
-    NOTHING: "doing nothing",
-    RANDOM: "random play",
-    "stall": "stalling",
-    "fail": "dropping everything, or throwing it away,",
-    "without": "playing without",
-}
-
-
 def _finding(run: Run, sort: _Sort, rival: _Rival, better: int) -> Finding:
-    first, _, rest = rival.way.partition(" ")
     at = f" at a discount of {rival.discount:g}" if rival.discount < 1.0 else ""
     plural = "way pays" if better == 2 else "ways pay"
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
     message = (
-        f"{_WORDS[first]} {rest}".rstrip() + f"{_stage_of(run, rival.way)} earns "
-        f"{rival.earned:.1f} in the mean, the expert {rival.expert:.1f}{at}: its lead is "
-        f"{rival.lead} over {_pairs(rival)}, which is not surely more than 0; pay more for "
-        f"success, or less for this{others}"
+        f"{_in_words(run, rival.way)} earns {rival.earned:.1f} in the mean, the expert "
+        f"{rival.expert:.1f}{at}: its lead is {rival.lead} over {_pairs(rival)}, which is not "
+        f"surely more than 0; pay more for success, or less for this{others}"
     )
     term = run.task.description.reward[0] if run.task.description.reward else None
     return finding_in_description(run.task, sort.code, message, "reward", term)
 
 
-def _stage_of(run: Run, way: str) -> str:
-    """The stage of the expert that a way leaves it after, in words."""
-    number = way.rpartition("stage ")[2]
-    if not number.isdigit():
-        return ""
-    return f" ({in_words(run.task.file.spec.expert[int(number) - 1])})"
+def _in_words(run: Run, way: Way) -> str:
+    """What is done in a way of playing, with the stage after which the expert's way is left."""
+    match way.kind:
+        case Kind.NOTHING:
+            return "doing nothing"
+        case Kind.RANDOM:
+            return "random play"
+        case Kind.WITHOUT:
+            return f"playing without {way.robot}"
+    what = "stalling" if way.kind is Kind.STALL else "dropping everything, or throwing it away,"
+    stage = run.task.file.spec.expert[way.stage - 1]
+    return f"{what} after stage {way.stage} ({in_words(stage)})"

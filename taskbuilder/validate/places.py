@@ -10,8 +10,8 @@ from taskbuilder.description import description as referee
 from taskbuilder.description.load import explain
 from taskbuilder.description.node import Node
 from taskbuilder.errors import Finding, Location, Severity
-from taskbuilder.spec.catalogue import Entry
-from taskbuilder.spec.source import dotted
+from taskbuilder.schema.catalogue import CatalogueEntry
+from taskbuilder.schema.source import dotted
 from taskbuilder.task import Task
 
 
@@ -52,7 +52,7 @@ def in_variation(
     return [replace(found, message=f"in variation {variation}: {found.message}") for found in new]
 
 
-def failure_of_description(error: BaseException, entry: Entry) -> Finding:
+def failure_of_description(error: BaseException, entry: CatalogueEntry) -> Finding:
     """A finding at the line of the description that raised an error while it was asked.
 
     Raises:
@@ -64,12 +64,12 @@ def failure_of_description(error: BaseException, entry: Entry) -> Finding:
     return finding
 
 
-def arose_in_description(error: BaseException, entry: Entry) -> bool:
+def arose_in_description(error: BaseException, entry: CatalogueEntry) -> bool:
     """Whether a description has a part in an error."""
     return _explained(error, entry) is not None
 
 
-def _explained(error: BaseException, entry: Entry) -> Finding | None:
+def _explained(error: BaseException, entry: CatalogueEntry) -> Finding | None:
     what = "fails when it is asked"
     finding = explain(error, entry.description_file, "TB314", what)
     frames = extract_tb(error.__traceback__)

@@ -101,4 +101,4 @@ def _swung(env: TaskEnv, agent: str) -> list[float]:
     """An arm's commanded joints with the first one as far on as a control step takes it."""
     arm = env.episode.actions[agent].arm
     first, *rest = arm.robot.commanded()
-    return [min(first + arm.longest[0], arm.stepper.upper[0]), *rest]
+    return [min(first + arm.longest[0], arm.ik.upper[0]), *rest]

@@ -1,10 +1,10 @@
 """The reach family: every pose that the expert asks for is one that its robot can take.
 
-The stages are rehearsed without physics, from every seed in every variation. For each order the
-pose that lies farthest from the robot's shoulder is tried farther out still, along the line from
-the shoulder through it, to find out how much there is to spare.
+A dry run goes through the stages without physics, from every seed in every variation. For each
+order the pose that lies farthest from the robot's shoulder is tried farther out still, along the
+line from the shoulder through it, to find out how much there is to spare.
 
-A rehearsal may foresee wrongly where things are by then. Wherever it finds a pose out of reach the
+A dry run may foresee wrongly where things are by then. Wherever it finds a pose out of reach the
 expert is played as well: a stage that it carries out asks for nothing out of reach, and a task in
 which it succeeds is not wrong.
 """
@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from taskbuilder.errors import Finding
-from taskbuilder.expert.rehearsal import Asked, rehearse
+from taskbuilder.expert.script.dry_run import Asked, dry_run
 from taskbuilder.geometry import Pose, Vec3, add, norm, scale, subtract
 from taskbuilder.sim.kinematics import solve
 from taskbuilder.validate.places import finding_in_file, in_variation
@@ -84,7 +84,7 @@ def reach_family(run: Run) -> FamilyResult:
     if not run.task.file.spec.expert:
         return FamilyResult("reach", (), (), "no expert")
     starts = run.every_start
-    found = [reached for each in run.ask(rehearse_from, starts, "reach") for reached in each]
+    found = [reached for each in run.ask(dry_run_from, starts, "reach") for reached in each]
     judged = [(reached, _verdict(run, reached)) for reached in _play_missed(run, found)]
     missed = [(reached, verdict) for reached, verdict in judged if verdict and not reached.ok]
     extremes: dict[Key, Reached] = {}
@@ -183,13 +183,13 @@ def _far(metres: float) -> str:
 # --- in each process
 
 
-def rehearse_from(studio: Studio, start: Start) -> list[Reached]:
+def dry_run_from(studio: Studio, start: Start) -> list[Reached]:
     """Every pose that the expert asks for from a start."""
     env = studio.env(start.variation)
     env.reset(seed=start.seed)
     world = env.episode.world
     found = []
-    for asked in rehearse(world):
+    for asked in dry_run(world):
         robot = world.robots[asked.robot]
         good = next((pose for pose in asked.choices if reaches(robot, pose)), None)
         pose = good or asked.choices[0]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from taskbuilder.errors import Finding, in_reading_order
 
 if TYPE_CHECKING:  # a static validation loads no physics
+    from taskbuilder.expert.ways import Way
     from taskbuilder.rollout.record import Rollout
 
 
@@ -46,13 +47,13 @@ class Probe:
     """What a way of playing a task earns, over many episodes.
 
     Attributes:
-        name: The way: ``expert``, ``stall after stage 2``, ``without left``, ``random``.
+        way: The way.
         returns: Undiscounted return of the team in each episode.
         discounted: The same at a discount of 0.95.
         successes: In how many of the episodes success held at some step.
     """
 
-    name: str
+    way: Way
     returns: tuple[float, ...]
     discounted: tuple[float, ...]
     successes: int
@@ -183,7 +184,8 @@ def _task_data(report: TaskReport) -> dict[str, Any]:
 
 def _probe_data(probe: Probe) -> dict[str, Any]:
     return {
-        "name": probe.name,
+        "name": str(probe.way),
+        "way": probe.way.as_data(),
         "return": _mean(probe.returns),
         "discounted_return": _mean(probe.discounted),
         "successes": probe.successes,

@@ -12,7 +12,7 @@ from taskbuilder.description.description import Referee
 from taskbuilder.description.load import is_interrupt
 from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
-from taskbuilder.spec.scene import Place, SceneSpec
+from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.places import (
     failure_of_description,

@@ -20,7 +20,7 @@ from taskbuilder.errors import (
 )
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import owned
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.apart import (
     CHECK,

@@ -8,6 +8,7 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
+from taskbuilder.expert.ways import Way
 from taskbuilder.jobs import Map
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
@@ -30,7 +31,7 @@ class Run:
         alive: Called while something lasts, to say that it goes on.
         measures: Figures by name, for the report.
         demonstrations: The expert's episodes, by how they began.
-        plays: Other ways of playing that were tried, by name, and by how the episode began.
+        plays: Other ways of playing that were tried, and by how the episode began.
     """
 
     task: Task
@@ -42,7 +43,7 @@ class Run:
     alive: Callable[[], None] = lambda: None
     measures: dict[str, float] = field(default_factory=dict)
     demonstrations: dict[Start, Rollout] = field(default_factory=dict)
-    plays: dict[str, dict[Start, Rollout]] = field(default_factory=dict)
+    plays: dict[Way, dict[Start, Rollout]] = field(default_factory=dict)
 
     @property
     def state(self) -> Any:

@@ -10,8 +10,8 @@ from taskbuilder.description.load import is_interrupt
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import Finding
 from taskbuilder.expert.named import has_expert
-from taskbuilder.expert.player import Expert
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.places import failure_of_description
 

@@ -10,6 +10,10 @@ import numpy as np
 from taskbuilder.assets.model import Urdf
 from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
+from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
@@ -18,16 +22,12 @@ from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.renderers import choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.robots import joint_values
-from taskbuilder.spec.scene import ObjectSpec, RobotEntry, SiteSpec
-from taskbuilder.spec.values import rgb
 from taskbuilder.world.gripper import build_gripper
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.placement import placement_order, put
 from taskbuilder.world.robot import Robot
+from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
-from taskbuilder.world.things import Site, Thing
 from taskbuilder.world.world import World
 
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
@@ -87,7 +87,7 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
     body = loader.urdf(model.urdf, name, entry.base.pose, fixed=True)
     joints = [body.joints[joint] for joint in spec.arm]
     indices = [joint.index for joint in joints]
-    chain = Chain.of(body, indices, body.links[spec.tcp.link], spec.tcp.pose)
+    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose)
     arm = Motors(
         body,
         indices,
@@ -123,7 +123,7 @@ def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[f
     raise FileError([loader.finding("TB303", message, "scene", "robots", name, "home", "tcp")])
 
 
-def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> Thing:
+def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> SceneObject:
     asset = loader.task.assets.get(name)
     if isinstance(asset, Urdf):
         return _build_articulated(loader, name, spec, asset)
@@ -131,14 +131,14 @@ def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> Thing:
     body = loader.body(parts, name, spec)
     boxes = {part: bounds(made.shape) for part, made in parts.items()}
     frames = {part: written.pose for part, written in (spec.parts or {}).items()}
-    return Thing(name, spec, body, boxes, frames | _grasp_frames(spec))
+    return SceneObject(name, spec, body, boxes, frames | _grasp_frames(spec))
 
 
 def _grasp_frames(spec: ObjectSpec) -> dict[str, Pose]:
     return {name: Pose(grasp.at) for name, grasp in spec.grasps.items()}
 
 
-def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) -> Thing:
+def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) -> SceneObject:
     size = (spec.shape.scale if spec.shape else None) or 1.0
     body = loader.urdf(urdf, name, spec.pose, fixed=spec.fixed, size=size)
     body.set_friction(spec.friction)
@@ -156,7 +156,7 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     for index in indices:
         body.set_joint_friction(index, JOINT_FRICTION)
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
-    return Thing(name, spec, body, boxes, _grasp_frames(spec), indices)
+    return SceneObject(name, spec, body, boxes, _grasp_frames(spec), indices)
 
 
 def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:

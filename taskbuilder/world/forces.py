@@ -17,7 +17,7 @@ Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ForceReading:
     """What is known of the force between two bodies.
 
     Attributes:
@@ -34,14 +34,14 @@ class _Gauge:
 
     def __init__(self, read: Callable[[], float], steps: int) -> None:
         self._read = read
-        self._nothing = Reading((0.0,) * steps)
+        self._nothing = ForceReading((0.0,) * steps)
         self.known = self._nothing
 
     def begin(self) -> None:
         """A control step begins."""
         if self.known is not self._nothing:
             window = self.known.window
-            self.known = Reading(window) if any(window) else self._nothing
+            self.known = ForceReading(window) if any(window) else self._nothing
 
     def read(self) -> None:
         """A physics step has passed."""
@@ -49,9 +49,9 @@ class _Gauge:
         if not force and self.known is self._nothing:
             return  # as nearly always
         window = (*self.known.window[1:], force)
-        self.known = Reading(window, max(self.known.peak, sum(window) / len(window)))
+        self.known = ForceReading(window, max(self.known.peak, sum(window) / len(window)))
 
-    def restore(self, known: Reading | None) -> None:
+    def restore(self, known: ForceReading | None) -> None:
         """Go on from a reading, or from nothing."""
         self.known = known or self._nothing
 
@@ -84,7 +84,7 @@ class ForceMeter:
         return bool(self._gauges)
 
     @property
-    def readings(self) -> Mapping[Pair, Reading]:
+    def readings(self) -> Mapping[Pair, ForceReading]:
         """What is known now, to `restore` later."""
         return {pair: gauge.known for pair, gauge in self._gauges.items()}
 
@@ -92,7 +92,7 @@ class ForceMeter:
         """Forget all forces, as at the beginning of an episode."""
         self.restore({})
 
-    def restore(self, readings: Mapping[Pair, Reading]) -> None:
+    def restore(self, readings: Mapping[Pair, ForceReading]) -> None:
         """Go on from what was known at another moment; pairs watched since begin at zero."""
         for pair, gauge in self._gauges.items():
             gauge.restore(readings.get(pair))

@@ -9,10 +9,10 @@ from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, add, cross, subtract
 from taskbuilder.sim.body import BASE, LinkState
 from taskbuilder.wording import suggestion
 from taskbuilder.world.robot import Robot
-from taskbuilder.world.things import Site, Thing
+from taskbuilder.world.scene_objects import SceneObject, Site
 
 
-class Frames:
+class SceneFrames:
     """Poses, velocities and boxes by name.
 
     A pose is read off the physics when it is first asked for, and kept until `refresh`.
@@ -21,7 +21,7 @@ class Frames:
     def __init__(
         self,
         robots: Mapping[str, Robot],
-        objects: Mapping[str, Thing],
+        objects: Mapping[str, SceneObject],
         sites: Mapping[str, Site],
     ) -> None:
         self._robots = robots

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.motors import Motors, couple
-from taskbuilder.spec.robots import RobotModel
 
 LEAST_INERTIA = 1e-3
 """Principal moments, in kg·m², that links of turning gripper joints have at least.

@@ -15,14 +15,14 @@ from taskbuilder.assets.urdf import resolved_text
 from taskbuilder.errors import FileError, Finding, SimulationError
 from taskbuilder.geometry import Pose
 from taskbuilder.quiet import captured
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.scene import ObjectSpec
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
 from taskbuilder.sim.shapes import MeshShape, Part
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.scene import ObjectSpec
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ import numpy as np
 
 from taskbuilder.errors import Finding, PlacementError
 from taskbuilder.geometry import Pose, from_rpy_deg, multiply
+from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import closest_distance
-from taskbuilder.spec.scene import Place, SceneSpec
-from taskbuilder.world.things import Site, Thing
+from taskbuilder.world.scene_objects import SceneObject, Site
 
 if TYPE_CHECKING:
     from taskbuilder.world.world import World
@@ -191,6 +191,6 @@ def _obstacle(world: World, group: list[str], settled: list[str], place: Place) 
     return None
 
 
-def _too_near(thing: Thing, other: Body, gap: float) -> bool:
+def _too_near(thing: SceneObject, other: Body, gap: float) -> bool:
     distance = closest_distance(thing.body, other, within=max(gap, 0.0))
     return distance is not None and distance < gap

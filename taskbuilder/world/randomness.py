@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from taskbuilder.spec.task import Distribution
-from taskbuilder.spec.values import rgb
+from taskbuilder.schema.task import Distribution
+from taskbuilder.schema.values import rgb
 
 if TYPE_CHECKING:
     from taskbuilder.world.world import World

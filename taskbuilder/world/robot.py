@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.kinematics import Chain
 from taskbuilder.sim.motors import Motors
-from taskbuilder.spec.robots import RobotModel
 
 
 @dataclass(frozen=True)

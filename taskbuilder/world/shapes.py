@@ -5,6 +5,9 @@ from __future__ import annotations
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfShape
 from taskbuilder.geometry import Box, Pose, Vec3, bounding_box
+from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec
+from taskbuilder.schema.scene import Shape as ShapeSpec
+from taskbuilder.schema.values import rgb
 from taskbuilder.sim.shapes import (
     RGBA,
     BoxShape,
@@ -16,9 +19,6 @@ from taskbuilder.sim.shapes import (
     SphereShape,
     placed_bounds,
 )
-from taskbuilder.spec.scene import Marker, ObjectSpec, PartSpec
-from taskbuilder.spec.scene import Shape as ShapeSpec
-from taskbuilder.spec.values import rgb
 
 
 def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:

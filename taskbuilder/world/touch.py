@@ -10,10 +10,10 @@ from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import ORIGIN, Vec3, add, dot, norm, scale, subtract
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import Contact, contacts
+from taskbuilder.sim.contacts import ContactPoint, contacts
 from taskbuilder.wording import suggestion
 from taskbuilder.world.robot import Robot
-from taskbuilder.world.things import Thing
+from taskbuilder.world.scene_objects import SceneObject
 
 GRASP_FORCE_N = 0.5
 """What each finger must press with to hold something: well above the noise of a touch."""
@@ -36,12 +36,12 @@ class Touch:
     """
 
     def __init__(
-        self, client: Client, robots: Mapping[str, Robot], objects: Mapping[str, Thing]
+        self, client: Client, robots: Mapping[str, Robot], objects: Mapping[str, SceneObject]
     ) -> None:
         self._client = client
         self._robots = robots
         self._objects = objects
-        self._contacts: dict[int, Mapping[int, tuple[Contact, ...]]] = {}
+        self._contacts: dict[int, Mapping[int, tuple[ContactPoint, ...]]] = {}
         self._held: dict[tuple[str, str], bool] = {}
         self._bodies: dict[str, tuple[Body, int | None]] = {}  # names stay what they are
 
@@ -73,7 +73,7 @@ class Touch:
         """Upward force in newtons with which one object or part carries another."""
         return sum(c.normal_on_b[2] * c.force for c in self.between(body, below))
 
-    def between(self, first: str, second: str) -> tuple[Contact, ...]:
+    def between(self, first: str, second: str) -> tuple[ContactPoint, ...]:
         """Contacts of two named things, with the first as body a.
 
         Raises:
@@ -93,9 +93,9 @@ class Touch:
             if one_link in (None, contact.link_a) and other_link in (None, contact.link_b)
         )
 
-    def _read(self, body: Body) -> Mapping[int, tuple[Contact, ...]]:
+    def _read(self, body: Body) -> Mapping[int, tuple[ContactPoint, ...]]:
         """All contacts of a body, by the other body: mostly none, and one call finds them all."""
-        found: dict[int, tuple[Contact, ...]] = {}
+        found: dict[int, tuple[ContactPoint, ...]] = {}
         for contact in contacts(self._client, body):
             found[contact.body_b] = (*found.get(contact.body_b, ()), contact)
         return found

@@ -9,22 +9,22 @@ from typing import Any
 
 from taskbuilder.errors import Finding, UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, scale, subtract
-from taskbuilder.sim import faults
+from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import Contact, contacts
+from taskbuilder.sim.contacts import ContactPoint, contacts
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Snapshot, release, restore, save
-from taskbuilder.spec.load import TaskFile
-from taskbuilder.spec.scene import SceneSpec
 from taskbuilder.wording import suggestion
-from taskbuilder.world.forces import ForceMeter, Pair, Reading
-from taskbuilder.world.frames import Frames
+from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
+from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.robot import Robot
-from taskbuilder.world.things import Site, Thing
+from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.touch import Touch
 
 PRESS_M = 3e-4
@@ -48,8 +48,8 @@ class WorldState:
     time: float
     sites: Mapping[str, Pose]
     quantities: Mapping[str, Any]
-    touches: tuple[Contact, ...]
-    forces: Mapping[Pair, Reading]
+    touches: tuple[ContactPoint, ...]
+    forces: Mapping[Pair, ForceReading]
 
 
 class World(Single):
@@ -80,7 +80,7 @@ class World(Single):
         scene: SceneSpec,
         client: Client,
         robots: Mapping[str, Robot],
-        objects: Mapping[str, Thing],
+        objects: Mapping[str, SceneObject],
         sites: Mapping[str, Site],
         floor: Body | None,
         warnings: tuple[Finding, ...] = (),
@@ -97,7 +97,7 @@ class World(Single):
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(self)
         self.onlooker: Iterator[None] | None = None
-        self._frames = Frames(robots, objects, sites)
+        self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
         self._built: WorldState | None = None
@@ -206,7 +206,7 @@ class World(Single):
             body.place(Pose((0.0, 0.0, 1000.0 * number)))
         self.client.collide()
 
-    def _press(self, touches: Sequence[Contact]) -> None:
+    def _press(self, touches: Sequence[ContactPoint]) -> None:
         """Push links that touch into each other for a moment, pair by pair.
 
         Bullet restores the contacts of two links only if it finds them near each other then, and
@@ -232,11 +232,11 @@ class World(Single):
     def _check(self) -> None:
         for name, thing in self.objects.items():
             if not thing.spec.fixed:
-                faults.check_pose(name, self.pose(name))
+                divergence.check_pose(name, self.pose(name))
             if thing.joints:
-                faults.check_joints(name, thing.body.joint_states(thing.joints)[1])
+                divergence.check_joints(name, thing.body.joint_states(thing.joints)[1])
         for name, robot in self.robots.items():
-            faults.check_joints(name, robot.speeds())
+            divergence.check_joints(name, robot.speeds())
 
     # Names
 

@@ -20,7 +20,7 @@ from golden import HERE, read_case
 
 from taskbuilder.cli import main
 from taskbuilder.description.load import try_import
-from taskbuilder.spec.catalogue import Catalogue, Entry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 
 GENEROUS_S = 30.0
 LEAST = {"tasks": 85, "robots": 35, "commands": 35}
@@ -34,7 +34,7 @@ _TIMES = re.compile(r"(  ) *\d+\.\d( s)$|\b\d+\.\d+( m?s)\b", re.MULTILINE)
 _tried: set[bytes] = set()
 
 
-def _try_import_once(entry: Entry) -> None:
+def _try_import_once(entry: CatalogueEntry) -> None:
     """Most cases have the same description; its trial in a child process need not recur."""
     file = entry.description_file
     content = file.read_bytes() if file.is_file() else b""

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from taskbuilder.assets import codes as asset_codes
-from taskbuilder.codes import CODES
 from taskbuilder.description.load import try_import
+from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import Finding
 from taskbuilder.task import load_task
 from taskbuilder.validate.fresh import Give

@@ -8,9 +8,9 @@ import jsonschema
 import pytest
 import yaml
 
-from taskbuilder.spec.catalogue import Catalogue, Entry
-from taskbuilder.spec.load import read_task
-from taskbuilder.spec.source import read_source
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.load import read_task
+from taskbuilder.schema.source import read_source
 
 TASKS = sorted(Catalogue.discover().tasks)
 
@@ -54,7 +54,7 @@ def test_what_show_prints_is_the_same_task(task, run, tmp_path):
     catalogue = Catalogue.discover()
     shown = tmp_path / f"{task}.yaml"
     shown.write_text(run("show", task).out)
-    again = read_task(Entry(task, shown), catalogue)
+    again = read_task(CatalogueEntry(task, shown), catalogue)
     plain = read_task(catalogue.task(task), catalogue)
     observe = again.spec.observe
     assert again.spec == plain.spec.model_copy(update={"observe": observe})

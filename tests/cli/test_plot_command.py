@@ -9,7 +9,7 @@ import cv2
 import pytest
 from made_runs import write_run
 
-from taskbuilder.charts import COLORS
+from taskbuilder.visual.charts import COLORS
 
 GREENS = (0x16, 0x80, 0x48)
 

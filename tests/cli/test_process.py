@@ -21,7 +21,7 @@ _SAYS_WHAT_IT_IMPORTED = (
     "import sys; from taskbuilder.cli import main; status = main(sys.argv[1:]); "
     "names = {name.partition('.')[0] for name in sys.modules}; "
     "heavy = {'pybullet', 'numpy', 'torch', 'cv2', 'pydantic', 'yaml', 'gymnasium', 'matplotlib'}; "
-    "heavy |= {'PIL', 'difflib', 'traceback'}; "
+    "heavy |= {'PIL', 'jinja2', 'difflib', 'traceback'}; "
     "print(*sorted(names & heavy), file=sys.stderr); sys.exit(status)"
 )
 

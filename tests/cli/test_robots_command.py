@@ -8,7 +8,7 @@ import cv2
 import pytest
 
 from taskbuilder.assets.paths import pybullet_data_folder
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 
 ROBOTS = sorted(Catalogue.discover().robots)
 

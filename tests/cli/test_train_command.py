@@ -70,8 +70,18 @@ def test_the_papers_preset_says_what_the_paper_does_and_gives_way_to_what_is_ask
     plan = plan_of("paper")
     assert (plan["preset"], plan["envs"], plan["steps"]) == ("paper", 1, 60)
     assert (plan["reward"], plan["observe"], plan["frame"]) == ("team", "task", "task")
-    assert (plan["rotation"], plan["settings"]) == ("quaternion", {})
+    assert (plan["rotation"], plan["settings"]) == ("quaternion", {"log_std_max": 2.0})
     assert make_plan("handover", algorithm="maddpg_openai", preset="paper").steps == 3_750_000
+
+
+def test_a_run_that_diverges_says_so_and_keeps_its_logs(run):
+    words = ("train", "handover", "--algorithm", "maddpg_openai", *SHORT)
+    wild = ("--set", "hidden=[8]", "batch=16", "warm_up=60", "update_every=10", "lr=1e30")
+    seen = run(*words, *wild, "--steps", "400", "--out", "wild")
+    assert seen.status == 1
+    assert "learning diverged: after" in seen.err
+    assert "the actions of left are not finite" in seen.err
+    assert Path("wild/episodes.csv").read_text().count("\n") > 1
 
 
 def test_settings_by_their_old_names_are_taken_with_a_warning(run):

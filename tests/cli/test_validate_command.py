@@ -184,7 +184,7 @@ def test_nothing_is_validated_for_a_command_that_cannot_be_carried_out(run, good
 @pytest.fixture
 def small_pictures(monkeypatch):
     for name in ("LARGE", "SMALL"):
-        monkeypatch.setattr(f"taskbuilder.validate.formats.pictures.{name}", 32)
+        monkeypatch.setattr(f"taskbuilder.validate.html.pictures.{name}", 32)
 
 
 def test_a_report_is_one_whole_file_which_is_named_last(run, good, small_pictures):
@@ -244,7 +244,7 @@ def test_ctrl_c_keeps_the_pages_that_are_whole(run, good, broken, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    make = "taskbuilder.validate.formats.pages.take_pictures"
+    make = "taskbuilder.validate.html.page.take_pictures"
     monkeypatch.setattr(make, interrupted)
     words = ("validate", "broken.yaml", "good.yaml", "--quick", "--level", "build")
     ran = run(*words, "--report", "report")

@@ -6,7 +6,7 @@ from pathlib import Path
 from textwrap import indent
 
 from taskbuilder.errors import FileError
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 
 SCENE = """\

@@ -223,28 +223,28 @@ def test_a_slip_in_an_expression_is_marked_at_that_expression(found, success, me
             '6:28: error[TB212] Closeness("cube", …): scale is 0; metres, more than 0',
         ),
         (
-            'Paid("gain", Share(Height("cube"), of=0))',
-            "6:28: error[TB212] Share(…): of is 0; more than 0",
+            'Paid("gain", Fraction(Height("cube"), of=0))',
+            "6:28: error[TB212] Fraction(…): of is 0; more than 0",
         ),
         (
-            'Paid("gain", Share(Height("cube"), of="all"))',
-            "6:28: error[TB212] Share(\"all\", …): of is 'all'; it must be a finite number",
+            'Paid("gain", Fraction(Height("cube"), of="all"))',
+            "6:28: error[TB212] Fraction(\"all\", …): of is 'all'; it must be a finite number",
         ),
         (
-            'Paid("gain", Share(0.5, of=1))',
-            "6:28: error[TB212] Share(…): measure is 0.5; it must be a measure",
+            'Paid("gain", Fraction(0.5, of=1))',
+            "6:28: error[TB212] Fraction(…): measure is 0.5; it must be a measure",
         ),
         (
-            'Paid("gain", 1 - Share(Height("cub"), of=1))',
-            '6:38: error[TB207] Height("cub", …): the scene has no "cub"; did you mean "cube"?',
+            'Paid("gain", 1 - Fraction(Height("cub"), of=1))',
+            '6:41: error[TB207] Height("cub", …): the scene has no "cub"; did you mean "cube"?',
         ),
         (
-            'Paid("gain", Least())',
-            "6:28: error[TB212] Least(…): it is the least of nothing; give it measures",
+            'Paid("gain", Minimum())',
+            "6:28: error[TB212] Minimum(…): it is the least of nothing; give it measures",
         ),
         (
-            'Paid("gain", Least(Height("cube"), Height("tary")))',
-            '6:50: error[TB207] Height("tary", …): the scene has no "tary"; did you mean "tray"?',
+            'Paid("gain", Minimum(Height("cube"), Height("tary")))',
+            '6:52: error[TB207] Height("tary", …): the scene has no "tary"; did you mean "tray"?',
         ),
         (
             'Paid("gain", 2 * Height("cub"))',

@@ -11,7 +11,7 @@ import pytest
 from description_files import REWARD, SUCCESS, body, findings, load
 
 from taskbuilder.description import load as loading
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 SOUND = body(SUCCESS, REWARD)

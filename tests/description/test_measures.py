@@ -9,15 +9,16 @@ from fake_world import A, B, FakeWorld, Number, describe
 from hypothesis import given
 from hypothesis import strategies as st
 
+from taskbuilder import description
 from taskbuilder.description import (
     Closeness,
     ContactForce,
+    Fraction,
     Gap,
     GripperOpening,
     Height,
     Ladder,
-    Least,
-    Share,
+    Minimum,
 )
 from taskbuilder.description.description import Referee
 from taskbuilder.description.measures import Constant
@@ -94,8 +95,8 @@ def test_a_ladder_without_rungs_is_its_ground(now):
 )
 def test_a_share_is_how_much_there_is_of_a_whole_and_no_more(world, now, height, share):
     world.put("cube", 0.0, 0.0, height)
-    assert now(Share(Height("cube"), of=0.08)) == pytest.approx(share)
-    assert now(2 * Share(Height("cube") - 0.01, of=0.08)) <= 2.0
+    assert now(Fraction(Height("cube"), of=0.08)) == pytest.approx(share)
+    assert now(2 * Fraction(Height("cube") - 0.01, of=0.08)) <= 2.0
 
 
 @given(numbers=st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=2), bound=st.floats(-1e3, 1e3))
@@ -105,14 +106,14 @@ def test_the_least_of_measures_and_numbers_is_the_least(numbers, bound):
     def now(measure):
         return Referee(describe(progress=measure), ("left",)).start(world).progress
 
-    assert now(Least(X, Y)) == now(Least(Y, X)) == min(numbers)
-    assert now(Least(X, bound)) == min(numbers[0], bound)
-    assert now(Least(X)) == numbers[0]
+    assert now(Minimum(X, Y)) == now(Minimum(Y, X)) == min(numbers)
+    assert now(Minimum(X, bound)) == min(numbers[0], bound)
+    assert now(Minimum(X)) == numbers[0]
 
 
 def test_parts_of_a_share_and_of_the_least_are_measured_once_and_follow_the_world(world):
     world.numbers = {"x": 4.0, "y": 1.0}
-    referee = Referee(describe(progress=Share(Least(X, Y), of=2) + Least(X, Y)), ("left",))
+    referee = Referee(describe(progress=Fraction(Minimum(X, Y), of=2) + Minimum(X, Y)), ("left",))
     assert referee.start(world).progress == 1.5
     assert world.asked == {"x": 1, "y": 1}
     world.numbers = {"x": 0.5, "y": 1.0}
@@ -125,13 +126,23 @@ def test_a_condition_is_no_measure():
     with pytest.raises(TypeError):
         1 - A
     with pytest.raises(TypeError):
-        Least(X, A)
+        Minimum(X, A)
     with pytest.raises(TypeError):
         Ladder(X, (A, B))
 
 
 def test_equal_measures_are_one_value():
     assert len({X + Y, Number("x") + Number("y"), Y + X}) == 2
-    assert len({Least(X, Y), Least(Number("x"), Y), Least(Y, X)}) == 2
-    assert len({Share(X, of=1.0), Share(Number("x"), of=1.0), Share(X, of=2.0)}) == 2
+    assert len({Minimum(X, Y), Minimum(Number("x"), Y), Minimum(Y, X)}) == 2
+    assert len({Fraction(X, of=1.0), Fraction(Number("x"), of=1.0), Fraction(X, of=2.0)}) == 2
     assert len({Gap("a", "b"), Gap("a", "b"), Gap("b", "a")}) == 2
+
+
+# --- names of before
+
+
+@pytest.mark.parametrize(("old", "new"), [("Least", "Minimum"), ("Share", "Fraction")])
+def test_names_that_descriptions_were_written_with_work_and_warn(old, new):
+    with pytest.warns(FutureWarning, match=f"{old} is called {new} now"):
+        found = getattr(description, old)
+    assert found is getattr(description, new)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fake_world import A, B, C, describe
 
-from taskbuilder.description import Duration, Once, Share, Sustained, Then
+from taskbuilder.description import Duration, Fraction, Once, Sustained, Then
 from taskbuilder.description.description import Referee
 
 NO, YES = False, True
@@ -64,7 +64,7 @@ def test_times_that_are_sums_of_steps_are_not_missed_for_their_rounding(history)
     ],
 )
 def test_a_duration_is_the_time_for_which_something_has_held_without_a_gap(world, steps, seconds):
-    judge = Referee(describe(progress=Duration(A) + 2.0 * Share(Duration(A), of=0.2)), ("left",))
+    judge = Referee(describe(progress=Duration(A) + 2.0 * Fraction(Duration(A), of=0.2)), ("left",))
     for _ in range(2):  # it begins afresh with each episode
         told = []
         for index, facts in enumerate(steps):

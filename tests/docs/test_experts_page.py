@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 from written_pages import written
 
 from taskbuilder.rollout.record import CAUSES
-from taskbuilder.spec.expert import VERBS, ExpertStage
+from taskbuilder.schema.expert import VERBS, ExpertStage
 
 PAGE = written("experts.md")
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from taskbuilder import description
-from taskbuilder.description import Closeness, Gap, Height, Held, Ladder, Least, Near, Share
+from taskbuilder.description import Closeness, Fraction, Gap, Height, Held, Ladder, Minimum, Near
 from taskbuilder.description.space import Upright
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
@@ -28,7 +28,7 @@ WRITTEN = {
     'Height("a") * (1 - Height("b")) * 2': A * (1 - B) * 2,
     'Height("a") - 2': A + -2.0,
     '- Height("a") + Gap("a", "b")': -1 * A + C,
-    'Least(Height("a"), 0.1, Share(Height("b"), of=2))': Least(A, 0.1, Share(B, of=2)),
+    'Minimum(Height("a"), 0.1, Fraction(Height("b"), of=2))': Minimum(A, 0.1, Fraction(B, of=2)),
     'Ladder(0, (Held("a"), 1 + Closeness("a", "b", scale=0.1)))': Ladder(
         0.0, (Held("a"), 1 + Closeness("a", "b", scale=0.1))
     ),

@@ -9,7 +9,7 @@ import pytest
 from written_pages import written
 
 from taskbuilder import validate_task
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 MOST_BYTES = 150_000
@@ -55,7 +55,7 @@ def test_there_are_such_descriptions():
 
 def test_every_code_that_pages_speak_of_is_documented():
     from taskbuilder.assets.codes import CODES as ASSET_CODES
-    from taskbuilder.codes import CODES
+    from taskbuilder.diagnostics import CODES
 
     text = "".join(page.read_text(encoding="utf-8") for page in DOCS.rglob("*.md"))
     mentioned = {code.upper() for code in re.findall(r"\bTB\d{3}\b", text, re.IGNORECASE)}

@@ -22,7 +22,7 @@ def blocks(language: str) -> list[str]:
 @pytest.fixture
 def task(tmp_path: Path) -> Path:
     """The example's task file, with its description beside it."""
-    ((scene,), (description,)) = blocks("yaml"), blocks("python")
+    (scene,), (description, _) = blocks("yaml"), blocks("python")
     name = re.match(r"task: (\w+)", scene)[1]
     (tmp_path / f"{name}.py").write_text(description)
     (tmp_path / f"{name}.yaml").write_text(scene)
@@ -46,6 +46,17 @@ def test_the_error_output_is_real(task, monkeypatch):
         file.write_text(file.read_text().replace(right, wrong, 1))
     found = validate_task(task.name, level="static").findings
     assert [str(finding) for finding in found] == shown.splitlines()
+
+
+def test_its_lines_of_python_demonstrate_train_and_evaluate(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    _, lines = blocks("python")
+    assert len(lines.strip().splitlines()) <= 10
+    exec(lines, {})  # the README's own
+    shown = capsys.readouterr().out.split()
+    assert shown[0] == "True"
+    assert all(0.0 <= float(rate) <= 1.0 for rate in shown[-2:])
+    assert (tmp_path / "runs" / "tried" / "policy.npz").exists()
 
 
 def test_it_has_the_two_blocks_that_are_run_as_they_are():

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter
 
-from taskbuilder.spec.expert import ONLY_WITH, VERBS, ExpertStage, Order
+from taskbuilder.schema.expert import ONLY_WITH, VERBS, ExpertStage, Order
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from vector_tasks import alive, digest, random_actions, roll, row, without_final
 
-from taskbuilder.env.crew import WorkerError
+from taskbuilder.env.backends import WorkerError
 from taskbuilder.env.parallel import parallel_env
 
 TIMEOUT_S = 1.0

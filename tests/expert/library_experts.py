@@ -10,9 +10,9 @@ from written_experts import Digest
 
 from taskbuilder.description.description import Outcome
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import Rollout
-from taskbuilder.spec.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
 TASKS = tuple(Catalogue.discover().tasks)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.planning import Move, Planner, Trajectory
+from taskbuilder.expert.planning.planner import Move, Planner, Trajectory
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.sim.contacts import closest_distance, contacts
 from taskbuilder.world.building import build_world

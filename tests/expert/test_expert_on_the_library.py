@@ -8,7 +8,7 @@ from library_experts import SCENES, SEEDS, TASKS, expert_of, played
 from written_experts import Digest, same
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import replay
 
 MARGIN_STEPS = 1

@@ -7,7 +7,7 @@ import math
 import pytest
 from written_experts import RIGHT, made
 
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.geometry import turn_between
 
 GRASP = "arm: {grasp: block.middle}"

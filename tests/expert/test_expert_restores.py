@@ -8,7 +8,7 @@ from written_experts import Digest
 
 from taskbuilder.cli import main
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 
 BASE = """\
     base:

@@ -7,7 +7,7 @@ import pytest
 from written_experts import RIGHT, made
 
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import replay
 from taskbuilder.rollout.record import CAUSES
 
@@ -110,6 +110,18 @@ def test_an_expert_that_stops_holds_still_until_the_episode_is_over(expert):
     player = expert("arm: {bring: block, to: goal}", steps=20)
     assert player.play(0).steps == 20
     assert np.abs(player.play(0).actions["arm"]).max() == 0.0
+
+
+def test_an_expert_may_hold_still_only_where_nothing_is_decided_yet(expert):
+    held = expert(GRASP)  # which is no success, and no trouble
+    whole = held.play(0, explain=True)
+    assert held.play(0, explain=True, finish="undecided").equals(whole)
+    assert held.play(0, finish=False).steps == whole.stage_ends[0] < whole.steps
+    brought = expert(GRASP, "arm: {bring: block, to: goal}").play(0, finish="undecided")
+    assert brought.success
+    assert brought.steps == brought.stage_ends[-1]
+    stopped = expert("arm: {bring: block, to: goal}").play(0, finish="undecided")
+    assert stopped.trouble.step == stopped.steps
 
 
 def test_an_expert_that_persists_goes_on_with_the_next_stage(expert):

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from plan_scenes import Scene, facing, made
 
-from taskbuilder.expert.planning import Blocked, Move, Trajectory
+from taskbuilder.expert.planning.planner import Move, PlanningError, Trajectory
 from taskbuilder.geometry import NO_TURN, Pose, norm, subtract
 from taskbuilder.sim.contacts import closest_distance
 
@@ -81,7 +81,7 @@ class TestOneArm:
         both = scene(facing())
         grasp = take_bar(both)
         goal = both.world.pose("bar").moved((0.1, 0.0, -0.01))
-        with pytest.raises(Blocked, match="the bar would be 10 mm inside the table") as seen:
+        with pytest.raises(PlanningError, match="the bar would be 10 mm inside the table") as seen:
             both.plan(Move({"left": grasp}, goal), left="bar")
         assert (seen.value.robot, seen.value.cause) == ("left", "in collision")
 
@@ -93,7 +93,7 @@ class TestOneArm:
         take_bar(both)
         both.go(both.at("left", beside), left="bar")
         way = both.at("left", beyond)
-        with pytest.raises(Blocked, match=r"the bar would be .* the post"):
+        with pytest.raises(PlanningError, match=r"the bar would be .* the post"):
             both.plan(replace(way, straight=True), left="bar")
         both.go(way, left="bar")
         assert not both.touched & {("bar", "post"), ("left", "post")}
@@ -104,7 +104,7 @@ class TestOneArm:
         take_bar(both)
         both.go(both.at("left", (-0.15, -0.1, 0.3)), left="bar")
         with pytest.raises(
-            Blocked, match=r"right's left_finger would be .* inside the bar"
+            PlanningError, match=r"right's left_finger would be .* inside the bar"
         ) as seen:
             both.plan(both.at("right", (0.0, -0.14, 0.3)), left="bar")
         assert seen.value.robot == "right"
@@ -152,7 +152,7 @@ class TestLoads:
     def test_do_not_go_where_an_arm_cannot_follow(self, scene):
         lift, grasps = self.lifted(scene)
         goal = Pose((0.8, 0.0, 0.6), NO_TURN)
-        with pytest.raises(Blocked) as seen:
+        with pytest.raises(PlanningError) as seen:
             lift.plan(Move(grasps, goal), left="tray", right="tray")
         assert (seen.value.robot, seen.value.cause) == ("left", "out of reach")
 

@@ -12,7 +12,7 @@ import pytest
 from plan_scenes import Scene, made, walled
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.planning import Blocked, Trajectory
+from taskbuilder.expert.planning.planner import PlanningError, Trajectory
 
 BEYOND = (0.45, 0.25, 0.3)
 """On the other side of the wall."""
@@ -90,7 +90,7 @@ def test_planning_leaves_the_environment_as_it_was():
             for held in ({}, {"left": "tray"}):
                 try:
                     scene.plan(scene.at("left", goal), seed=step, **held)
-                except Blocked:
+                except PlanningError:
                     continue
         assert physics(env) == before
         acted = {name: actions[step, n] for n, name in enumerate(env.possible_agents)}

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskbuilder.expert.timing import resampled, schedule
+from taskbuilder.expert.planning.timing import resampled, schedule
 
 LENGTHS = st.floats(0.0, 200.0)
 COSTS = st.lists(st.floats(0.0, 3.0), min_size=1, max_size=30)

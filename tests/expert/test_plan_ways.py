@@ -9,7 +9,7 @@ import pytest
 from plan_scenes import Scene, facing, made, walled
 
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.planning import Blocked, Move
+from taskbuilder.expert.planning.planner import Move, PlanningError
 from taskbuilder.geometry import Pose, from_rpy_deg, norm, subtract, turn_between
 
 BEYOND = (0.45, 0.25, 0.3)
@@ -86,14 +86,16 @@ class TestOneArm:
 class TestBlocked:
     def test_out_of_reach_says_how_far_off_the_tool_stays(self, scene):
         free = scene(walled())
-        with pytest.raises(Blocked, match=r"arm cannot bring its tool to .*: it stays \d") as seen:
+        with pytest.raises(
+            PlanningError, match=r"arm cannot bring its tool to .*: it stays \d"
+        ) as seen:
             free.plan(free.at("arm", (1.3, -0.3, 0.3)))
         assert (seen.value.robot, seen.value.cause) == ("arm", "out of reach")
 
     def test_a_tilt_that_the_mode_cannot_command_is_out_of_reach(self, scene):
         free = scene(walled())
         goal = Pose((0.45, -0.3, 0.3), from_rpy_deg((180.0, 40.0, 0.0)))
-        with pytest.raises(Blocked, match="40° more than its actions") as seen:
+        with pytest.raises(PlanningError, match="40° more than its actions") as seen:
             free.plan(Move({"arm": Pose()}, goal))
         assert (seen.value.robot, seen.value.cause) == ("arm", "out of reach")
 
@@ -105,19 +107,21 @@ class TestBlocked:
 
     def test_in_collision_names_the_link_and_the_thing(self, scene):
         barred = scene(walled())
-        with pytest.raises(Blocked, match=r"arm's \w+ would be \d+ mm inside the wall") as seen:
+        with pytest.raises(
+            PlanningError, match=r"arm's \w+ would be \d+ mm inside the wall"
+        ) as seen:
             barred.plan(barred.at("arm", (0.5, 0.0, 0.3)))
         assert (seen.value.robot, seen.value.cause) == ("arm", "in collision")
 
     def test_no_straight_way_names_what_is_in_the_way(self, scene):
         barred = scene(walled())
-        with pytest.raises(Blocked, match=r"no straight way: .* the wall") as seen:
+        with pytest.raises(PlanningError, match=r"no straight way: .* the wall") as seen:
             barred.plan(straight(barred.at("arm", BEYOND)))
         assert (seen.value.robot, seen.value.cause) == ("arm", "no way")
 
     def test_no_way_names_what_is_in_the_way(self, scene):
         parted = scene(walled(height=3.0, width=2.4, behind=True))
-        with pytest.raises(Blocked, match=r"arm finds no way: .* the (wall|rest)") as seen:
+        with pytest.raises(PlanningError, match=r"arm finds no way: .* the (wall|rest)") as seen:
             parted.plan(parted.at("arm", BEYOND))
         assert (seen.value.robot, seen.value.cause) == ("arm", "no way")
 
@@ -125,7 +129,7 @@ class TestBlocked:
 def test_things_may_be_touched_on_purpose(scene):
     both = scene(facing())
     into = both.at("left", (0.0, 0.26, 0.25))
-    with pytest.raises(Blocked, match=r"left's \w+ would be \d+ mm inside the post"):
+    with pytest.raises(PlanningError, match=r"left's \w+ would be \d+ mm inside the post"):
         both.plan(into)
     assert both.plan(replace(into, touching=("post",))).steps > 0
 
@@ -136,7 +140,7 @@ class TestTwoArms:
         both.go(both.at("left", (-0.05, -0.3, 0.3)), both.at("right", (0.12, 0.3, 0.3)))
         goals = {"left": (0.05, 0.3, 0.3), "right": (-0.05, -0.3, 0.3)}
         moves = [both.at(robot, goal) for robot, goal in goals.items()]
-        with pytest.raises(Blocked, match=r"left and right .* inside right's gripper"):
+        with pytest.raises(PlanningError, match=r"left and right .* inside right's gripper"):
             both.plan(*(straight(move) for move in moves))
         trajectory = both.go(*moves)
         for robot, goal in goals.items():
@@ -155,7 +159,9 @@ class TestTwoArms:
     def test_meet_in_collision(self, scene):
         both = scene(facing())
         middle = (0.0, -0.1, 0.3)
-        with pytest.raises(Blocked, match=r"left's \w+ would be \d+ mm inside right's") as seen:
+        with pytest.raises(
+            PlanningError, match=r"left's \w+ would be \d+ mm inside right's"
+        ) as seen:
             both.plan(both.at("left", middle), both.at("right", middle))
         assert seen.value.cause == "in collision"
 
@@ -163,7 +169,7 @@ class TestTwoArms:
         both = scene(facing())
         both.go(both.at("right", (-0.1, 0.1, 0.3)), both.at("left", (-0.1, -0.25, 0.3)))
         move = both.at("left", (-0.1, 0.35, 0.3))
-        with pytest.raises(Blocked, match=r"left's gripper would be .* right's gripper"):
+        with pytest.raises(PlanningError, match=r"left's gripper would be .* right's gripper"):
             both.plan(straight(move))
         both.go(move)
         assert reached(both, "left", move.goal)[0] < 0.003

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from library_experts import SCENES, SEEDS, TASKS, played
 
-from taskbuilder.description import Closeness, GripperOpening, Ladder, Share
+from taskbuilder.description import Closeness, Fraction, GripperOpening, Ladder
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import parallel_env
@@ -17,7 +17,7 @@ from taskbuilder.rollout import RandomActions, play
 from taskbuilder.task import load_task
 
 LARGEST_RISE = 0.35
-"""Share of the whole climb that one control step may bring at most."""
+"""Fraction of the whole climb that one control step may bring at most."""
 
 CLIMBING = [task for task in TASKS if load_task(task).description.progress is not None]
 SEEN = [(scene, seed) for scene in SCENES if scene[0] in CLIMBING for seed in SEEDS[:2]]
@@ -46,7 +46,7 @@ def span(measure: Measure) -> tuple[float, float]:
     match measure:
         case Constant():
             return measure.number, measure.number
-        case Closeness() | GripperOpening() | Share():
+        case Closeness() | GripperOpening() | Fraction():
             return 0.0, 1.0
         case Sum():
             lows, highs = zip(*map(span, measure.of), strict=True)

@@ -22,7 +22,7 @@ from taskbuilder.learn.evaluation import (
     options_of,
     summarise,
 )
-from taskbuilder.learn.policy import Network, Policy
+from taskbuilder.learn.policy import Network, TrainedPolicy
 from taskbuilder.rollout import play
 
 SEEDS = range(7)  # a goal behind the arm, goals on its way, one where it begins
@@ -182,7 +182,7 @@ def test_a_policy_that_does_not_fit_is_refused(policy, message, env):
     ids=["none", "chain", "bias", "scalar"],
 )
 def test_layers_that_do_not_fit_each_other_are_refused(layers, env):
-    policy = Policy({"arm": Network(layers, squash=True)}, sideways().about)
+    policy = TrainedPolicy({"arm": Network(layers, squash=True)}, sideways().about)
     with pytest.raises(UsageError, match="the policy is damaged: its layers do not fit each other"):
         check_fits(policy, env)
 

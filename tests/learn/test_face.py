@@ -74,4 +74,4 @@ def test_demonstrations_are_the_same_in_one_process_and_in_two():
 def test_a_name_that_is_not_there_is_no_attribute():
     with pytest.raises(AttributeError, match="has no attribute 'trian'"):
         learn.trian  # noqa: B018
-    assert {"train", "evaluate", "Policy", "load_policy"} <= set(dir(learn))
+    assert {"train", "evaluate", "TrainedPolicy", "load_policy"} <= set(dir(learn))

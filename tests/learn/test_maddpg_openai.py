@@ -114,6 +114,7 @@ def test_the_seed_alone_decides_the_initial_weights():
         ("update_every", 100),
         ("clip", 0.5),
         ("regulariser", 0.001),
+        ("log_std_max", 88.0),
     ],
 )
 def test_settings_are_the_published_ones(name, value):
@@ -131,6 +132,15 @@ def test_actions_are_drawn_from_the_gaussian_and_neither_squashed_nor_clipped():
     assert actions["left"] == pytest.approx(2.0 + 3.0 * 1.5)
     assert actions["right"] == pytest.approx(1.5)
     assert actions["left"].dtype == np.float32
+
+
+def test_the_log_std_may_be_bounded_where_nothing_else_keeps_it_small():
+    made = learner(settings=replace(LINEAR, log_std_max=1.0))
+    set_to(made, {"left/actor/1": [2.0, 9.0], "right/actor/1": [0.0, -9.0]})
+    seen = {a: np.zeros((1, 1), dtype=np.float32) for a in TWO.agents}
+    actions = made.act(seen, Constant(1.0), 0.0)
+    assert actions["left"] == pytest.approx(2.0 + np.e)
+    assert actions["right"] == pytest.approx(np.exp(-9.0))
 
 
 def test_there_is_no_noise_schedule():

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.learn import zoo
-from taskbuilder.learn.policy import Network, Policy, folded
+from taskbuilder.learn.policy import Network, TrainedPolicy, folded
 from taskbuilder.learn.zoo import load_policy, save_policy, zoo_names
 
 ABOUT = {"kind": "test", "words": "ä"}
@@ -35,7 +35,7 @@ def network(ins=2, outs=1, *, squash=True, norms=False, seed=0):
 
 def policy(*, squash=True, norms=False):
     kind = {"squash": squash, "norms": norms}
-    return Policy(
+    return TrainedPolicy(
         {"left": network(2, 1, **kind), "right": network(3, 2, **kind, seed=1)},
         {"task": "handover", "step": 12},
     )

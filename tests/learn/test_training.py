@@ -18,7 +18,7 @@ from taskbuilder import arrays as store
 from taskbuilder import files
 from taskbuilder.arrays import StoreError, read_arrays
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import FOLDER
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE

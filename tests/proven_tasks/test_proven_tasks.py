@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.foresight import Foresight
-from taskbuilder.expert.player import Expert
-from taskbuilder.expert.rehearsal import rehearse
-from taskbuilder.spec.expert import Order
+from taskbuilder.expert.script.dry_run import dry_run
+from taskbuilder.expert.script.foresight import Foresight
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.schema.expert import Order
 from taskbuilder.task import load_task
 from taskbuilder.validate.run import validate_task
 
@@ -54,7 +54,7 @@ class TestWhatIsForeseen:
     def test_a_block_is_taken_where_a_push_leaves_it(self):
         with playing("pushed_then_picked") as (env, expert):
             env.reset(seed=3)
-            asked = [a for a in rehearse(env.episode.world) if a.order == "grasp block.middle"]
+            asked = [a for a in dry_run(env.episode.world) if a.order == "grasp block.middle"]
             places = []
             expert.play(3, after_stage=lambda _: places.append(env.episode.world.pose("block")))
             begin, end = places[1].position, places[2].position
@@ -67,9 +67,9 @@ class TestWhatIsForeseen:
         with playing("lid_by_its_knob") as (env, expert):
             stages = env.task.file.spec.expert
             env.reset(seed=0)
-            (*_, knob) = rehearse(env.episode.world, (*stages[:4], *there))
-            (*_, begin) = rehearse(env.episode.world, there)
-            (*_, case) = rehearse(env.episode.world, (*stages[:4], {"right": Order(reach="chest")}))
+            (*_, knob) = dry_run(env.episode.world, (*stages[:4], *there))
+            (*_, begin) = dry_run(env.episode.world, there)
+            (*_, case) = dry_run(env.episode.world, (*stages[:4], {"right": Order(reach="chest")}))
             places = []
             expert.play(
                 0, after_stage=lambda _: places.append(env.episode.world.pose("chest.knob"))
@@ -87,8 +87,8 @@ class TestWhatIsForeseen:
             take = {"left": Order(grasp="chest.grip")}
             below = {"left": Order(reach="chest.grip", offset=(0.0, 0.0, -0.08))}
             where = {"right": Order(reach="chest.knob")}
-            (*_, begin) = rehearse(env.episode.world, (where,))
-            (*_, knob) = rehearse(env.episode.world, (take, below, where))
+            (*_, begin) = dry_run(env.episode.world, (where,))
+            (*_, knob) = dry_run(env.episode.world, (take, below, where))
         assert knob.choices[0].position == pytest.approx(begin.choices[0].position, abs=1e-6)
 
 

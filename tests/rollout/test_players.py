@@ -8,7 +8,7 @@ import pytest
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.expert.named import POLICIES, policy_named
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import HoldStill, RandomActions, play, replay
 
 

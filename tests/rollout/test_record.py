@@ -11,7 +11,7 @@ from made_rollouts import made_rollout
 from taskbuilder.arrays import StoreError
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.player import Expert
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import (
     HoldStill,
     RandomActions,

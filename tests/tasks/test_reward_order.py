@@ -7,6 +7,7 @@ from statistics import mean
 
 import pytest
 
+from taskbuilder.expert.ways import EXPERT, Kind, Way
 from taskbuilder.validate.run import validate_task
 
 KEPT = Path(__file__).parent / "variants" / "handover_kept.yaml"
@@ -27,5 +28,5 @@ def test_a_handover_that_pays_less_than_holding_on_is_found_out(report):
 
 def test_the_expert_is_seen_to_earn_less_than_one_who_never_lets_go(report):
     (family,) = (family for family in report.families if family.probes)
-    probes = {probe.name: probe for probe in family.probes}
-    assert mean(probes["stall after stage 3"].returns) > mean(probes["expert"].returns)
+    probes = {probe.way: probe for probe in family.probes}
+    assert mean(probes[Way(Kind.STALL, stage=3)].returns) > mean(probes[EXPERT].returns)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from taskbuilder.spec.expert import Order, Together
+from taskbuilder.schema.expert import Order, Together
 from taskbuilder.task import load_task
 from taskbuilder.validate.alone import play_solo, sharers, solos
 from taskbuilder.validate.needs import _in_reach
@@ -93,7 +93,7 @@ class TestJoints:
 
     def test_are_moved_by_every_robot_to_where_they_are_not(self, task):
         found = solos(task, task.file.spec.scene)
-        names = [solo.name for solo in found]
+        names = [str(solo.way) for solo in found]
         assert names == [
             "left alone, chest.grip along chest.hinge by +1.90",
             "right alone, chest.grip along chest.hinge by +1.90",
@@ -113,3 +113,10 @@ def test_the_report_says_where_nothing_could_be_tried_alone(prove):
     report = prove((near, points), only=("needs its robots",))
     said = "; success names nothing that a robot could take alone"
     assert report.families[-1].summary.endswith(said)
+
+
+def test_a_robot_may_be_called_what_ways_of_playing_are(prove):
+    report = prove(("left", "without"), only=("needs its robots",))
+    assert report.families[-1].summary == (
+        "frozen without 0, frozen right 0, solo 0, random 0, nothing 0"
+    )

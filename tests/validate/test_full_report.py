@@ -9,8 +9,9 @@ import pytest
 from proof_tasks import DESCRIPTION, PAIR
 
 from taskbuilder import catalogue, validate_task
-from taskbuilder.codes import CODES
+from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import UsageError
+from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.validate.report import as_data
 
 AT_LEAST = {"TB309", "TB313", "TB511", "TB531", "TB552", "TB553", "TB554", "TB555"}
@@ -71,14 +72,12 @@ def test_every_figure_is_finite_and_on_the_right_side_of_its_limit(report):
 def test_what_every_way_of_playing_earns_is_told_the_expert_first(report):
     (pays,) = [family for family in report.families if family.probes]
     expert, *others = pays.probes
-    assert (pays.name, expert.name, expert.successes) == ("pays for success", "expert", SEEDS)
-    assert {probe.name for probe in others} == {
-        "nothing",
-        "random",
-        "without left",
-        "without right",
-        "stall after stage 1",
-        *(f"fail after stage {stage}" for stage in (1, 2)),
+    assert (pays.name, expert.way, expert.successes) == ("pays for success", EXPERT, SEEDS)
+    assert {probe.way for probe in others} == {
+        *(NOTHING, RANDOM),
+        *(Way(Kind.WITHOUT, robot=robot) for robot in ("left", "right")),
+        Way(Kind.STALL, stage=1),
+        *(Way(Kind.FAIL, stage=stage) for stage in (1, 2)),
     }
     for probe in pays.probes:
         assert len(probe.returns) == len(probe.discounted) == SEEDS
@@ -110,6 +109,15 @@ def test_progress_is_told_of_every_seed_once_it_is_done(report, told):
 
 def test_the_report_is_plain_data(report):
     assert json.loads(json.dumps(as_data([report]), allow_nan=False))["ok"]
+
+
+def test_a_way_of_playing_stands_in_the_data_by_its_text_and_by_its_key(report):
+    (task,) = as_data([report])["tasks"]
+    ways = {probe["name"]: probe["way"] for probe in task["probes"]}
+    assert ways["expert"] == {"kind": "expert", "stage": None, "robot": None}
+    assert ways["fail after stage 2"] == {"kind": "fail", "stage": 2, "robot": None}
+    assert ways["without left"] == {"kind": "without", "stage": None, "robot": "left"}
+    assert {"return", "discounted_return", "successes", "episodes"} < task["probes"][0].keys()
 
 
 def test_two_processes_find_the_same_as_one(file, report):

@@ -7,7 +7,7 @@ import os
 import pytest
 
 from taskbuilder.errors import Location
-from taskbuilder.validate.formats.excerpt import LONGEST_LINE, excerpt
+from taskbuilder.validate.html.excerpt import LONGEST_LINE, excerpt
 
 
 @pytest.fixture

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.validate.formats.page import task_page
-from taskbuilder.validate.formats.pages import make_page
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.validate.html.page import make_page
+from taskbuilder.validate.html.templates import task_page
 from taskbuilder.validate.run import validate_task
 
 DESCRIPTION = """

@@ -4,36 +4,43 @@ from __future__ import annotations
 
 import pytest
 
-from taskbuilder.validate.formats.chart import Axis, chart, ways
-from taskbuilder.validate.report import Probe
+from taskbuilder.expert.ways import EXPERT
+from taskbuilder.validate.html.chart import Axis, charts, lines
+from taskbuilder.validate.html.page import Page
+from taskbuilder.validate.html.templates import task_page
+from taskbuilder.validate.report import FamilyResult, Probe, TaskReport
+
+
+def drawn(*probes):
+    """The page of a report with nothing but these."""
+    family = FamilyResult("pays for success", (), (), "", probes=probes)
+    return task_page(Page(TaskReport("lift", "lift", (family,))))
 
 
 def test_the_best_stands_on_top_and_what_beats_the_expert_is_told_apart(probes):
-    listed = [(way.name, way.kind) for way in ways(probes, discounted=False)]
+    listed = [(str(line.way), line.role) for line in lines(probes, discounted=False)]
     assert listed == [("stall after stage 2", "rival"), ("expert", "expert"), ("random", "other")]
-    listed = [(way.name, way.kind) for way in ways(probes, discounted=True)]
+    listed = [(str(line.way), line.role) for line in lines(probes, discounted=True)]
     assert listed == [("expert", "expert"), ("stall after stage 2", "other"), ("random", "other")]
 
 
 def test_what_is_not_finite_is_left_out(probes):
-    random = ways(probes, discounted=False)[-1]
+    random = lines(probes, discounted=False)[-1]
     assert (random.returns, random.mean, random.episodes) == ((-44.0,), -44.0, 2)
-    (wild,) = ways([Probe("expert", (float("inf"),), (0.0,), 0)], discounted=False)
-    assert wild.mean is None
-    assert (
-        "not finite"
-        in chart("", [Probe("expert", (float("inf"),), (0.0,), 0)], discounted=False).text
-    )
+    wild = Probe(EXPERT, (float("inf"),), (0.0,), 0)
+    (way,) = lines([wild], discounted=False)
+    assert way.mean is None
+    assert "not finite" in drawn(wild)
 
 
 def test_without_an_expert_nothing_beats_it(probes):
-    assert {way.kind for way in ways(probes[1:], discounted=False)} == {"other"}
+    assert {line.role for line in lines(probes[1:], discounted=False)} == {"other"}
 
 
 def test_every_episode_is_a_dot_until_there_are_too_many(probes):
-    assert chart("", probes, discounted=False).text.count("<circle") == 5
-    many = Probe("expert", tuple(map(float, range(1000))), (), 0)
-    assert chart("", [many], discounted=False).text.count("<circle") <= 60
+    assert drawn(*probes).count("<circle") == 5 + 5
+    many = Probe(EXPERT, tuple(map(float, range(1000))), (), 0)
+    assert drawn(many).count("<circle") <= 60
 
 
 @pytest.mark.parametrize(
@@ -60,6 +67,11 @@ def test_returns_are_as_precise_as_the_chart_is_long(axis, value, text):
 
 @pytest.mark.parametrize("value", [0.0, 5.0, -1e-12, 1e12])
 def test_returns_that_are_all_alike_have_an_axis(value):
-    text = chart("", [Probe("expert", (value, value), (value,), 0)], discounted=False).text
+    text = drawn(Probe(EXPERT, (value, value), (value,), 0))
     assert "nan" not in text
     assert 'cx="' in text
+
+
+def test_where_nothing_was_played_there_is_no_chart():
+    assert charts([]) == []
+    assert "<svg" not in drawn()

@@ -9,14 +9,16 @@ import pytest
 from made_up import NASTY, played
 
 from taskbuilder import load_task
+from taskbuilder.errors import Location
 from taskbuilder.rollout import Trouble
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.validate.formats.page import Page, index_page, task_page
-from taskbuilder.validate.formats.pages import make_page, write_index, write_page
-from taskbuilder.validate.formats.pictures import Pictures, take_pictures
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.validate.html.files import write_index, write_page
+from taskbuilder.validate.html.page import Page, make_page
+from taskbuilder.validate.html.pictures import Pictures, take_pictures
+from taskbuilder.validate.html.templates import index_page, task_page
 from taskbuilder.validate.report import FamilyResult
 
-VOID = {"img", "meta", "br"}
+VOID = {"img", "meta", "br", "wbr"}
 
 
 class Parsed(HTMLParser):
@@ -51,7 +53,7 @@ class Parsed(HTMLParser):
 def small_pictures(monkeypatch):
     """Pictures are taken small, to be quick."""
     for name in ("LARGE", "SMALL"):
-        monkeypatch.setattr(f"taskbuilder.validate.formats.pictures.{name}", 32)
+        monkeypatch.setattr(f"taskbuilder.validate.html.pictures.{name}", 32)
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +99,38 @@ def test_what_comes_from_files_is_text(failed):
     assert not page.all("b", class_="")
     assert NASTY.replace("\x1b", "�").replace("\udc80", "�") in page.text
     assert text.encode()
+
+
+SCRIPT = "<script>alert(1)</script>"
+
+
+@pytest.mark.parametrize("where", ["task", "headline", "file", "path", "message", "summary"])
+def test_a_script_is_text_wherever_it_comes_from(where, task, failed, tmp_path):
+    (finding,) = failed.families[0].findings[:1]
+    file = tmp_path / SCRIPT.replace("/", "") / "lift.yaml"
+    report, summary = failed, "One arm lifts a cube."
+    if where in ("task", "headline"):
+        report = replace(failed, **{where: SCRIPT})
+    elif where == "summary":
+        summary = SCRIPT
+    else:
+        said = Location(file, 1, 1) if where == "file" else SCRIPT
+        finding = replace(finding, **{"location" if where == "file" else where: said})
+        report = replace(
+            failed, families=(replace(failed.families[0], findings=(finding,)),), skipped=()
+        )
+    spec = task.file.spec.model_copy(update={"summary": summary})
+    page = Page(report, replace(task, file=replace(task.file, spec=spec)))
+    for text in (task_page(page), index_page([("lift.html", page)])):
+        assert "<script" not in text
+    shown = task_page(page)
+    assert "&lt;script&gt;" in shown
+    assert Parsed(shown).text.count("<script>")
+
+
+def test_a_long_name_breaks_where_its_words_end(passed):
+    text = task_page(Page(replace(passed, headline="left_&_right · 2 robots")))
+    assert "<h1>left_<wbr>&amp;_<wbr>right</h1>" in text
 
 
 def test_findings_show_their_lines_and_what_their_codes_mean(failed, source):
@@ -159,7 +193,7 @@ def test_a_scene_that_cannot_be_shown_is_no_reason_to_show_nothing(task, full, m
     def fail(*_):
         raise SimulationError("the engine gave up")
 
-    monkeypatch.setattr("taskbuilder.validate.formats.pictures.build_world", fail)
+    monkeypatch.setattr("taskbuilder.validate.html.pictures.build_world", fail)
     pictures = take_pictures(task, full)
     assert pictures == Pictures(trouble="The scene cannot be shown: the engine gave up")
     assert "the engine gave up" in Parsed(task_page(Page(full, task, pictures))).text

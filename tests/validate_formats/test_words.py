@@ -11,6 +11,7 @@ from taskbuilder.validate.formats.words import (
     listed,
     measured,
     number,
+    printable,
 )
 
 
@@ -53,3 +54,7 @@ def test_things_are_counted_and_listed_as_in_a_sentence():
 def test_the_verdict_names_what_failed(passed, failed):
     assert closing([passed], 31.0) == ("ok", " in 31 s")
     assert closing([passed, failed], 3.1) == ("failed", ": lift: 2 errors in 3.1 s")
+
+
+def test_what_no_document_can_hold_is_marked():
+    assert printable("a\x00b\x1bc\udc80d\ufffe\n") == "a�b�c�d�\n"

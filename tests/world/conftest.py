@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from written_tasks import NAMES, read
 
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import read_task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 

@@ -5,8 +5,8 @@ from moves import bench, state
 from written_tasks import NAMES
 
 from taskbuilder.errors import FileError
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import read_task
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import read_task
 from taskbuilder.world.building import build_world
 
 WEDGE = """

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from taskbuilder.spec.catalogue import Catalogue
-from taskbuilder.spec.load import TaskFile, read_task
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.load import TaskFile, read_task
 
 HEAD = "task: made\nsummary: A task made for a test.\n"
 NAMES = ("handover", "pick_push_place", "collaborative_lift")

@@ -32,7 +32,7 @@ from taskbuilder.learn.networks import (
     state_arrays,
 )
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, Policy
+from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
@@ -316,7 +316,7 @@ class Maddpg:
 
     # --- starting from a policy
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Begin with a trained policy as the actors; critics learn to judge it first.
 
         Raises:
@@ -325,16 +325,17 @@ class Maddpg:
         self._take(policy)
         self._pretrained = True
 
-    def _take(self, policy: Policy) -> None:
+    def _take(self, policy: TrainedPolicy) -> None:
         """Let the actors do what a policy does, as observations are standardised now."""
         self._actors.take(policy, *self._standard.by_agent())
         follow(self._target_actors, self._actors, 1.0)
 
     # --- what is kept
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy, to play: the target actors, an average over the last updates."""
-        return Policy(self._target_actors.policy(*self._standard.by_agent(), squash=True), about)
+        networks = self._target_actors.policy(*self._standard.by_agent(), squash=True)
+        return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, Array]:
         """All that it has learned, by name: networks, targets, optimisers, statistics."""
@@ -366,7 +367,7 @@ class Maddpg:
         return {"critic_adam": self._critic_adam, "actor_adam": self._actor_adam}
 
 
-def _settings_of(policy: Policy) -> dict[str, Any]:
+def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The settings of actors like a policy's; each agent has its own, standardised by itself."""
     network = next(iter(policy.networks.values()))
     if not network.squash:

@@ -23,7 +23,7 @@ from torch import Tensor
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, Network, Policy
+from taskbuilder.learn.policy import Array, Network, TrainedPolicy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.shapes import Rows, Shapes
 
@@ -46,6 +46,8 @@ class OpenaiSettings:
         update_every: Control steps between updates of all agents.
         clip: Largest norm of the gradient of each variable, be it a weight matrix or a bias.
         regulariser: Weight of the mean square of the numbers that an actor puts out.
+        log_std_max: Upper bound of the Gaussians' log-std. By default where float32 overflows, as
+            published; the environment clips actions, so nothing else keeps the draws small.
     """
 
     hidden: tuple[int, ...] = (64, 64)
@@ -58,6 +60,7 @@ class OpenaiSettings:
     update_every: float = 100
     clip: float = 0.5
     regulariser: float = 1e-3
+    log_std_max: float = 88.0
 
 
 class MaddpgOpenai:
@@ -99,11 +102,13 @@ class MaddpgOpenai:
         del progress_fraction
         with torch.no_grad():
             return {
-                agent: _drawn(learner.actor(torch.from_numpy(observations[agent])), rng).numpy()
+                agent: self._drawn(
+                    learner.actor(torch.from_numpy(observations[agent])), rng
+                ).numpy()
                 for agent, learner in self._learners.items()
             }
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Refused, as the plan was: what was published begins from nothing.
 
         Raises:
@@ -159,7 +164,7 @@ class MaddpgOpenai:
         layout = self.shapes.layout
         with torch.no_grad():
             actions = [
-                _drawn(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
+                self._drawn(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
                 for name, learner in self._learners.items()
             ]
             inputs = _inputs(batch, layout.next_observations, actions)
@@ -172,21 +177,27 @@ class MaddpgOpenai:
         """-Q at an own action drawn anew and the others' remembered ones, and the regulariser."""
         layout, learner = self.shapes.layout, self._learners[agent]
         flat = learner.actor(batch[:, layout.observations[agent]])
-        own = _drawn(flat, rng)
+        own = self._drawn(flat, rng)
         actions = [own if name == agent else batch[:, part] for name, part in layout.action.items()]
         values = learner.critic(_inputs(batch, layout.observations, actions))
         return self.settings.regulariser * flat.square().mean() - values.mean()
 
+    def _drawn(self, flat: Tensor, rng: np.random.Generator) -> Tensor:
+        """A draw of the Gaussian with this mean and log-std, differentiable: (n, 2 k) to (n, k)."""
+        mean, log_std = flat.chunk(2, 1)
+        noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
+        return mean + log_std.clamp(max=self.settings.log_std_max).exp() * noise
+
     # --- what is kept
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy, to play: the Gaussians' means, clipped to -1 to 1.
 
         The published code plays by drawing, as in training; without the draws an evaluation does
         not depend on a generator, and log-stds are left out.
         """
         networks = {a: learner.mean_network() for a, learner in self._learners.items()}
-        return Policy(networks, about)
+        return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All that it has learned, by name: networks, targets, optimisers."""
@@ -219,13 +230,6 @@ class MaddpgOpenai:
 def _inputs(batch: Tensor, observations: Mapping[str, slice], actions: Sequence[Tensor]) -> Tensor:
     """What critics see: all observations, then all actions."""
     return torch.cat([*(batch[:, part] for part in observations.values()), *actions], 1)
-
-
-def _drawn(flat: Tensor, rng: np.random.Generator) -> Tensor:
-    """A draw of the Gaussian with this mean and log-std, differentiable: (n, 2 k) to (n, k)."""
-    mean, log_std = flat.chunk(2, 1)
-    noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
-    return mean + log_std.exp() * noise
 
 
 class _Agent:
@@ -360,6 +364,8 @@ ALGORITHM = Algorithm(
         # 75,000 whole episodes of 50 steps, on the team's reward and the task's own observations.
         "paper": Preset(
             "the runs of the paper that the three tasks come from",
+            # Without a bound a run of Pick-Push-Place overflowed after 597,800 control steps.
+            settings={"log_std_max": 2.0},
             plan={
                 "reward": "team",
                 "observe": "task",

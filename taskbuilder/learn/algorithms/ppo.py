@@ -29,7 +29,7 @@ from taskbuilder.learn.networks import (
     state_arrays,
 )
 from taskbuilder.learn.on_policy import OnPolicy
-from taskbuilder.learn.policy import Array, Policy
+from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.running_moments import RunningMoments
 from taskbuilder.learn.shapes import Rows, Shapes
 
@@ -291,10 +291,10 @@ class Ppo:
 
     # --- what is kept
 
-    def policy(self, about: Mapping[str, Any]) -> Policy:
+    def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The present policy, to play: the Gaussians' means, clipped to -1 to 1."""
         squash = self.settings.squash
-        return Policy(self._actors.policy(*self._measures(), squash=squash), about)
+        return TrainedPolicy(self._actors.policy(*self._measures(), squash=squash), about)
 
     def _measures(self) -> tuple[dict[str, Array], dict[str, Array]]:
         """What agents' observations are normalised by: means and scales."""
@@ -302,7 +302,7 @@ class Ppo:
         mean, scale = (x.astype(np.float32) for x in (self._inputs.mean, self._inputs.scale))
         return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
 
-    def start_from(self, policy: Policy) -> None:
+    def start_from(self, policy: TrainedPolicy) -> None:
         """Begin with a trained policy as the actors' means.
 
         Raises:
@@ -347,7 +347,7 @@ def _below(part: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[A
     return {name.removeprefix(f"{part}/"): array for name, array in own.items()}
 
 
-def _settings_of(policy: Policy) -> dict[str, Any]:
+def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The settings of actors like a policy's; each agent has its own, standardised by itself."""
     network = next(iter(policy.networks.values()))
     hidden = [len(bias) for _, bias in network.layers[:-1]]

@@ -1,1 +1,1 @@
-"""Reports of validations for machines and for people: JUnit, GitHub, and a page with pictures."""
+"""Reports for machines, JUnit and GitHub, and the words that all formats share."""

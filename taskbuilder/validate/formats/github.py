@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from taskbuilder.errors import Finding, display_path
-from taskbuilder.validate.formats.blame import cases_of
-from taskbuilder.validate.formats.markup import printable
+from taskbuilder.validate.formats.cases import cases_of
+from taskbuilder.validate.formats.words import printable
 from taskbuilder.validate.report import TaskReport
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
 from taskbuilder.errors import Finding
-from taskbuilder.validate.formats.blame import Case, cases_of
-from taskbuilder.validate.formats.markup import printable
+from taskbuilder.validate.formats.cases import Case, cases_of
+from taskbuilder.validate.formats.words import printable
 from taskbuilder.validate.report import TaskReport
 
 

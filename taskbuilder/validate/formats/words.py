@@ -1,11 +1,20 @@
-"""Figures in words."""
+"""Figures and counts in words, and text that every format can hold."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 
 from taskbuilder.validate.report import Check, TaskReport
+
+# What XML 1.0 has no way to write, and what UTF-8 has none for.
+_UNPRINTABLE = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def printable(text: str) -> str:
+    """The text with a mark in place of what no document can hold, such as control characters."""
+    return _UNPRINTABLE.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
 def number(value: float) -> str:

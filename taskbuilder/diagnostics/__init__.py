@@ -1,0 +1,20 @@
+"""The codes of findings TB0xx to TB3xx and TB5xx, with the explanation that the docs show.
+
+Those of assets, TB401 on, are in `taskbuilder.assets.codes`. A code never changes its meaning, and
+one that is given up is not used again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from taskbuilder.diagnostics import names, rollouts, scene, yaml
+from taskbuilder.diagnostics.entry import Code, Example, Where
+
+__all__ = ["CODES", "Code", "Example", "Where"]
+
+CODES: Mapping[str, Code] = MappingProxyType(
+    {**yaml.ENTRIES, **names.ENTRIES, **scene.ENTRIES, **rollouts.ENTRIES}
+)
+"""Every code, in order."""

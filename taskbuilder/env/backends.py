@@ -1,0 +1,240 @@
+"""What runs a vector's environments: this process, or workers that are replaced when lost.
+
+An owner and a worker exchange single bytes; everything else is in buffers that they share. A worker
+holds nothing that outlives it, so it is ended by being killed.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+import pickle
+from collections.abc import Sequence
+from typing import Protocol
+
+from taskbuilder.env.env_group import EnvGroup
+from taskbuilder.env.process import WorkerProcess
+from taskbuilder.env.shared_buffers import Allocator, SharedBuffers, make_block, map_block
+from taskbuilder.env.worker import WorkerConfig
+from taskbuilder.errors import TaskbuilderError, UsageError
+from taskbuilder.processes import Fault
+
+START_LIMIT_S = 120.0
+"""How long a worker may take to build its environments."""
+
+_log = logging.getLogger(__name__)
+
+
+class WorkerError(TaskbuilderError):
+    """A worker was lost again and again without completing a step in between.
+
+    Attributes:
+        worker: Its number.
+        environments: The environments that it runs.
+        cause: How it was lost last.
+        words: The traceback that it left, or "".
+    """
+
+    def __init__(self, worker: int, environments: range, fault: Fault, times: int) -> None:
+        self.worker = worker
+        self.environments = environments
+        self.cause = fault.cause
+        self.words = fault.words
+        title = _title(worker, environments)
+        super().__init__(f"{title} {fault.cause} ({times} in a row)\n{fault.words}".rstrip())
+
+
+class Backend(Protocol):
+    """Runs the environments of a vector."""
+
+    @property
+    def buffers(self) -> SharedBuffers:
+        """What the environments are told and tell."""
+
+    @property
+    def pids(self) -> tuple[int, ...]:
+        """The processes of the workers, if there are any."""
+
+    def settle(self) -> None:
+        """Wait until nobody uses the buffers any more, whatever was begun or interrupted.
+
+        Raises:
+            WorkerError: A worker is lost again and again.
+        """
+
+    def go(self) -> None:
+        """Let every environment do what the buffers say, without waiting for it."""
+
+    def wait(self, *, begin_anew: bool) -> list[range]:
+        """Wait until all have done it.
+
+        Args:
+            begin_anew: Let the environments of a worker that was lost begin episodes at once.
+
+        Returns:
+            Rows of environments that could not, because their worker was lost.
+
+        Raises:
+            WorkerError: A worker is lost again and again.
+        """
+
+    def close(self) -> None:
+        """Free the environments; the buffers stay."""
+
+
+class InProcess:
+    """No workers: the environments run in this process, and errors in them are raised here."""
+
+    pids: tuple[int, ...] = ()
+
+    def __init__(self, config: WorkerConfig) -> None:
+        self.buffers = SharedBuffers(config.signature, config.num_envs, Allocator())
+        self._group = EnvGroup(
+            config.task,
+            config.options,
+            config.wrap,
+            self.buffers,
+            range(config.num_envs),
+            same_step=config.same_step,
+        )
+
+    def settle(self) -> None:
+        """See `Backend.settle`."""
+
+    def go(self) -> None:
+        """See `Backend.go`; there is nobody else to do it meanwhile."""
+
+    def wait(self, *, begin_anew: bool) -> list[range]:
+        """See `Backend.wait`; no environment is ever lost here."""
+        del begin_anew
+        self._group.advance()
+        return []
+
+    def close(self) -> None:
+        """See `Backend.close`."""
+        self._group.close()
+
+
+class Subprocesses:
+    """Processes that run a group each.
+
+    Args:
+        config: What to run.
+        count: How many workers, at most one an environment.
+        timeout_s: How long a worker may take for a step of all its environments.
+        retries: How many times in a row a worker is replaced.
+
+    Attributes:
+        buffers: The buffers that they share.
+
+    Raises:
+        UsageError: The description cannot be sent to other processes.
+        WorkerError: A worker does not start.
+    """
+
+    def __init__(self, config: WorkerConfig, count: int, *, timeout_s: float, retries: int) -> None:
+        self._owner = os.getpid()
+        self._timeout_s = timeout_s
+        self._retries = retries
+        self._config = _packed(config)
+        self._memory = make_block(_bytes_of(config))
+        self.buffers = SharedBuffers(
+            config.signature, config.num_envs, Allocator(map_block(self._memory))
+        )
+        bounds = [config.num_envs * number // count for number in range(count + 1)]
+        self._workers = [
+            WorkerProcess(number, range(bounds[number], bounds[number + 1]))
+            for number in range(count)
+        ]
+        try:
+            self._start(self._workers)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def pids(self) -> tuple[int, ...]:
+        """See `Backend.pids`."""
+        return tuple(worker.pid for worker in self._workers)
+
+    def settle(self) -> None:
+        """See `Backend.settle`; starts workers that are not running, too."""
+        for worker in self._workers:
+            if worker.busy:
+                worker.wait(self._timeout_s)
+        self._start([worker for worker in self._workers if worker.pid < 0])
+
+    def go(self) -> None:
+        """See `Backend.go`."""
+        for worker in self._workers:
+            worker.go()
+
+    def wait(self, *, begin_anew: bool) -> list[range]:
+        """See `Backend.wait`."""
+        faults = [(worker, worker.wait(self._timeout_s)) for worker in self._workers]
+        lost = []
+        for worker, fault in faults:
+            if fault is None:
+                worker.losses = 0
+            else:
+                self._replace(worker, fault, begin_anew=begin_anew)
+                lost.append(worker.rows)
+        return lost
+
+    def close(self) -> None:
+        """See `Backend.close`."""
+        if os.getpid() != self._owner:  # a fork of the owner must leave the workers alone
+            return
+        for worker in self._workers:
+            worker.end()
+        if self._memory >= 0:
+            os.close(self._memory)
+            self._memory = -1
+
+    def _start(self, workers: Sequence[WorkerProcess]) -> None:
+        for worker in workers:
+            worker.losses = 0
+            worker.start(self._config, self._memory)
+        for worker in workers:
+            fault = worker.wait(START_LIMIT_S)
+            if fault:
+                self._replace(worker, fault, begin_anew=False)
+
+    def _replace(self, worker: WorkerProcess, fault: Fault, *, begin_anew: bool) -> None:
+        reason: Fault | None = fault
+        while reason:
+            worker.losses += 1
+            if worker.losses > self._retries:
+                raise WorkerError(worker.number, worker.rows, reason, worker.losses)
+            title = _title(worker.number, worker.rows)
+            _log.warning("%s %s; it is replaced\n%s", title, reason.cause, reason.words)
+            worker.start(self._config, self._memory)
+            reason = worker.wait(START_LIMIT_S)
+            if begin_anew and not reason:
+                self.buffers.begin[worker.rows.start : worker.rows.stop] = True
+                worker.go()
+                reason = worker.wait(self._timeout_s)
+
+
+def _packed(config: WorkerConfig) -> bytes:
+    file = io.BytesIO()
+    try:
+        config.write(file)
+    except (AttributeError, TypeError, pickle.PicklingError) as error:
+        raise UsageError(
+            f"workers cannot import the description of {config.task.name} ({error}); "
+            "define it at the top of a module, or use workers=0"
+        ) from error
+    return file.getvalue()
+
+
+def _bytes_of(config: WorkerConfig) -> int:
+    allocator = Allocator()
+    SharedBuffers(config.signature, config.num_envs, allocator)
+    return allocator.size
+
+
+def _title(number: int, rows: Sequence[int]) -> str:
+    several = f"environments {rows[0]} to {rows[-1]}"
+    return f"worker {number} ({several if len(rows) > 1 else f'environment {rows[0]}'})"

@@ -1,0 +1,97 @@
+"""Some of a vector's environments, stepped one after the other in one process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from taskbuilder.env.options import Options
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.shared_buffers import SharedBuffers
+from taskbuilder.task import Task
+
+Wrap = Callable[[TaskEnv], Any]
+"""Puts wrappers around an environment; workers are sent it by pickle."""
+
+
+def unwrapped(env: TaskEnv) -> TaskEnv:
+    """The environment as it is."""
+    return env
+
+
+class EnvGroup:
+    """Environments that read what to do from shared buffers, and write there what came of it.
+
+    Args:
+        task: The task.
+        options: How it is made into environments.
+        wrap: Put around each of them.
+        buffers: Where this group's rows are.
+        rows: Which they are.
+        same_step: Let an episode that ends be followed by another within the step.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        options: Options,
+        wrap: Wrap,
+        buffers: SharedBuffers,
+        rows: range,
+        *,
+        same_step: bool,
+    ) -> None:
+        self._buffers = buffers
+        self._same_step = same_step
+        self._envs = {row: wrap(TaskEnv(task, options)) for row in rows}
+
+    def advance(self) -> None:
+        """Let every environment begin an episode or act, as the buffers say."""
+        buffers = self._buffers
+        for row, env in self._envs.items():
+            if buffers.begin[row]:
+                buffers.rewards[row] = 0.0
+                buffers.terminated[row] = buffers.truncated[row] = False
+                self._begin(row, env)
+            else:
+                self._act(row, env)
+
+    def close(self) -> None:
+        """Free the physics."""
+        for env in self._envs.values():
+            env.close()
+
+    def _begin(self, row: int, env: TaskEnv) -> None:
+        observations, infos = env.reset(seed=int(self._buffers.seeds[row]))
+        first = env.possible_agents[0]  # infos are the same for all
+        self._buffers.now.write(row, observations, env.state(), infos[first])
+
+    def _act(self, row: int, env: TaskEnv) -> None:
+        buffers = self._buffers
+        first = env.possible_agents[0]  # all end together, and infos are the same for all
+        observations, rewards, terminations, truncations, infos = env.step(self._actions(row, env))
+        buffers.rewards[row] = [rewards[agent] for agent in env.possible_agents]
+        buffers.terminated[row] = terminations[first]
+        buffers.truncated[row] = truncations[first]
+        another = self._same_step and not env.agents
+        view = buffers.final if another else buffers.now
+        view.write(row, observations, env.state(), infos[first])
+        if another:
+            self._begin(row, env)
+
+    def _actions(self, row: int, env: TaskEnv) -> dict[str, Any]:
+        """Copies, because environments keep their last action and rows of buffers change."""
+        return {
+            agent: _parted(values[row].copy(), env.action_space(agent))
+            for agent, values in self._buffers.actions.items()
+        }
+
+
+def _parted(values: NDArray[np.float64], space: spaces.Space[Any]) -> Any:
+    if isinstance(space, spaces.Dict):
+        return {"arm": values[:-1], "gripper": values[-1:]}
+    return values

@@ -1,0 +1,206 @@
+"""What the environments of a vector and their owner tell each other: arrays in one block of memory.
+
+A row of every array belongs to one environment. The block is anonymous: it has no name that could
+be left behind, and is gone with the last process that has it.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import DTypeLike, NDArray
+
+from taskbuilder.env.parallel import TaskEnv
+
+_ALIGNMENT = 64  # bytes of a cache line, so that processes do not share one
+
+Rows = range | slice
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What all environments of a task have alike.
+
+    Attributes:
+        agents: The robots, in file order.
+        observation_spaces: Of every agent.
+        action_spaces: Of every agent.
+        action_sizes: How many numbers each agent's action has.
+        state_space: Of the centralised state.
+        info_keys: Names of the numbers in every agent's info.
+    """
+
+    agents: tuple[str, ...]
+    observation_spaces: Mapping[str, spaces.Space[Any]]
+    action_spaces: Mapping[str, spaces.Space[Any]]
+    action_sizes: Mapping[str, int]
+    state_space: spaces.Box
+    info_keys: tuple[str, ...]
+
+    @classmethod
+    def of(cls, env: TaskEnv) -> Signature:
+        """Read it off an environment, which need not have been reset."""
+        return cls(
+            agents=tuple(env.possible_agents),
+            observation_spaces=dict(env.observation_spaces),
+            action_spaces=dict(env.action_spaces),
+            action_sizes={agent: mode.size for agent, mode in env.episode.actions.items()},
+            state_space=env.state_space,
+            info_keys=env.info_keys,
+        )
+
+
+class Allocator:
+    """Hands out arrays one after the other from a block of memory, or without one from the heap.
+
+    Attributes:
+        size: Bytes that the arrays handed out so far take in a block.
+    """
+
+    def __init__(self, block: mmap.mmap | None = None) -> None:
+        self.size = 0
+        self._block = block
+
+    def take(self, shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
+        """An array of zeros, if nobody has written to the block."""
+        start = self.size
+        bytes_ = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
+        self.size += -(-bytes_ // _ALIGNMENT) * _ALIGNMENT
+        if self._block is None:
+            return np.zeros(shape, dtype)
+        return np.ndarray(shape, dtype, self._block, start)
+
+
+class StepView:
+    """How every environment looks after a step.
+
+    Attributes:
+        observations: By agent: (num_envs, …), or a dictionary of such arrays.
+        state: (num_envs, state_dim) float32, for centralised critics.
+        infos: (num_envs, keys) float64, in the order of the signature's `info_keys`.
+    """
+
+    def __init__(self, signature: Signature, num_envs: int, allocator: Allocator) -> None:
+        self._keys = signature.info_keys
+        self.observations: dict[str, Any] = {
+            agent: _rows_of(space, num_envs, allocator)
+            for agent, space in signature.observation_spaces.items()
+        }
+        self.state = allocator.take((num_envs, *signature.state_space.shape), np.float32)
+        self.infos = allocator.take((num_envs, len(signature.info_keys)), np.float64)
+        self._arrays = (*_leaves(self.observations), self.state, self.infos)
+
+    def write(
+        self,
+        row: int,
+        observations: Mapping[str, Any],
+        state: NDArray[np.float32],
+        info: Mapping[str, float],
+    ) -> None:
+        """Set down how one environment looks."""
+        _write(self.observations, row, observations)
+        self.state[row] = state
+        self.infos[row] = [info[key] for key in self._keys]
+
+    def copy(self, source: StepView, rows: Rows = slice(None)) -> None:
+        """Take over rows of another."""
+        part = slice(rows.start, rows.stop)
+        for mine, theirs in zip(self._arrays, source._arrays, strict=True):
+            mine[part] = theirs[part]
+
+
+class SharedBuffers:
+    """All arrays of a vector of environments.
+
+    The owner writes what is to be done, lets the environments do it, and reads what came of it;
+    nobody writes while another may read.
+
+    Attributes:
+        actions: By agent: (num_envs, n) float64.
+        begin: (num_envs,) bool: begin an episode instead of acting.
+        seeds: (num_envs,) int64: of the next episode of each environment.
+        now: What there is to see after the step.
+        final: What there was to see at the end of those episodes that ended and were followed by
+            another within the step.
+        rewards: (num_envs, agents) float64.
+        terminated: (num_envs,) bool.
+        truncated: (num_envs,) bool.
+    """
+
+    def __init__(self, signature: Signature, num_envs: int, allocator: Allocator) -> None:
+        self.actions: dict[str, NDArray[np.float64]] = {
+            agent: allocator.take((num_envs, size), np.float64)
+            for agent, size in signature.action_sizes.items()
+        }
+        self.begin: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
+        self.seeds: NDArray[np.int64] = allocator.take((num_envs,), np.int64)
+        self.now = StepView(signature, num_envs, allocator)
+        self.final = StepView(signature, num_envs, allocator)
+        self.rewards: NDArray[np.float64] = allocator.take(
+            (num_envs, len(signature.agents)), np.float64
+        )
+        self.terminated: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
+        self.truncated: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
+
+
+def make_block(size: int) -> int:
+    """Memory to be shared with child processes: a file descriptor for `map_block`."""
+    if hasattr(os, "memfd_create"):
+        descriptor = os.memfd_create("taskbuilder")
+    else:
+        with tempfile.TemporaryFile() as file:
+            descriptor = os.dup(file.fileno())
+    os.ftruncate(descriptor, size)
+    return descriptor
+
+
+def map_block(descriptor: int) -> mmap.mmap:
+    """A block of shared memory in this process's reach."""
+    return mmap.mmap(descriptor, os.fstat(descriptor).st_size)
+
+
+def copied(tree: Mapping[str, Any]) -> dict[str, Any]:
+    """Arrays, or dictionaries of arrays, of one's own."""
+    return {
+        key: copied(value) if isinstance(value, dict) else value.copy()
+        for key, value in tree.items()
+    }
+
+
+def row_of(tree: Mapping[str, Any], row: int) -> dict[str, Any]:
+    """One environment's share of observations, in arrays of its own."""
+    return {
+        key: row_of(value, row) if isinstance(value, dict) else value[row].copy()
+        for key, value in tree.items()
+    }
+
+
+def _rows_of(space: spaces.Space[Any], num_envs: int, allocator: Allocator) -> Any:
+    if isinstance(space, spaces.Dict):
+        return {key: _rows_of(part, num_envs, allocator) for key, part in space.items()}
+    if space.shape is None or space.dtype is None:
+        raise TypeError(f"observations in {space} cannot be laid out in arrays")
+    return allocator.take((num_envs, *space.shape), space.dtype)
+
+
+def _leaves(tree: Mapping[str, Any]) -> Iterator[NDArray[Any]]:
+    for value in tree.values():
+        if isinstance(value, dict):
+            yield from _leaves(value)
+        else:
+            yield value
+
+
+def _write(tree: Mapping[str, Any], row: int, values: Mapping[str, Any]) -> None:
+    for key, array in tree.items():
+        if isinstance(array, dict):
+            _write(array, row, values[key])
+        else:
+            array[row] = values[key]

@@ -1,0 +1,229 @@
+"""How near things may come to each other on the way from one posture to another."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from taskbuilder.expert.planning.collision_world import AttachedObject, CollisionWorld
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.geometry import Pose, norm, subtract
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.contacts import gaps
+
+CLEARANCE_M = 0.009
+"""How far apart things stay that need not meet."""
+
+SLACK_M = 0.001
+"""How much nearer than at the ends of a motion things may come on the way."""
+
+DEEPEST_M = 0.003
+"""How deep inside each other things may be at the end of a motion: grasps and rests are not
+known better than that."""
+
+GRACE_M = 0.08
+"""So far from an end of its motion a tool may leave things as near as they are at that end: about
+a finger's length. Further on, they must part by a tenth of the way."""
+
+PARTING = 0.1
+
+Key = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Where the arms that move are.
+
+    Attributes:
+        joints: Of each arm, rad or m.
+        tools: Pose of each arm's tool, in the world.
+    """
+
+    joints: Mapping[str, tuple[float, ...]]
+    tools: Mapping[str, Pose]
+
+
+@dataclass(frozen=True)
+class ClearanceViolation:
+    """Two things that are, or would be, nearer to each other than allowed.
+
+    Attributes:
+        a: What moves, as ``left's wrist_2_link`` or ``the stick``.
+        b: What it comes near to.
+        robot: The robot that moves it.
+        distance: Between them, m; negative when one is inside the other.
+        advice: What to write if that is meant to be, or "".
+    """
+
+    a: str
+    b: str
+    robot: str
+    distance: float
+    advice: str = ""
+
+    def __str__(self) -> str:
+        size = abs(self.distance) * 1000.0
+        if self.distance < 0.0:
+            return f"{self.a} would be {size:.0f} mm inside {self.b}{self.advice}"
+        needed = CLEARANCE_M * 1000.0
+        kept = f"and {needed:.0f} mm are kept{self.advice}"
+        return f"{self.a} would be {size:.0f} mm from {self.b}, {kept}"
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """A body of the scene.
+
+    Attributes:
+        driver: The robot that moves it, or "" for what stays where it is.
+        limbs: Whether each of its links counts for itself, as those of robots do.
+    """
+
+    name: str
+    body: Body
+    driver: str
+    limbs: bool
+
+    def called(self, link: int) -> str:
+        if not self.limbs:
+            return f"the {self.name}"
+        names = {index: name for name, index in self.body.links.items()}
+        return f"{self.name}'s {names[link]}"
+
+
+class Clearance:
+    """Distances between what moves and everything else.
+
+    Normally things keep `CLEARANCE_M` apart. A pair that is nearer at the start or at the end of
+    a motion may stay as near: at one of them only, while the tool is within `GRACE_M` of it.
+
+    Args:
+        collision_world: Where everything is.
+        moving: The robots that move.
+        riders: What their tools carry.
+        held: The object that each robot holds, moving or not.
+        touching: The objects that each robot may touch.
+    """
+
+    def __init__(
+        self,
+        collision_world: CollisionWorld,
+        moving: Collection[str],
+        riders: Sequence[AttachedObject],
+        held: Mapping[str, str],
+        touching: Mapping[str, Collection[str]],
+    ) -> None:
+        self._collision_world = collision_world
+        self._riders = [rider for rider in riders if rider.robot in moving]
+        drivers = {name: name for name in moving}
+        drivers |= {rider.name: rider.robot for rider in self._riders}
+        self._pairs = list(_pairs(_solids(collision_world, drivers), held, touching))
+        self._ends: tuple[Posture, Posture] | None = None
+        self._allowed: tuple[dict[Key, float], dict[Key, float]] = ({}, {})
+
+    def between(self, start: Posture, goal: Posture) -> None:
+        """Look at the ends of a motion, for what may be near on the way.
+
+        Raises:
+            PlanningError: Things would be inside each other at its end.
+        """
+        self._ends = (start, goal)
+        at_start, at_goal = self._nearest(start), self._nearest(goal)
+        deepest = min(at_goal, key=lambda key: at_goal[key], default=None)
+        if deepest is not None:
+            deep = at_goal[deepest]
+            if deep < min(-DEEPEST_M, at_start.get(deepest, 0.0) - SLACK_M):
+                near = self._near(deepest, deep)
+                raise PlanningError(near.robot, "in collision", f"where it is to go, {near}")
+        self._allowed = (at_start, at_goal)
+
+    def trouble(self, posture: Posture) -> ClearanceViolation | None:
+        """Things that are too near each other on the way."""
+        self._place(posture)
+        for number, (one, other) in enumerate(self._pairs):
+            for gap in gaps(one.body, other.body, CLEARANCE_M):
+                key = _key(number, one, other, gap.link_a, gap.link_b)
+                if gap.distance < CLEARANCE_M - 1e-9 and gap.distance < self._least(key, posture):
+                    return self._near(key, gap.distance)
+        return None
+
+    def _least(self, key: Key, posture: Posture) -> float:
+        """How near a pair may be in a posture."""
+        at_start, at_goal = (ends.get(key) for ends in self._allowed)
+        if at_start is not None and at_goal is not None:
+            return min(at_start, at_goal) - SLACK_M
+        if self._ends is None or (at_start is None and at_goal is None):
+            return CLEARANCE_M
+        at, end = (at_start, self._ends[0]) if at_goal is None else (at_goal, self._ends[1])
+        away = max(
+            norm(subtract(posture.tools[name].position, end.tools[name].position))
+            for name in self._drivers(key)
+        )
+        return min(CLEARANCE_M, (at or 0.0) - SLACK_M + PARTING * max(0.0, away - GRACE_M))
+
+    def _nearest(self, posture: Posture) -> dict[Key, float]:
+        """The smallest distance of each pair that is near in a posture."""
+        self._place(posture)
+        found: dict[Key, float] = {}
+        for number, (one, other) in enumerate(self._pairs):
+            for gap in gaps(one.body, other.body, CLEARANCE_M):
+                key = _key(number, one, other, gap.link_a, gap.link_b)
+                found[key] = min(gap.distance, found.get(key, CLEARANCE_M))
+        return found
+
+    def _place(self, posture: Posture) -> None:
+        for name, joints in posture.joints.items():
+            self._collision_world.pose_arm(name, joints)
+        for rider in self._riders:
+            body = self._collision_world.world.objects[rider.name].body
+            body.place(posture.tools[rider.robot] @ rider.pose)
+
+    def _near(self, key: Key, distance: float) -> ClearanceViolation:
+        number, link_a, link_b = key
+        one, other = self._pairs[number]
+        advice = self._advice(other, distance)
+        return ClearanceViolation(
+            one.called(link_a), other.called(link_b), one.driver, distance, advice
+        )
+
+    def _advice(self, other: _Solid, distance: float) -> str:
+        thing = self._collision_world.world.objects.get(other.name)
+        if thing is None or other.limbs or other.driver:
+            return ""
+        if distance >= 0.0:
+            return f"; if it may be touched, write touching: [{other.name}]"
+        return "" if thing.spec.fixed else f"; to push it, write touching: [{other.name}]"
+
+    def _drivers(self, key: Key) -> Iterator[str]:
+        return (solid.driver for solid in self._pairs[key[0]] if solid.driver)
+
+
+def _solids(collision_world: CollisionWorld, drivers: Mapping[str, str]) -> Iterator[_Solid]:
+    world = collision_world.world
+    for name, robot in world.robots.items():
+        yield _Solid(name, robot.body, drivers.get(name, ""), True)
+    for name, thing in world.objects.items():
+        yield _Solid(name, thing.body, drivers.get(name, ""), False)
+    if world.floor is not None:
+        yield _Solid("floor", world.floor, "", False)
+
+
+def _pairs(
+    solids: Iterator[_Solid],
+    held: Mapping[str, str],
+    touching: Mapping[str, Collection[str]],
+) -> Iterator[tuple[_Solid, _Solid]]:
+    """What must not come near each other, that which moves first."""
+    for pair in combinations(solids, 2):
+        one, other = sorted(pair, key=lambda solid: not solid.driver)
+        names = {one.name, other.name}
+        grasp = any(names == {robot, name} for robot, name in held.items())
+        together = one.driver == other.driver and not (one.limbs or other.limbs)
+        wanted = other.name in touching.get(one.driver, ())
+        if one.driver and not (grasp or together or wanted):
+            yield one, other
+
+
+def _key(number: int, one: _Solid, other: _Solid, link_a: int, link_b: int) -> Key:
+    return (number, link_a if one.limbs else 0, link_b if other.limbs else 0)

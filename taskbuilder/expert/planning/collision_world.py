@@ -1,0 +1,111 @@
+"""A second world, to ask how near things would come, without touching the one that is played."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.geometry import Pose
+from taskbuilder.sim.contacts import gaps, pose_joints
+from taskbuilder.world.building import build_world
+from taskbuilder.world.world import World
+
+RESTING_M = 0.003
+"""What is nearer than this to a thing below it lies on it."""
+
+
+@dataclass(frozen=True)
+class AttachedObject:
+    """An object that moves with a tool as if it were part of it.
+
+    Attributes:
+        name: The object.
+        robot: Whose tool.
+        pose: Of the object in the tool's frame.
+    """
+
+    name: str
+    robot: str
+    pose: Pose
+
+
+class CollisionWorld:
+    """A copy of a world that can be put into any posture.
+
+    Args:
+        world: What to copy: its task and scene, not yet its state.
+
+    Attributes:
+        world: The copy.
+        reaches: Its arms.
+    """
+
+    def __init__(self, world: World) -> None:
+        scenes = world.task.scenes
+        variation = next(k for k, scene in enumerate(scenes) if scene is world.scene)
+        self.world = build_world(world.task, variation=variation)
+        self.reaches = {name: Reach.of(self.world, name) for name in self.world.robots}
+        self._moving = {
+            name: tuple(
+                joint.index for joint in robot.body.joints.values() if joint.type != "fixed"
+            )
+            for name, robot in self.world.robots.items()
+        }
+
+    def copy(self, live: World) -> dict[str, tuple[float, ...]]:
+        """Put everything where it is in a world of the same scene; its arms, where commanded.
+
+        Returns:
+            The commanded joints of each arm.
+        """
+        for name, thing in self.world.objects.items():
+            original = live.objects[name].body
+            thing.body.place(original.pose())
+            if thing.joints:
+                pose_joints(thing.body, thing.joints, original.joint_states(thing.joints)[0])
+        commanded = {name: robot.commanded() for name, robot in live.robots.items()}
+        for name, robot in self.world.robots.items():
+            indices = self._moving[name]
+            pose_joints(robot.body, indices, live.robots[name].body.joint_states(indices)[0])
+            self.pose_arm(name, commanded[name])
+        return commanded
+
+    def pose_arm(self, robot: str, joints: Sequence[float]) -> None:
+        """Put an arm's joints at positions, in rad or m."""
+        built = self.world.robots[robot]
+        pose_joints(built.body, built.arm.indices, joints)
+
+    def riders(self, live: World, held: Mapping[str, str]) -> list[AttachedObject]:
+        """What moves with the tools: what they hold, and what lies on that, and so on.
+
+        Args:
+            live: The world as it was copied; grasps are as they are there.
+            held: The object that each robot holds.
+        """
+        riding: dict[str, AttachedObject] = {}
+        for robot, name in held.items():
+            if name not in riding and name in self.world.movable:  # else its handle is held
+                grasp = live.pose(f"{robot}.tcp").inverse() @ live.pose(name)
+                riding[name] = AttachedObject(name, robot, grasp)
+        waiting = list(riding)
+        while waiting:
+            below = riding[waiting.pop(0)]
+            for name in self._resting_on(below.name):
+                if name not in riding:
+                    pose = below.pose @ live.pose(below.name).inverse() @ live.pose(name)
+                    riding[name] = AttachedObject(name, below.robot, pose)
+                    waiting.append(name)
+        return list(riding.values())
+
+    def close(self) -> None:
+        """Free the physics."""
+        self.world.close()
+
+    def _resting_on(self, below: str) -> Iterator[str]:
+        """The movable objects that lie on one."""
+        carrier = self.world.objects[below].body
+        for name in self.world.movable:
+            body = self.world.objects[name].body
+            if name != below and any(gap.up > 0.5 for gap in gaps(body, carrier, RESTING_M)):
+                yield name

@@ -1,0 +1,130 @@
+"""Where a motion may end: the joints by which arms bring their tools to where they should be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice, product
+
+import numpy as np
+
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
+from taskbuilder.expert.planning.subspaces import ArmJoints, Carried, Jointed, Subspace
+from taskbuilder.geometry import Pose
+from taskbuilder.sim.kinematics import solve
+
+BRANCHES = 16
+"""From how many beginnings other joints for a goal are looked for."""
+
+MOST_ENDS = 12
+"""How many combinations of joints are tried, the nearest first."""
+
+SAME = 0.05
+"""Joints that differ by less than this (rad or m) are the same solution."""
+
+
+def goal_of(space: Space, start: Waypoint, rng: np.random.Generator) -> Waypoint:
+    """The point at the end of a space: as the straight way leads there, or by any way.
+
+    Raises:
+        PlanningError: A tool cannot get there.
+    """
+    point = start
+    for point in space.line(start, space.end):  # noqa: B007  # the last one is wanted
+        pass
+    if not point.off.late:
+        return point
+    joints = dict(point.posture.joints)
+    for part in space.parts:
+        if isinstance(part, Carried):
+            for name, aim in part.aims(part.end).items():
+                joints[name] = _solved(part.arms[name], aim, start.posture.joints[name], rng)
+    return Waypoint(space.end, space.posture(joints))
+
+
+def ends(
+    parts: Sequence[Subspace], goals: Mapping[str, Pose], rng: np.random.Generator
+) -> Iterator[Space]:
+    """Spaces that differ in the joints with which arms reach their goals, the nearest first.
+
+    Args:
+        parts: What moves; the ends of those that go by joints are still open.
+        goals: Of the tools of arms that go by joints, in the world.
+        rng: For where inverse kinematics begins.
+
+    Raises:
+        PlanningError: A tool cannot get to its goal.
+    """
+    near: list[Subspace] = []
+    for part in parts:
+        if isinstance(part, Jointed):
+            goal = goals[part.reach.name]
+            end = _solved(part.reach, goal, part.begin, rng)
+            near.append(Jointed(part.reach, part.begin, end))
+        else:
+            near.append(part)
+    yield Space(near)
+    if not goals:
+        return
+    choices = [
+        _branches(part, goals[part.reach.name], rng) if isinstance(part, Jointed) else [part]
+        for part in near
+    ]
+    spaces = [Space(choice) for choice in product(*choices)]
+    spaces.sort(key=lambda space: space.length([space.begin, space.end]))
+    seen = Space(near).end
+    yield from islice((space for space in spaces if space.end != seen), MOST_ENDS)
+
+
+def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subspace]:
+    """An arm with each of the different joints that were found for its goal."""
+    found: list[ArmJoints] = [part.end]
+    chain, arm = part.reach.arm.robot.chain, part.reach.arm
+    turning = np.array(arm.ik.turns)
+    low = np.maximum(chain.lower, np.where(turning, -math.pi, -math.inf))
+    high = np.minimum(chain.upper, np.where(turning, math.pi, math.inf))
+    for _ in range(BRANCHES):
+        beginning = rng.uniform(low, high).tolist()
+        result = solve(chain, arm.base_from_world @ goal, start=beginning, rng=rng, attempts=1)
+        if result.ok:
+            joints = _wound(part.reach, result.joints, part.begin)
+            if all(_apart(joints, other) > SAME for other in found):
+                found.append(joints)
+    return [Jointed(part.reach, part.begin, joints) for joints in found]
+
+
+def _wound(reach: Reach, joints: Sequence[float], near: Sequence[float]) -> ArmJoints:
+    """The same posture with each turning joint on the full turn within limits that is nearest."""
+    ik = reach.arm.ik
+    turn = 2.0 * math.pi
+    wound = []
+    for joint, to, turns, low, high in zip(joints, near, ik.turns, ik.lower, ik.upper, strict=True):
+        best = joint + turn * round((to - joint) / turn) if turns else joint
+        wound.append(best if low <= best <= high else joint)
+    return tuple(wound)
+
+
+def _apart(one: Sequence[float], other: Sequence[float]) -> float:
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+def _solved(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Generator) -> ArmJoints:
+    """Joints that bring a tool to a pose in the world.
+
+    Raises:
+        PlanningError: There are none.
+    """
+    target = reach.arm.base_from_world @ aim
+    found = solve(reach.arm.robot.chain, target, start=start, rng=rng)
+    off = Off(reach.name, found.position_error_m, found.angle_error)
+    if off.late:
+        x, y, z = aim.position
+        raise PlanningError(
+            reach.name,
+            "out of reach",
+            f"{reach.name} cannot bring its tool to ({x:.3f}, {y:.3f}, {z:.3f}): it stays {off} "
+            "short of the pose",
+        )
+    return found.joints

@@ -1,0 +1,105 @@
+"""Moves: what is to go where, and the parts of a motion that they become."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from taskbuilder.errors import UsageError
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.subspaces import ArmJoints, Carried
+from taskbuilder.geometry import Pose, turn_between
+from taskbuilder.world.world import World
+
+MOST_TILT = math.radians(25.0)
+"""How much a goal's orientation may differ from what the action mode can command."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """A frame that is to go somewhere, with the arms that carry it.
+
+    Attributes:
+        carriers: Each robot and its tcp in the moved frame: ``{robot: Pose()}`` for an arm's own
+            tool, ``{robot: object_from_tcp}`` for an object held by one arm, several robots for
+            a load that is held by all of them.
+        goal: Of the moved frame, in the world.
+        straight: Whether it may only go along a straight line, at an even turn.
+        speed: Share of the fastest that the action mode allows, above 0 and at most 1.
+        touching: Objects that may be touched, pushed or pressed on the way.
+    """
+
+    carriers: Mapping[str, Pose]
+    goal: Pose
+    straight: bool = False
+    speed: float = 1.0
+    touching: Collection[str] = ()
+
+    @property
+    def tools(self) -> dict[str, Pose]:
+        """Where each carrier's tool is to go, in the world."""
+        return {name: self.goal @ tcp for name, tcp in self.carriers.items()}
+
+    def by_joints(self, reaches: Mapping[str, Reach]) -> bool:
+        """Whether it goes wherever its arm's joints lead, rather than along lines in the world."""
+        alone = len(self.carriers) == 1 and not self.straight
+        return alone and not any(reaches[name].in_tool_space for name in self.carriers)
+
+    def carried(self, reaches: Mapping[str, Reach], joints: Mapping[str, ArmJoints]) -> Carried:
+        """This move along lines in the world.
+
+        Args:
+            reaches: All arms.
+            joints: Of all arms, at the beginning.
+
+        Raises:
+            PlanningError: A tool would have to be turned as its action mode cannot.
+        """
+        arms = {name: reaches[name] for name in self.carriers}
+        tools = {name: reach.tool(joints[name]) for name, reach in arms.items()}
+        for name, goal in self.tools.items():
+            _check_tilt(arms[name], goal)
+        first, grasp = next(iter(self.carriers.items()))
+        start = tools[first] @ grasp.inverse()
+        grasps = {name: (start.inverse() @ tools[name], end) for name, end in self.carriers.items()}
+        return Carried(arms, grasps | {first: (grasp, grasp)}, start, self.goal, self.straight)
+
+
+def check_moves(moves: Sequence[Move], held: Mapping[str, str], world: World) -> None:
+    """Refuse moves that contradict each other or the scene.
+
+    Raises:
+        UsageError: They do.
+    """
+    names = [name for move in moves for name in move.carriers]
+    for name in (*names, *held):
+        if name not in world.robots:
+            raise UsageError(f'there is no robot "{name}": there are {", ".join(world.robots)}')
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{name} is to make two moves at once")
+        if world.scene.robots[name].action.arm == "joint_torque":
+            raise UsageError("experts do not plan for joint_torque; use another mode")
+    for thing in (*held.values(), *(thing for move in moves for thing in move.touching)):
+        if thing not in world.objects:
+            raise UsageError(f'there is no object "{thing}"; there are {", ".join(world.objects)}')
+    for move in moves:
+        if not move.carriers:
+            raise UsageError("a move needs a robot that makes it")
+        if not 0.0 < move.speed <= 1.0:
+            raise UsageError(f"a speed is above 0 and at most 1, not {move.speed}")
+
+
+def _check_tilt(reach: Reach, goal: Pose) -> None:
+    tilt = turn_between(goal.quaternion, reach.commandable(goal).quaternion)
+    if tilt > MOST_TILT:
+        kept = "orientation" if reach.arm.spec.turn == "none" else "tilt"
+        raise PlanningError(
+            reach.name,
+            "out of reach",
+            f"{reach.name}'s tool would have to be turned by {math.degrees(tilt):.0f}° more than "
+            f"its actions can turn it: the action mode keeps the tool's {kept} from home; write "
+            f"action: {{turn: full}} for {reach.name}, or turn it less",
+        )

@@ -1,0 +1,145 @@
+"""The search for a way: a straight one, a simple one, or what two growing trees find."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from taskbuilder.expert.planning import rrt
+from taskbuilder.expert.planning.candidates import candidate_paths
+from taskbuilder.expert.planning.clearance import Clearance, ClearanceViolation
+from taskbuilder.expert.planning.errors import PlanningError
+from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
+from taskbuilder.expert.planning.subspaces import Coordinates
+
+SHORTCUTS, MANY_SHORTCUTS = 24, 60
+"""How often it is tried to cut corners of a simple way, and of one that trees have found."""
+
+Way = list[Waypoint]
+
+
+class Search:
+    """Looks for ways through a space, and keeps account of what is in the way.
+
+    Args:
+        space: What moves.
+        clearance: What may be how near to what.
+        start: Where it begins.
+        goal: Where it is to go, if it can.
+        rng: For the trees and for shortcuts.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        clearance: Clearance,
+        start: Waypoint,
+        goal: Waypoint,
+        rng: np.random.Generator,
+    ) -> None:
+        self.space = space
+        self._start = start
+        self._goal = goal
+        self._clearance = clearance
+        self._rng = rng
+        self._met: Counter[tuple[str, str]] = Counter()
+        self._worst: dict[tuple[str, str], ClearanceViolation] = {}
+        self._astray = Off()
+
+    @property
+    def length(self) -> float:
+        """Length of the straight way, free or not, m."""
+        return self.space.length([self._start.at, self.space.end])
+
+    def no_way(self) -> PlanningError:
+        """Why no way was found: what was most in the way, or a line that no tool can follow."""
+        names = list(self.space.reaches)
+        words = f"{' and '.join(names)} find{'s' if len(names) == 1 else ''} no "
+        words += "straight way: on it, " if self.space.rigid else "way: on those tried, "
+        if self._met:
+            near = self._worst[self._met.most_common(1)[0][0]]
+            return PlanningError(near.robot, "no way", f"{words}{near}")
+        off = self._astray
+        return PlanningError(
+            off.robot, "no way", f"{words}{off.robot}'s tool would be {off} off its line"
+        )
+
+    def straight(self) -> Way | None:
+        """The straight way, if it is free."""
+        return self._along(self._start, [self.space.end])
+
+    def simple(self) -> Way | None:
+        """The shortest free way that leads up, over and down, or moves one part at a time."""
+        lines = candidate_paths(self.space)
+        for line in sorted(lines, key=lambda line: self.space.length([self._start.at, *line])):
+            way = self._along(self._start, line)
+            if way is not None:
+                return self._shortened(way, SHORTCUTS)
+        return None
+
+    def connect(self) -> Way | None:
+        """A way found by trees that grow from both ends."""
+        if len(self.space.begin) == 1:
+            return None  # a single line leads round nothing
+        ends = (self._start, self._goal)
+        for line in rrt.connect(self.space, ends, self._free, self._rng):
+            way = self._along(self._start, line)
+            if way is not None:
+                return self._shortened(way, MANY_SHORTCUTS)
+        return None
+
+    def _along(self, start: Waypoint, line: Sequence[Coordinates]) -> Way | None:
+        """The way along a line with corners, in fine steps, if it is free and arrives."""
+        way = [start]
+        for corner in line:
+            for point in self.space.line(way[-1], corner):
+                if not self._free(point):
+                    return None
+                way.append(point)
+        if way[-1].off.late:
+            self._astray = max(self._astray, way[-1].off, key=lambda off: off.badness)
+            return None
+        return way
+
+    def _shortened(self, way: Way, tries: int) -> Way:
+        """The same way with corners cut, for all parts or for one, where that is free."""
+        shorter = way
+        for _ in range(tries):
+            first, last = sorted(self._rng.integers(0, len(shorter), 2).tolist())
+            if last - first < 2:
+                continue
+            for parts in self.space.groups:
+                cut = self._cut(shorter[first : last + 1], parts)
+                if cut is not None:
+                    shorter = [*shorter[:first], *cut, *shorter[last + 1 :]]
+                    break
+        # What follows a shortcut was not followed anew, and shortcuts were looked at coarsely.
+        checked = self._along(way[0], [point.at for point in shorter[1:]])
+        return checked or way
+
+    def _cut(self, piece: Way, parts: Sequence[int]) -> Way | None:
+        """A piece of a way along which some parts go straight, if it is free."""
+        old = [point.at for point in piece]
+        new = self.space.straightened(old, parts)
+        if self.space.length(new) > 0.99 * self.space.length(old):
+            return None
+        found = [piece[0]]
+        for at in new[1:]:
+            point = self.space.step(found[-1], at)
+            if not self._free(point):
+                return None
+            found.append(point)
+        return found
+
+    def _free(self, point: Waypoint) -> bool:
+        if point.off.astray:
+            self._astray = max(self._astray, point.off, key=lambda off: off.badness)
+            return False
+        near = self._clearance.trouble(point.posture)
+        if near is not None:
+            pair = (near.a, near.b)
+            self._met[pair] += 1
+            self._worst[pair] = min(self._worst.get(pair, near), near, key=lambda n: n.distance)
+        return near is None

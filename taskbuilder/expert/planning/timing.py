@@ -1,0 +1,114 @@
+"""Timing: where a motion is at the end of each control step."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+
+from taskbuilder.expert.planning.reach import Reach
+from taskbuilder.expert.planning.spaces import Waypoint
+from taskbuilder.expert.planning.subspaces import ArmJoints
+
+RAMP = (0.4, 0.8)
+"""Shares of full speed in the first control steps, and backwards in the last: a start at full
+speed makes what is held swing."""
+
+NOTHING = 1e-6
+"""Control steps that a motion which takes no time may take."""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Where the joints of arms are to be commanded.
+
+    Attributes:
+        joints: For each robot, joint positions (rad or m) by the end of each control step.
+    """
+
+    joints: Mapping[str, tuple[tuple[float, ...], ...]]
+
+    @property
+    def steps(self) -> int:
+        """Control steps that it takes."""
+        return max((len(points) for points in self.joints.values()), default=0)
+
+
+def timed(
+    way: Sequence[Waypoint],
+    reaches: Mapping[str, Reach],
+    speeds: Mapping[str, float],
+    laden: Collection[str],
+) -> Trajectory:
+    """A way as joints to be commanded, as fast as the arm that takes longest allows.
+
+    Args:
+        way: Points in small steps.
+        reaches: The arms that move.
+        speeds: Share of its full speed that each arm goes at.
+        laden: The arms that carry something.
+    """
+    costs = [
+        max(_cost(reach, pair, name in laden) / speeds[name] for name, reach in reaches.items())
+        for pair in pairwise(way)
+    ]
+    waypoints = {
+        name: resampled([point.posture.joints[name] for point in way], costs) for name in reaches
+    }
+    return Trajectory(waypoints)
+
+
+def resampled(points: Sequence[Sequence[float]], costs: Sequence[float]) -> tuple[ArmJoints, ...]:
+    """Points of a path at the ends of control steps.
+
+    Args:
+        points: n + 1 points of the path; straight lines lead from one to the next.
+        costs: n, how many control steps each of the lines takes at full speed.
+
+    Returns:
+        A point for each control step; the last is that of the path.
+    """
+    ends = [0.0, *accumulate(costs)]
+    found: list[ArmJoints] = []
+    for at in schedule(ends[-1])[:-1]:
+        index = min(bisect_right(ends, at) - 1, len(costs) - 1)
+        share = (at - ends[index]) / costs[index]
+        pairs = zip(points[index], points[index + 1], strict=True)
+        found.append(tuple(begin + share * (end - begin) for begin, end in pairs))
+    return (*found, tuple(points[-1])) if ends[-1] > NOTHING else ()
+
+
+def schedule(length: float) -> tuple[float, ...]:
+    """When to be where on a path.
+
+    Args:
+        length: Of the path, in control steps that it takes at full speed.
+
+    Returns:
+        How far along the path the motion is at the end of each control step, in the same unit:
+        rising by at most 1 at a time, from 0 (not given) to the length, in as few steps as the
+        ramps at both ends allow. Empty for a path of no length.
+    """
+    if length <= NOTHING:
+        return ()
+    count = 1
+    while (most := sum(_speeds(count))) < length:
+        count += max(1, int(length - most))  # each further step adds at most 1
+    slower = length / most
+    *inner, _ = accumulate(speed * slower for speed in _speeds(count))
+    return (*inner, length)
+
+
+def _speeds(count: int) -> Iterator[float]:
+    """Share of full speed in each of some control steps."""
+    for step in range(count):
+        nearest = min(step, count - 1 - step)
+        yield RAMP[nearest] if nearest < len(RAMP) else 1.0
+
+
+def _cost(reach: Reach, pair: tuple[Waypoint, Waypoint], laden: bool) -> float:
+    before, after = (point.posture for point in pair)
+    name = reach.name
+    tools = (before.tools[name], after.tools[name])
+    return reach.cost(before.joints[name], after.joints[name], tools, laden=laden)

@@ -1,0 +1,1 @@
+"""Scripts: the stages of a task file, checked by a dry run, carried out, played as a policy."""

@@ -1,0 +1,361 @@
+"""One episode of an expert: carries stages out, phase by phase, and says what keeps it from one."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from taskbuilder.env.action_encoder import ActionEncoder, Actions
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import TaskbuilderError
+from taskbuilder.expert.planning.planner import Move, Planner, PlanningError, Trajectory
+from taskbuilder.expert.script.orders import (
+    Foreseen,
+    Go,
+    Grip,
+    NothingHeldError,
+    Phase,
+    bring,
+    phases,
+)
+from taskbuilder.geometry import Pose
+from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.scene import SceneSpec
+
+SETTLE_S = 0.6
+"""How long a motion may take to arrive after its last command."""
+
+GRIP_S = 1.0
+"""How long a gripper may take to hold something, or to let it go."""
+
+PART_S = 0.4
+"""How long an open gripper may go on touching what it let go, which may lean on it."""
+
+STOPPED = 0.01
+"""Speed below which a gripper's joints count as standing, m/s or rad/s."""
+
+OPEN = 0.5
+"""Share from which a gripper counts as open: it opens further while the arm sets off."""
+
+LOST_STEPS = 2
+"""Control steps without a grip after which a load counts as lost; one may be a bump."""
+
+CORRECTIONS = 2
+"""How often a load that has shifted in the gripper is brought nearer to its goal."""
+
+
+class StageError(TaskbuilderError):
+    """A stage cannot be done.
+
+    Attributes:
+        order: What was to be done.
+        robot: Who could not do it, or "".
+        cause: One of `rollout.record.CAUSES`.
+    """
+
+    def __init__(self, order: str, robot: str, cause: str, message: str) -> None:
+        super().__init__(message)
+        self.order, self.robot, self.cause = order, robot, cause
+
+
+class Executor:
+    """Plays stages in an episode that has begun: yields actions, and sees what came of each.
+
+    It is the `orders.Situation` of its orders.
+
+    Args:
+        env: The environment, which whoever asks steps by each action before asking for the next.
+        planner: Plans its motions.
+        without: Robots that take no part.
+        seed: Of the planner's chances.
+
+    Attributes:
+        encoder: Makes the environment's actions.
+        planning_s: Wall time spent on planning so far, in seconds.
+    """
+
+    def __init__(
+        self,
+        env: TaskEnv,
+        planner: Planner,
+        without: frozenset[str],
+        seed: int,
+    ) -> None:
+        self.encoder = ActionEncoder(env)
+        self.planning_s = 0.0
+        self._env = env
+        self._planner = planner
+        self._without = without
+        self._rng = np.random.default_rng([seed, 1])
+
+    # --- the situation
+
+    @property
+    def scene(self) -> SceneSpec:
+        """The scene that was built."""
+        return self._env.episode.world.scene
+
+    def pose(self, frame: str) -> Pose:
+        """A named frame in the world."""
+        return self._env.episode.world.pose(frame)
+
+    def tool(self, robot: str) -> Pose:
+        """Where a robot's tcp is commanded to be, in the world."""
+        arm = self._env.episode.actions[robot].arm
+        return arm.base_from_world.inverse() @ arm.ik.forward(arm.robot.commanded())
+
+    def load(self, robot: str) -> str | None:
+        """The object that a robot holds."""
+        world = self._env.episode.world
+        return next((name for name in world.movable if world.held(name, robot)), None)
+
+    def is_open(self, robot: str) -> bool:
+        """Whether a robot's gripper is open."""
+        return self._env.episode.world.robots[robot].opening() > OPEN
+
+    # --- stages
+
+    def play(self, stage: ExpertStage) -> Iterator[Actions]:
+        """Carry a stage out.
+
+        Raises:
+            StageError: It cannot be done.
+        """
+        if isinstance(stage, Together):
+            yield from self._together(stage)
+        elif isinstance(stage, Wait):
+            yield from self._wait(stage)
+        elif isinstance(stage, Repeat):
+            for _ in range(stage.repeat):
+                if stage.unless is not None and self._holds(stage.unless):
+                    return
+                begun = self._env.episode.steps
+                for inner in stage.stages:
+                    yield from self.play(inner)
+                if self._env.episode.steps == begun:
+                    return  # nothing moved, so nothing would the next time
+        else:
+            yield from self._each({r: o for r, o in stage.items() if r not in self._without})
+
+    def _each(self, orders: Mapping[str, Order]) -> Iterator[Actions]:
+        """Orders side by side: the first phases of all, then the second, and so on."""
+        # Those that bring come first: the others are to find things where they are brought.
+        first = dict(sorted(orders.items(), key=lambda item: item[1].bring is None))
+        queues = {robot: deque(phases(robot, order)) for robot, order in first.items()}
+        while any(queues.values()):
+            yield from self._act(queues, first)
+
+    def _together(self, stage: Together) -> Iterator[Actions]:
+        robots = tuple(robot for robot in stage.together if robot not in self._without)
+        if robots:
+            name = " and ".join(robots)
+            phase = partial(bring, robots=robots, order=stage)
+            yield from self._act({name: deque([phase])}, {name: stage})
+
+    def _wait(self, stage: Wait) -> Iterator[Actions]:
+        for _ in range(self._steps(stage.within)):
+            if self._holds(stage.until):
+                return
+            yield self.encoder.hold()
+        if not self._holds(stage.until):
+            message = f'"{stage.until}" does not hold within {stage.within:g} s'
+            raise StageError(f"wait {stage}", "", "waited in vain", message)
+
+    def _holds(self, condition: str) -> bool:
+        return self._env.episode.outcome.conditions[condition]
+
+    def _steps(self, seconds: float) -> int:
+        return max(1, math.ceil(seconds * self._env.episode.world.spec.timing.control_hz))
+
+    # --- phases
+
+    def _act(
+        self, queues: Mapping[str, deque[Phase]], orders: Mapping[str, Order | Together]
+    ) -> Iterator[Actions]:
+        """The next phase of each of several orders, by who acts, all at once."""
+        told = {who: f"{who}: {orders[who]}" for who in queues}
+        acts, group = self._next(queues, told)
+        goes = {who: act for who, act in acts.items() if isinstance(act, Go)}
+        grips = {who: act for who, act in acts.items() if isinstance(act, Grip)}
+        if grips:
+            yield self.encoder.actions(openings={g.robot: g.opening for g in grips.values()})
+        if goes:
+            yield from self._go(goes, told)
+            for _ in range(CORRECTIONS):
+                if not (wrong := self._shifted(goes, group)):
+                    break
+                yield from self._go(wrong, told)
+            self._check_arrived(goes, told)
+        yield from self._check_grips(grips, told)
+
+    def _next(
+        self, queues: Mapping[str, deque[Phase]], told: Mapping[str, str]
+    ) -> tuple[dict[str, Go | Grip], dict[str, Phase]]:
+        """What is to be done next, and the phases that say so.
+
+        Phases of which nothing is left to do are passed over. What one robot brings, the others
+        find where it is brought.
+        """
+        acts: dict[str, Go | Grip] = {}
+        group: dict[str, Phase] = {}
+        moved: dict[str, Pose] = {}
+        for who, queue in queues.items():
+            act = None
+            while queue and act is None:
+                group[who] = queue.popleft()
+                try:
+                    act = group[who](Foreseen(self, moved))
+                except NothingHeldError as error:
+                    cause, said = "lost on the way", str(error)
+                    raise StageError(told[who], error.robot, cause, said) from None
+            if act is not None:
+                acts[who] = act
+            if isinstance(act, Go) and act.brings:
+                (robot, _), *_ = act.choices[0].carriers.items()
+                moved[self.load(robot) or act.brings] = act.choices[0].goal
+        return acts, group
+
+    def _go(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> Iterator[Actions]:
+        """Motions, all at once, until all have arrived or will not."""
+        moves, trajectory = self._plan(goes, told)
+        loads = {r: load for move in moves for r in move.carriers if (load := self.load(r))}
+        missed = dict.fromkeys(loads, 0)
+        for step in range(trajectory.steps):
+            joints = {robot: path[step] for robot, path in trajectory.joints.items()}
+            yield self.encoder.actions(joints)
+            self._check_loads(loads, missed, told)
+        waited = 0
+        while waited < self._steps(SETTLE_S) and not all(map(self._arrived, goes.values())):
+            yield self.encoder.hold()
+            self._check_loads(loads, missed, told)
+            waited += 1
+
+    def _plan(
+        self, goes: Mapping[str, Go], told: Mapping[str, str]
+    ) -> tuple[tuple[Move, ...], Trajectory]:
+        """The first of the ways to do all motions that can be planned."""
+        held = {robot: load for robot in self._env.possible_agents if (load := self.load(robot))}
+        first: PlanningError | None = None
+        started = time.perf_counter()
+        for moves in product(*(go.choices for go in goes.values())):
+            try:
+                found = self._planner.plan(moves, held=held, rng=self._rng)
+            except PlanningError as blocked:
+                first = first or blocked
+            else:
+                return moves, found
+            finally:
+                self.planning_s += time.perf_counter() - started
+                started = time.perf_counter()
+        if first is None:
+            raise ValueError("a motion has at least one way to be done")
+        raise StageError(_whose(first.robot, told), first.robot, first.cause, str(first)) from None
+
+    # --- what is checked on the way and in the end
+
+    def _check_loads(
+        self, loads: Mapping[str, str], missed: dict[str, int], told: Mapping[str, str]
+    ) -> None:
+        world = self._env.episode.world
+        for robot, load in loads.items():
+            missed[robot] = 0 if world.held(load, robot) else missed[robot] + 1
+            if missed[robot] > LOST_STEPS:
+                message = f"{robot} has lost {load} on the way, at {_place(world.position(load))}"
+                raise StageError(_whose(robot, told), robot, "lost on the way", message)
+
+    def _shifted(self, goes: Mapping[str, Go], group: Mapping[str, Phase]) -> dict[str, Go]:
+        """Motions of loads that have not arrived, worked out anew."""
+        late = [who for who, go in goes.items() if go.brings and not self._arrived(go)]
+        found = {}
+        for who in late:
+            act = group[who](self)
+            if isinstance(act, Go):
+                found[who] = act
+        return found
+
+    def _arrived(self, go: Go) -> bool:
+        return go.tolerance is None or self._gap(go) <= go.tolerance
+
+    def _gap(self, go: Go) -> float:
+        """How far what moves is from where it is to be, in metres."""
+        move = go.choices[0]
+        (robot, offset), *_ = move.carriers.items()
+        if not go.brings:
+            at = self.pose(f"{robot}.tcp").position
+            return math.dist(at, (move.goal @ offset).position)
+        load = self.load(robot)
+        return math.dist(self.pose(load).position, move.goal.position) if load else math.inf
+
+    def _check_arrived(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> None:
+        for who, go in goes.items():
+            if not self._arrived(go):
+                robot = next(iter(go.choices[0].carriers))
+                what = go.brings or f"{robot}.tcp"
+                gap = self._gap(go)
+                far = f"stays {gap * 100:.1f} cm away" if math.isfinite(gap) else "is lost"
+                touched = self._touched(robot)
+                by = f"; {robot} touches {touched}" if touched else ""
+                message = f"{what} {far} from where it is to be{by}"
+                raise StageError(told[who], robot, "not arrived", message)
+
+    def _touched(self, robot: str) -> str:
+        world = self._env.episode.world
+        others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
+        return ", ".join(n for n in others if world.touching(robot, n))
+
+    def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:
+        """Wait until grippers hold, or have let go."""
+        for waited in range(self._steps(GRIP_S)):
+            late = waited >= self._steps(PART_S)
+            if all(self._gripped(grip) and (late or self._parted(grip)) for grip in grips.values()):
+                break
+            yield self.encoder.hold()
+        for who, grip in grips.items():
+            if not self._gripped(grip):
+                cause = "still held" if grip.opening else "grasp missed"
+                raise StageError(told[who], grip.robot, cause, self._missed(grip))
+
+    def _gripped(self, grip: Grip) -> bool:
+        world = self._env.episode.world
+        if grip.opening:
+            held = bool(grip.thing) and world.held(grip.thing, grip.robot)
+            return not held and self.is_open(grip.robot)
+        if grip.thing:
+            return world.held(grip.thing, grip.robot)
+        robot = world.robots[grip.robot]
+        return max(map(abs, robot.body.joint_speeds(robot.gripper.indices))) < STOPPED
+
+    def _parted(self, grip: Grip) -> bool:
+        """Whether a gripper that opens no longer touches what it held."""
+        world = self._env.episode.world
+        opens = grip.opening and grip.thing
+        return not opens or not world.fingers_touch(grip.thing, grip.robot)
+
+    def _missed(self, grip: Grip) -> str:
+        world = self._env.episode.world
+        opening = world.robots[grip.robot].opening()
+        if grip.opening:
+            part = f"its gripper is {max(opening, 0.0) * 100:.0f} % open"
+            return f"{grip.robot} does not let go of {grip.thing or 'anything'}: {part}"
+        forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
+        felt = f"pressing with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
+        touched = self._touched(grip.robot)
+        closed = f"its gripper is {max(opening, 0.0) * 100:.0f} % open"
+        closed += f" and touches {touched}" if touched else ""
+        return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or closed}"
+
+
+def _whose(robot: str, told: Mapping[str, str]) -> str:
+    """The order that a robot has a part in."""
+    mine = [text for who, text in told.items() if robot in who.split(" and ")]
+    return mine[0] if mine else ", ".join(told.values())
+
+
+def _place(position: Sequence[float]) -> str:
+    return f"({', '.join(f'{value:.2f}' for value in position)})"

@@ -1,0 +1,308 @@
+"""What motions and grips do to things, worked out without physics.
+
+What is held follows the tool; if it is a link of an articulated object, it follows the tool along
+its joint. What stands in the way of a motion that may touch it is pushed ahead, and what lies on
+something that moves goes along. Boxes stand for shapes, so that a push is only roughly foreseen: a
+thing of which that is so is a guess.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from taskbuilder.assets.model import Urdf, UrdfJoint
+from taskbuilder.expert.planning.moves import Move
+from taskbuilder.expert.script.orders import Foreseen, Go, Grip, Situation
+from taskbuilder.geometry import (
+    Box,
+    Pose,
+    Vec3,
+    add,
+    cross,
+    dot,
+    from_axes,
+    norm,
+    rotate,
+    scale,
+    subtract,
+    unit,
+)
+from taskbuilder.world.robot import Robot
+from taskbuilder.world.shapes import link_box
+from taskbuilder.world.world import World
+
+RESTING_M = 0.003
+"""What is no higher than this above the top of a thing may lie on it."""
+
+
+@dataclass
+class Foresight:
+    """Where things would be by now.
+
+    Attributes:
+        world: As it is at the beginning; it is only read.
+        start: The situation then, in which nobody holds anything.
+        moved: Pose in the world of objects, and of links as ``chest.lid``, that are elsewhere.
+        tools: Pose in the world of tools that are elsewhere.
+        loads: What robots hold that moves freely.
+        handles: Links of articulated objects that robots hold, as ``chest.lid``.
+        guesses: Objects, and robots, whose pose is foreseen only roughly.
+    """
+
+    world: World
+    start: Situation
+    moved: dict[str, Pose] = field(default_factory=dict)
+    tools: dict[str, Pose] = field(default_factory=dict)
+    loads: dict[str, str | None] = field(default_factory=dict)
+    handles: dict[str, str] = field(default_factory=dict)
+    guesses: set[str] = field(default_factory=set)
+    _closed: set[str] = field(default_factory=set)
+    _fingers: dict[tuple[str, bool], tuple[Box, ...]] = field(default_factory=dict)
+
+    @property
+    def now(self) -> Foreseen:
+        """The situation as it would be."""
+        return Foreseen(self.start, self.moved, self.tools, self.loads)
+
+    def owner(self, frame: str) -> str:
+        """The object or robot that a frame moves with."""
+        sites = self.world.scene.sites
+        while frame in sites:
+            frame = sites[frame].frame
+        return frame.partition(".")[0]
+
+    # --- grips
+
+    def grip(self, grip: Grip) -> None:
+        """A gripper opens or closes."""
+        robot = grip.robot
+        self.handles.pop(robot, None)
+        if grip.opening:
+            self._closed.discard(robot)
+            dropped = self.loads.get(robot)
+            self.loads[robot] = None
+            if dropped and dropped not in self.loads.values():
+                self.guesses.add(dropped)  # it may fall
+            return
+        self._closed.add(robot)
+        self.loads[robot] = None
+        if not grip.thing:
+            return
+        link = self._held_link(robot, grip.thing)
+        if link and self._joints_above(grip.thing, link):
+            self.handles[robot] = f"{grip.thing}.{link}"
+        if grip.thing in self.world.movable:
+            self.loads[robot] = grip.thing
+
+    def _held_link(self, robot: str, thing: str) -> str:
+        """The link of an articulated object that is nearest to a tool; "" for other objects."""
+        if not isinstance(self.world.task.assets.get(thing), Urdf):
+            return ""
+        at = self.now.tool(robot).position
+        boxes = self.world.objects[thing].boxes
+
+        def distance(link: str) -> float:
+            x, y, z = self.now.pose(f"{thing}.{link}").inverse().apply(at)
+            low, high = boxes[link].low, boxes[link].high
+            return math.dist(
+                (x, y, z),
+                (
+                    min(max(x, low[0]), high[0]),
+                    min(max(y, low[1]), high[1]),
+                    min(max(z, low[2]), high[2]),
+                ),
+            )
+
+        return min(boxes, key=distance)
+
+    # --- motions
+
+    def go(self, go: Go, *, guess: bool) -> None:
+        """A motion, as far as it can be foreseen.
+
+        Args:
+            go: What moves.
+            guess: Whether where it goes is one.
+        """
+        move = go.choices[0]
+        robots = tuple(move.carriers)
+        before = {robot: self.now.tool(robot) for robot in robots}
+        after = {robot: move.goal @ offset for robot, offset in move.carriers.items()}
+        handled = {r: self.handles[r] for r in robots if r in self.handles and not go.brings}
+        swung = {handle.partition(".")[0] for handle in handled.values()}
+        loads = {load for robot in robots if (load := self.now.load(robot))} - swung
+        self._push(move, before, after, loads | swung)
+        first = robots[0]
+        shift = after[first] @ before[first].inverse()
+        things = sorted(loads | ({go.brings} if go.brings else set()))
+        self._carry(things, shift)
+        for thing in things if guess else ():
+            self.guesses.add(thing)
+        for robot, handle in handled.items():
+            self._turn(handle, before[robot].position, after[robot].position)
+        self.tools |= after
+        self.guesses = self.guesses.union(robots) if guess else self.guesses.difference(robots)
+
+    def _carry(self, things: Iterable[str], shift: Pose) -> None:
+        """Objects move as rigid bodies, with what lies on them."""
+        moving = list(dict.fromkeys(things))
+        for thing in moving:
+            moving += [rider for rider in self._riders(thing) if rider not in moving]
+        links = [frame for frame in self.moved if frame.partition(".")[0] in moving]
+        now = self.now
+        self.moved |= {frame: shift @ now.pose(frame) for frame in {*moving, *links}}
+
+    def _riders(self, name: str) -> Iterator[str]:
+        """The objects that lie on, or in, an object or link, and that nobody holds."""
+        under, box = self.now.pose(name), self.world.box(name)
+        for other in self.world.movable:
+            if other == name.partition(".")[0] or other in self.loads.values():
+                continue
+            seen = self.world.box(other).seen_from(under.inverse() @ self.now.pose(other))
+            beside = any(abs(seen.center[i] - box.center[i]) > box.half[i] for i in (0, 1))
+            if not beside and box.low[2] <= seen.low[2] <= box.high[2] + RESTING_M:
+                yield other
+
+    # --- joints
+
+    def _joints_above(self, thing: str, link: str) -> tuple[UrdfJoint, ...]:
+        """The joints that move between an articulated object's base and a link."""
+        urdf = self.world.task.assets[thing]
+        found = []
+        joint = urdf.joint_above(link) if isinstance(urdf, Urdf) else None
+        while joint is not None and isinstance(urdf, Urdf):
+            found += [joint] if joint.moves else []
+            joint = urdf.joint_above(joint.parent)
+        return tuple(found)
+
+    def _turn(self, handle: str, begin: Vec3, end: Vec3) -> None:
+        """A held link follows a tool along its joint, as far as that goes."""
+        thing, _, link = handle.partition(".")
+        joint, *others = self._joints_above(thing, link)
+        if others:
+            self.guesses.add(thing)
+            return
+        child = f"{thing}.{joint.child}"
+        at = self.now.pose(child)
+        axis = rotate(at.quaternion, joint.axis)
+        if joint.type == "prismatic":
+            by = dot(subtract(end, begin), axis)
+        else:
+            by = _angle(subtract(begin, at.position), subtract(end, at.position), axis)
+        shift = displaced(joint, at, self._within_limits(child, joint, by))
+        if joint.type == "prismatic":
+            self._carry(self._riders(child), shift)
+        below = [
+            f"{thing}.{name}"
+            for name in self.world.objects[thing].boxes
+            if joint in self._joints_above(thing, name)
+        ]
+        self.moved |= {frame: shift @ self.now.pose(frame) for frame in below}
+
+    def _within_limits(self, child: str, joint: UrdfJoint, by: float) -> float:
+        """How far a joint can go of a way, from where it would be by now."""
+        thing = child.partition(".")[0]
+        parent = f"{thing}.{joint.parent}"
+        rest = self.now.pose(parent) @ joint.origin
+        at = self.now.pose(child)
+        axis = rotate(at.quaternion, joint.axis)
+        if joint.type == "prismatic":
+            by_now = dot(subtract(at.position, rest.position), axis)
+        else:
+            aside = (1.0, 0.0, 0.0) if abs(joint.axis[0]) < 0.9 else (0.0, 1.0, 0.0)
+            by_now = _angle(rotate(rest.quaternion, aside), rotate(at.quaternion, aside), axis)
+        low = -math.inf if joint.lower is None else joint.lower
+        high = math.inf if joint.upper is None else joint.upper
+        return min(max(by_now + by, low), high) - by_now
+
+    # --- pushes
+
+    def _push(
+        self, move: Move, before: dict[str, Pose], after: dict[str, Pose], carried: set[str]
+    ) -> None:
+        """What a motion may touch goes ahead of it, if it stands in the way."""
+        for thing in dict.fromkeys(name.partition(".")[0] for name in move.touching):
+            spec = self.world.scene.objects[thing]
+            if thing in carried or (spec.fixed and not self.world.objects[thing].joints):
+                continue
+            for robot, start in before.items():
+                way = subtract(after[robot].position, start.position)
+                ahead = self._pushed(thing, robot, start, way)
+                if ahead is not None and not spec.fixed:
+                    self._carry([thing], Pose(ahead))
+            self.guesses.add(thing)
+
+    def _pushed(self, thing: str, robot: str, start: Pose, way: Vec3) -> Vec3 | None:
+        """How a thing is displaced by a tool, level; None if it does not stand in the way."""
+        far = norm(way)
+        if far < 1e-6:
+            return None
+        along = _frame_along(unit(way)).inverse()
+        seen = self.world.box(thing).seen_from(along @ self.now.pose(thing))
+        pushes = [0.0]
+        for box, pose in self._pushers(robot, start):
+            hand = box.seen_from(along @ pose)
+            beside = any(
+                abs(hand.center[i] - seen.center[i]) >= hand.half[i] + seen.half[i] for i in (1, 2)
+            )
+            if not beside and hand.low[0] < seen.high[0]:
+                pushes.append(far - max(seen.low[0] - hand.high[0], 0.0))
+        ahead = scale(unit(way), max(pushes))
+        return (ahead[0], ahead[1], 0.0) if max(pushes) > 0.0 else None
+
+    def _pushers(self, robot: str, tool: Pose) -> Iterator[tuple[Box, Pose]]:
+        """What a robot pushes with, each a box and its pose: its fingers and what they hold."""
+        key = robot, robot in self._closed
+        if key not in self._fingers:
+            self._fingers[key] = tuple(_finger_boxes(self.world.robots[robot], closed=key[1]))
+        for box in self._fingers[key]:
+            yield box, tool
+        if load := self.now.load(robot):
+            yield self.world.box(load), self.now.pose(load)
+
+
+def displaced(joint: UrdfJoint, child: Pose, by: float) -> Pose:
+    """How the world's points on a link move as its joint does.
+
+    Args:
+        joint: The joint above the link.
+        child: Pose of the link in the world.
+        by: How far the joint moves, in rad or m.
+    """
+    axis = rotate(child.quaternion, joint.axis)
+    if joint.type == "prismatic":
+        return Pose(scale(axis, by))
+    turn = (*scale(axis, math.sin(by / 2.0)), math.cos(by / 2.0))
+    return Pose(subtract(child.position, rotate(turn, child.position)), turn)
+
+
+def _finger_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
+    """Boxes of a gripper's fingers in the frame of its tcp.
+
+    Fingers that are closed meet in the middle, wherever they are now.
+    """
+    into_tool = robot.tcp.inverse()
+    names = {index: name for name, index in robot.body.links.items()}
+    for index in (link for finger in robot.fingers for link in finger):
+        box = link_box(robot.model.urdf.link(names[index]).collisions, 1.0)
+        box = box.seen_from(into_tool @ robot.body.link_pose(index))
+        inner = min(box.low[1], box.high[1], key=abs)
+        if closed and box.low[1] * box.high[1] > 0.0:
+            box = Box(add(box.center, (0.0, -inner, 0.0)), box.half)
+        yield box
+
+
+def _frame_along(direction: Vec3) -> Pose:
+    """A frame whose x axis is a direction, and whose z axis is as upright as that allows."""
+    up: Vec3 = (0.0, 0.0, 1.0) if abs(direction[2]) < 0.9 else (0.0, 1.0, 0.0)
+    side = unit(cross(up, direction))
+    return Pose((0.0, 0.0, 0.0), from_axes(direction, side, cross(direction, side)))
+
+
+def _angle(begin: Vec3, end: Vec3, axis: Vec3) -> float:
+    """The angle about an axis from one direction to another, in radians, -pi to pi."""
+    flat_begin = subtract(begin, scale(axis, dot(begin, axis)))
+    flat_end = subtract(end, scale(axis, dot(end, axis)))
+    return math.atan2(dot(cross(flat_begin, flat_end), axis), dot(flat_begin, flat_end))

@@ -1,0 +1,327 @@
+"""What an order asks for, as motions and grips: computed when its turn comes.
+
+An order has phases: to grasp is to come near, to go straight in, and to close. A phase is worked
+out from the situation that it finds, so that what moved in the meantime is grasped where it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from taskbuilder.expert.planning.planner import Move
+from taskbuilder.geometry import (
+    Pose,
+    Quat,
+    Vec3,
+    add,
+    cross,
+    dot,
+    from_axes,
+    from_rpy_deg,
+    multiply,
+    norm,
+    rotate,
+    scale,
+    subtract,
+    turn_between,
+    unit,
+)
+from taskbuilder.schema.expert import NOTHING, Order, Together
+from taskbuilder.schema.scene import Grasp, SceneSpec
+
+APPROACH_M = 0.08
+"""How far before a grasp point the straight way in begins."""
+
+TOOL_TOLERANCE_M = 0.01
+LOAD_TOLERANCE_M = 0.02
+
+DOWN: Vec3 = (0.0, 0.0, -1.0)
+
+
+class Situation(Protocol):
+    """How things stand, in the simulation or in a dry run."""
+
+    @property
+    def scene(self) -> SceneSpec:
+        """The scene that was built."""
+
+    def pose(self, frame: str) -> Pose:
+        """A named frame in the world."""
+
+    def tool(self, robot: str) -> Pose:
+        """Where a robot's tcp is commanded to be, in the world."""
+
+    def load(self, robot: str) -> str | None:
+        """The object that a robot holds."""
+
+    def is_open(self, robot: str) -> bool:
+        """Whether a robot's gripper is open."""
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """A situation, but for what has happened by then.
+
+    Attributes:
+        now: The situation as it is.
+        moved: Pose in the world of the objects, and of links as ``chest.lid``, that are elsewhere.
+        tools: Pose in the world of the tools that are elsewhere.
+        loads: What robots hold, or None, where that is not as it is now.
+    """
+
+    now: Situation
+    moved: Mapping[str, Pose] = field(default_factory=dict)
+    tools: Mapping[str, Pose] = field(default_factory=dict)
+    loads: Mapping[str, str | None] = field(default_factory=dict)
+
+    @property
+    def scene(self) -> SceneSpec:
+        """The scene that was built."""
+        return self.now.scene
+
+    def pose(self, frame: str) -> Pose:
+        """Where a named frame will be."""
+        carrier = frame
+        while carrier in self.scene.sites:
+            carrier = self.scene.sites[carrier].frame
+        owner, _, inner = carrier.partition(".")
+        at = self.now.pose(frame)
+        for mover in (carrier, owner):
+            if mover in self.moved:
+                return self.moved[mover] @ self.now.pose(mover).inverse() @ at
+        if owner in self.tools and inner == "tcp":
+            return self.tools[owner] @ self.now.pose(carrier).inverse() @ at
+        return at
+
+    def tool(self, robot: str) -> Pose:
+        """Where a robot's tcp will be commanded to be, in the world."""
+        return self.tools[robot] if robot in self.tools else self.now.tool(robot)
+
+    def load(self, robot: str) -> str | None:
+        """The object that a robot will hold."""
+        return self.loads[robot] if robot in self.loads else self.now.load(robot)
+
+    def is_open(self, robot: str) -> bool:
+        """Whether a robot's gripper is open now."""
+        return self.now.is_open(robot)
+
+
+class NothingHeldError(Exception):
+    """A robot is to bring what it does not hold."""
+
+    def __init__(self, robot: str, thing: str) -> None:
+        super().__init__(f"{robot} holds nothing that would bring {thing}")
+        self.robot = robot
+
+
+@dataclass(frozen=True)
+class Go:
+    """A motion.
+
+    Attributes:
+        choices: Ways to do it that are as good as each other, the nearest first.
+        brings: The object that is to arrive, or "" where it is the tool.
+        tolerance: How near is near enough, in metres; None to pass on without waiting.
+    """
+
+    choices: tuple[Move, ...]
+    brings: str = ""
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True)
+class Grip:
+    """A gripper opens or closes.
+
+    Attributes:
+        robot: Whose.
+        opening: From 0 (closed) to 1.
+        thing: What it is to hold then, or to hold no more; "" for nothing in particular.
+    """
+
+    robot: str
+    opening: float
+    thing: str = ""
+
+
+Phase = Callable[[Situation], Go | Grip | None]
+"""Works out what to do next; None where it is done already."""
+
+
+def phases(robot: str, order: Order) -> tuple[Phase, ...]:
+    """An order's phases, in their sequence."""
+    if order.grasp is not None:
+        owner = order.grasp.partition(".")[0]
+        first, last = Grip(robot, 1.0), Grip(robot, 0.0, owner)
+        return (
+            lambda now: None if now.is_open(robot) else first,
+            *_way_in(robot, order, order.grasp, APPROACH_M),
+            lambda _: last,
+        )
+    if order.reach is not None:
+        return _way_in(robot, order, order.reach, 0.0)
+    if order.bring is not None:
+        return (lambda now: bring(now, (robot,), order, align=order.align),)
+    if order.retreat is not None:
+        return (lambda now: _retreat(now, robot, order),)
+    if order.close is not None:
+        thing = "" if order.close == NOTHING else order.close
+        return (lambda _: Grip(robot, 0.0, thing),)
+    return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+
+
+def _way_in(robot: str, order: Order, frame: str, usual: float) -> tuple[Phase, ...]:
+    """To a frame; from a distance before it along a straight line, if there is to be one."""
+    way = usual if order.approach is None else order.approach
+    tolerance = order.tolerance or TOOL_TOLERANCE_M
+
+    def near(now: Situation) -> Go | None:
+        goals = tool_poses(now, robot, order, frame)
+        if any(_on_the_way(now.tool(robot), goal, way) for goal in goals):
+            return None
+        starts = tuple(goal.moved(scale(goal.axis(2), -way)) for goal in goals)
+        return Go(tuple(_tool_move(robot, start, order) for start in starts))
+
+    def there(now: Situation) -> Go:
+        goals = tool_poses(now, robot, order, frame)
+        if not way:
+            return Go(tuple(_tool_move(robot, goal, order) for goal in goals), "", tolerance)
+        return Go((_tool_move(robot, goals[0], order, straight=True),), "", tolerance)
+
+    return (near, there) if way else (there,)
+
+
+def _tool_move(robot: str, goal: Pose, order: Order, *, straight: bool = False) -> Move:
+    return Move(
+        {robot: Pose()},
+        goal,
+        straight=straight or order.straight,
+        speed=order.speed,
+        touching=order.touching,
+    )
+
+
+def _on_the_way(tool: Pose, goal: Pose, way: float) -> bool:
+    """Whether a tool is already on the straight way in, as it should be turned."""
+    back = subtract(tool.position, goal.position)
+    along = -dot(back, goal.axis(2))
+    aside = norm(add(back, scale(goal.axis(2), along)))
+    turned = turn_between(tool.quaternion, goal.quaternion)
+    return aside < TOOL_TOLERANCE_M and 0.0 < along < 1.5 * way and turned < math.radians(5)
+
+
+def _retreat(now: Situation, robot: str, order: Order) -> Go:
+    tool = now.tool(robot)
+    goal = tool.moved(scale(tool.axis(2), -(order.retreat or 0.0)))
+    move = _tool_move(robot, goal, order, straight=True)
+    return Go((move,), "", order.tolerance or TOOL_TOLERANCE_M)
+
+
+# --- poses
+
+
+def tool_poses(now: Situation, robot: str, order: Order, frame: str) -> tuple[Pose, ...]:
+    """Poses of a robot's tcp in the world that reach a frame, the nearest turn first."""
+    tool, at = now.tool(robot), now.pose(frame)
+    shift = add(rotate(at.quaternion, order.offset), (0.0, 0.0, order.above))
+    grasp = _grasp_of(now.scene, frame)
+    if order.rpy_deg is not None:
+        turns: tuple[Quat, ...] = (from_rpy_deg(order.rpy_deg),)
+    elif grasp is not None:
+        turn = grasp_turn(grasp, at)
+        half = (0.0, 0.0, 1.0, 0.0)  # about the approach: fingers are alike
+        turns = (turn, multiply(turn, half))
+    else:
+        turns = (tool.quaternion,)
+    near_first = sorted(turns, key=lambda turn: turn_between(tool.quaternion, turn))
+    return tuple(Pose(add(at.position, shift), turn) for turn in near_first)
+
+
+def _grasp_of(scene: SceneSpec, frame: str) -> Grasp | None:
+    owner, _, name = frame.partition(".")
+    thing = scene.objects.get(owner)
+    return thing.grasps.get(name) if thing else None
+
+
+def grasp_turn(grasp: Grasp, body: Pose) -> Quat:
+    """How a tool is turned that takes a body by a grasp point.
+
+    Args:
+        grasp: The grasp point.
+        body: Pose of the body in the world.
+    """
+    axes = [body.axis(index) for index in range(3)]
+    if grasp.approach == "down":
+        approach = DOWN
+    else:
+        sign = 1.0 if grasp.approach[0] == "+" else -1.0
+        approach = scale(axes["xyz".index(grasp.approach[1])], sign)
+    wanted = "xyz".index(grasp.across)
+    # The fingers close at right angles to the approach; an axis along it says nothing of how.
+    for axis in (axes[wanted], *axes):
+        closing = subtract(axis, scale(approach, dot(axis, approach)))
+        if norm(closing) > 0.1:
+            break
+    closing = unit(closing)
+    return from_axes(cross(closing, approach), closing, approach)
+
+
+# --- loads
+
+
+def bring(
+    now: Situation, robots: tuple[str, ...], order: Order | Together, *, align: bool = False
+) -> Go:
+    """Robots move what they hold, as one, until an object is where it is to be.
+
+    The object may be what they hold, or lie on it. What several robots hold is kept level.
+
+    Raises:
+        NothingHeldError: A robot holds nothing.
+    """
+    thing = order.bring or ""
+    loads = {robot: now.load(robot) for robot in robots}
+    for robot, load in loads.items():
+        if load is None:
+            raise NothingHeldError(robot, thing)
+    held = thing if thing in loads.values() else str(loads[robots[0]])
+    load_at, thing_at, goal = now.pose(held), now.pose(thing), _goal(now, order)
+    turn = load_at.quaternion
+    if align:
+        turn = multiply(goal.quaternion, multiply(_inverse(thing_at), turn))
+    elif len(robots) > 1:
+        turn = level(turn)
+    # Where the thing is in the load stays what it is, however the load is turned.
+    thing_in_load = load_at.inverse().apply(thing_at.position)
+    place = Pose(subtract(goal.position, rotate(turn, thing_in_load)), turn)
+    carriers = {robot: load_at.inverse() @ now.tool(robot) for robot in robots}
+    move = Move(
+        carriers, place, straight=order.straight, speed=order.speed, touching=order.touching
+    )
+    return Go((move,), thing, order.tolerance or LOAD_TOLERANCE_M)
+
+
+def _goal(now: Situation, order: Order | Together) -> Pose:
+    at = now.pose(order.to or "")
+    return at.moved(add(rotate(at.quaternion, order.offset), (0.0, 0.0, order.above)))
+
+
+def _inverse(pose: Pose) -> Quat:
+    return pose.inverse().quaternion
+
+
+def level(turn: Quat) -> Quat:
+    """The nearest orientation in which the axis that is most upright is upright."""
+    pose = Pose((0.0, 0.0, 0.0), turn)
+    axis = max((pose.axis(index) for index in range(3)), key=lambda a: abs(a[2]))
+    up: Vec3 = (0.0, 0.0, math.copysign(1.0, axis[2]))
+    about = cross(axis, up)
+    sine = norm(about)
+    if sine < 1e-9:
+        return turn
+    half = 0.5 * math.atan2(sine, dot(axis, up))
+    x, y, z = scale(about, math.sin(half) / sine)
+    return multiply((x, y, z, math.cos(half)), turn)

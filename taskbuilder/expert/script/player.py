@@ -1,0 +1,199 @@
+"""The expert: a policy that plays the stages of a task file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from typing import Any, Literal
+
+from taskbuilder.env.action_encoder import Actions
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError
+from taskbuilder.expert.planning.planner import Planner
+from taskbuilder.expert.script.executor import Executor, StageError
+from taskbuilder.rollout.play import Watch, play
+from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
+from taskbuilder.schema.expert import ExpertStage, in_words
+
+Finish = bool | Literal["undecided"]
+"""Whether to hold still until the episode is over once the stages are done; ``"undecided"``: only
+if by then neither success was reached nor a stage could not be done."""
+
+
+class Expert:
+    """Plays an environment's task as its file says; deterministic in the seed.
+
+    It is a `Policy` of its environment, and `play` plays it there with choices of its own. Use it
+    as often as you like; it keeps a second world for planning, which `close` frees.
+
+    Args:
+        env: Any environment of a task, its actions flat and its variation fixed.
+
+    Raises:
+        UsageError: An arm's action mode cannot be planned for, or the variation is drawn.
+    """
+
+    def __init__(self, env: TaskEnv) -> None:
+        if env.options.variation == "random":
+            raise UsageError("an expert plans for one variation; make the environment with it")
+        self.env = env
+        self._planner = Planner(env)
+        self._script: _Script | None = None
+
+    def play(
+        self,
+        seed: int,
+        *,
+        stages: Sequence[ExpertStage] | None = None,
+        without: Collection[str] = (),
+        persist: bool = False,
+        finish: Finish = True,
+        after_stage: Callable[[int], None] = lambda _: None,
+        forces: bool = False,
+        explain: bool = False,
+        watch: Watch | None = None,
+    ) -> Rollout:
+        """Play one episode.
+
+        Args:
+            seed: Of the reset.
+            stages: What to do in place of the stages of the task file.
+            without: Robots that stay home: their parts of all stages are left out.
+            persist: Go on with the next stage after one that could not be done.
+            finish: Hold still until the episode is over once the stages are done; with
+                ``"undecided"`` only if by then success was not reached and no stage failed.
+            after_stage: Called with a stage's number, from 1, when it is done and the next has
+                not begun; the environment may be saved there, and must be left as it was.
+            forces: As for `taskbuilder.rollout.play`.
+            explain: As for `taskbuilder.rollout.play`.
+            watch: Called after reset and after each control step.
+
+        Raises:
+            UsageError: The task has no expert.
+        """
+        script = _Script(
+            self.env,
+            self._planner,
+            self._stages(stages),
+            without=frozenset(without),
+            persist=persist,
+            finish=finish,
+            after_stage=after_stage,
+        )
+        return play(self.env, script, seed, forces=forces, explain=explain, watch=watch)
+
+    def reset(self, env: TaskEnv, seed: int) -> None:
+        """Begin the stages of the task file.
+
+        Raises:
+            UsageError: The environment is not the expert's, or the task has no expert.
+        """
+        if env is not self.env:
+            raise UsageError("an expert plays in the environment that it was made for")
+        self._script = _Script(self.env, self._planner, self._stages(None))
+        self._script.reset(env, seed)
+
+    def act(self, observations: Mapping[str, Any]) -> Actions | None:
+        """The next action; it follows from the world, not from the observations.
+
+        Raises:
+            UsageError: No episode has begun.
+        """
+        return self._begun().act(observations)
+
+    def log(self) -> ScriptLog:
+        """How the stages of the present episode went.
+
+        Raises:
+            UsageError: No episode has begun.
+        """
+        return self._begun().log()
+
+    def close(self) -> None:
+        """Free the world that is kept for planning."""
+        self._planner.close()
+
+    def _begun(self) -> _Script:
+        if self._script is None:
+            raise UsageError("no episode has begun; call reset, or play")
+        return self._script
+
+    def _stages(self, stages: Sequence[ExpertStage] | None) -> tuple[ExpertStage, ...]:
+        script = tuple(self.env.task.file.spec.expert if stages is None else stages)
+        if not script:
+            raise UsageError(
+                f"{self.env.task.name} has no expert; write its stages under expert: in "
+                f"{self.env.task.file.entry.file.name}"
+            )
+        return script
+
+
+class _Script:
+    """The stages of one episode: a policy that is used up by it. For the arguments see `Expert`."""
+
+    def __init__(
+        self,
+        env: TaskEnv,
+        planner: Planner,
+        stages: Sequence[ExpertStage],
+        *,
+        without: frozenset[str] = frozenset(),
+        persist: bool = False,
+        finish: Finish = True,
+        after_stage: Callable[[int], None] = lambda _: None,
+    ) -> None:
+        self._env, self._planner, self._stages = env, planner, stages
+        self._without, self._persist, self._finish = without, persist, finish
+        self._after_stage = after_stage
+        self._stage = 0
+        self._ends: list[int] = []
+        self._trouble: Trouble | None = None
+
+    def reset(self, env: TaskEnv, seed: int) -> None:
+        self._executor = Executor(env, self._planner, self._without, seed)
+        self._actions = self._play()
+
+    def act(self, observations: Mapping[str, Any]) -> Actions | None:
+        return next(self._actions, None)
+
+    def log(self) -> ScriptLog:
+        # The last action has been taken but not looked at; what it led to may end a stage.
+        if self._env.episode.over and next(self._actions, None) and self._stage:
+            self._note(self._out_of_time())
+        return ScriptLog(tuple(self._ends), self._trouble, self._executor.planning_s)
+
+    def _play(self) -> Iterator[Actions]:
+        """Every action of the episode."""
+        for number, stage in enumerate(self._stages, start=1):
+            self._stage = number
+            try:
+                yield from self._executor.play(stage)
+            except StageError as error:
+                steps = self._env.episode.steps
+                self._note(
+                    Trouble(number, error.order, error.robot, error.cause, str(error), steps)
+                )
+                if self._persist and not self._env.episode.over:
+                    continue
+                break
+            self._ends.append(self._env.episode.steps)
+            self._after_stage(number)
+        self._stage = 0
+        if self._finish == "undecided" and (self._env.episode.succeeded or self._trouble):
+            return
+        while self._finish:
+            yield self._executor.encoder.hold()
+
+    def _note(self, trouble: Trouble | None) -> None:
+        self._trouble = self._trouble or trouble
+
+    def _out_of_time(self) -> Trouble | None:
+        """Why a stage was not done when the episode ended; None if that was in success."""
+        episode, stage = self._env.episode, in_words(self._stages[self._stage - 1])
+        if episode.exploded:
+            cause, message = "physics diverged", "the physics diverged"
+        elif episode.succeeded:
+            return None
+        else:
+            cause = "no time left"
+            message = f"the episode's {episode.steps} control steps are over"
+        return Trouble(self._stage, stage, "", cause, message, episode.steps)

@@ -1,1 +1,0 @@
-"""Films of demonstrations: frames, strips, MP4 and GIF."""

@@ -1,0 +1,247 @@
+"""The catalogue: which task and robot files there are, by name.
+
+Files come from the library itself, from folders named by ``--task-path`` or TASKBUILDER_PATH, and
+from installed packages that declare the entry-point groups ``taskbuilder.tasks`` and
+``taskbuilder.robots``, whose names then read ``namespace/name``.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Literal
+
+from taskbuilder._library import folder as library_folder
+from taskbuilder.errors import FileError, Finding, Location, UnknownNameError, display_path
+from taskbuilder.wording import closest, suggestion
+
+Sort = Literal["task", "robot"]
+
+PATH_VARIABLE = "TASKBUILDER_PATH"
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """A task or robot file.
+
+    Attributes:
+        name: Its id: ``handover``, or ``namespace/name`` from another package.
+        file: The YAML file, absolute.
+        module: Dotted name of the Python module beside a packaged task file, or "".
+        trusted: Part of an installed package, so its assets need no probe.
+    """
+
+    name: str
+    file: Path
+    module: str = ""
+    trusted: bool = False
+
+    @property
+    def root(self) -> Path:
+        """The folder that its assets must lie in."""
+        return self.file.parent
+
+    @property
+    def description_file(self) -> Path:
+        """Where a task's description is."""
+        return self.file.with_suffix(".py")
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Task and robot files by name; ``folders`` are searched besides the installed ones."""
+
+    folders: tuple[Path, ...] = ()
+
+    @classmethod
+    def discover(cls, folders: Iterable[Path | str] = ()) -> Catalogue:
+        """The catalogue of this installation, TASKBUILDER_PATH and the given folders.
+
+        Raises:
+            UnknownNameError: A folder does not exist.
+        """
+        named = [part for part in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if part]
+        paths = tuple(Path(folder).resolve() for folder in (*folders, *named))
+        for path in paths:
+            if not path.is_dir():
+                raise UnknownNameError(f"the task path {display_path(path)} is not a folder")
+        return cls(tuple(dict.fromkeys(paths)))
+
+    @cached_property
+    def tasks(self) -> Mapping[str, CatalogueEntry]:
+        """Every task by its id.
+
+        Raises:
+            FileError: Two tasks have one id.
+        """
+        return _unique("task", self._entries("task"))
+
+    @cached_property
+    def robots(self) -> Mapping[str, CatalogueEntry]:
+        """Every robot by its id.
+
+        Raises:
+            FileError: Two robots have one id.
+        """
+        return _unique("robot", self._entries("robot"))
+
+    def task(self, reference: str) -> CatalogueEntry:
+        """The task of a name, or of the path of its YAML file.
+
+        Raises:
+            UnknownNameError: There is none of that name, or no file at that path.
+            FileError: Two tasks have one id.
+        """
+        return self._find("task", reference, Path())
+
+    def named_task(self, name: object) -> CatalogueEntry:
+        """The task of a name, which is never taken for a path: for names that others wrote.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+            FileError: Two tasks have one id.
+        """
+        if isinstance(name, str) and name in self.tasks:
+            return self.tasks[name]
+        help_ = suggestion(str(name), self.tasks, what="there are")
+        raise UnknownNameError(f'no task "{name}"; {help_}')
+
+    def robot(self, reference: str, folder: Path) -> CatalogueEntry:
+        """The robot of a name, or of the path of its robot.yaml, relative to a folder.
+
+        Raises:
+            UnknownNameError: There is none of that name, or no file at that path.
+            FileError: Two robots have the name.
+        """
+        return self._find("robot", reference, folder)
+
+    def _find(self, sort: Sort, reference: str, folder: Path) -> CatalogueEntry:
+        if looks_like_path(reference):
+            return self._at_path(sort, folder / reference)
+        known = self.tasks if sort == "task" else self.robots
+        if reference in known:
+            return known[reference]
+        help_ = suggestion(reference, known, what="there are")
+        beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
+        if beside and beside.is_file():
+            help_ = f"did you mean the file {display_path(beside)}?"
+        raise UnknownNameError(f'no {sort} "{reference}"; {help_}')
+
+    def _at_path(self, sort: Sort, path: Path) -> CatalogueEntry:
+        if not _exists(path):
+            raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
+        if sort == "robot" and (path / "robot.yaml").is_file():
+            path = path / "robot.yaml"
+        if path.is_dir():
+            raise UnknownNameError(f"{display_path(path)} is a folder; name the YAML file in it")
+        actual = path.resolve()
+        # A catalogued file opened by its path is the same task, with the same description class.
+        for entry in self._entries(sort):
+            if entry.file == actual:
+                return entry
+        return CatalogueEntry(actual.parent.name if sort == "robot" else actual.stem, actual)
+
+    def _entries(self, sort: Sort) -> Iterator[CatalogueEntry]:
+        yield from _packaged(sort, f"taskbuilder.{sort}s", "", [library_folder(f"{sort}s")])
+        for folder in self.folders:
+            for name, file in _files(sort, folder):
+                yield CatalogueEntry(name, file)
+        for namespace, package in _plugins(f"taskbuilder.{sort}s"):
+            yield from _packaged(sort, package, f"{namespace}/", _folders_of(package))
+
+
+def looks_like_path(reference: str) -> bool:
+    """Whether a reference is a path rather than a name: by its ending, or by leading to a file."""
+    if reference.endswith((".yaml", ".yml")) or reference.startswith((".", "/", "~")):
+        return True
+    return os.sep in reference and _exists(Path(reference))
+
+
+def _exists(path: Path) -> bool:
+    """Whether a path leads anywhere; one that no file can have does not."""
+    try:
+        path.stat()
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def similar(path: Path) -> str:
+    """A hint at the file that a wrong path was probably meant to lead to."""
+    try:
+        if path.is_symlink():
+            return "; it is a link that leads nowhere"
+        beside = [file.name for file in path.parent.iterdir()]
+    except (OSError, ValueError):
+        return ""
+    near = closest(path.name, beside)
+    return f"; did you mean {display_path(path.with_name(near))}?" if near else ""
+
+
+def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:
+    pattern = "*.yaml" if sort == "task" else "*/robot.yaml"
+    for file in sorted(folder.glob(pattern)):
+        if file.name == "robot.yaml" and sort == "task":
+            continue
+        name = file.stem if sort == "task" else file.parent.name
+        if not name.startswith((".", "_")):
+            yield name, file.resolve()
+
+
+def _packaged(
+    sort: Sort, package: str, prefix: str, folders: Iterable[Path]
+) -> Iterator[CatalogueEntry]:
+    for folder in folders:
+        for name, file in _files(sort, folder):
+            yield CatalogueEntry(f"{prefix}{name}", file, f"{package}.{name}", trusted=True)
+
+
+def _folders_of(package: str) -> list[Path]:
+    from importlib.util import find_spec
+
+    try:
+        spec = find_spec(package)
+    except ImportError:  # an installed package that lost its tasks: the others are still there
+        spec = None
+    return [Path(place) for place in spec.submodule_search_locations or ()] if spec else []
+
+
+def _plugins(group: str) -> Iterator[tuple[str, str]]:
+    if not any(map(partial(_declares, group), sys.path)):
+        return
+    from importlib.metadata import entry_points  # slow to import, and reads every package
+
+    for point in sorted(entry_points(group=group)):
+        yield point.name, point.value
+
+
+def _declares(group: str, place: str) -> bool:
+    """Whether a package that is installed in a folder has entry points of a group."""
+    section = f"[{group}]".encode()
+    for pattern in ("*.dist-info/entry_points.txt", "*.egg-info/entry_points.txt"):
+        for file in Path(place or ".").glob(pattern):
+            with suppress(OSError):
+                if section in file.read_bytes():
+                    return True
+    return False
+
+
+def _unique(sort: Sort, entries: Iterable[CatalogueEntry]) -> Mapping[str, CatalogueEntry]:
+    known: dict[str, CatalogueEntry] = {}
+    clashes = []
+    for entry in entries:
+        other = known.setdefault(entry.name, entry)
+        if other.file != entry.file:
+            message = (
+                f'the {sort} "{entry.name}" is also {display_path(other.file)}; '
+                f"rename one of them, or take its folder off the task path"
+            )
+            clashes.append(Finding("TB008", message, location=Location(entry.file)))
+    if clashes:
+        raise FileError(clashes)
+    return known

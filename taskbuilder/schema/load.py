@@ -1,0 +1,302 @@
+"""Load a task file: its models, its robots and the assets it names, with every finding at once."""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from taskbuilder.assets.mesh import Mesh, read_mesh
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.paths import AssetError, resolve
+from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.errors import FileError, Finding, UnknownNameError
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
+from taskbuilder.schema.explain import parse
+from taskbuilder.schema.names import ObjectNames, SceneNames
+from taskbuilder.schema.references import check_names, read_names
+from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.source import Path_, Source, dotted, read_source
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.values import Model
+from taskbuilder.schema.variants import check_randomize, read_variations
+from taskbuilder.wording import suggestion
+
+
+@dataclass(frozen=True)
+class TaskFile:
+    """A task file that has been found right, with what it refers to.
+
+    Attributes:
+        entry: Its entry in the catalogue.
+        source: Its text's marks, for findings that turn up later.
+        spec: Its content.
+        scenes: The plain scene, then one for each variation.
+        robots: The model of each robot, by its name in the scene.
+        assets: Mesh or URDF of each object that has one, by the object's name.
+        names: Every name of the scene.
+        warnings: What is doubtful.
+    """
+
+    entry: CatalogueEntry
+    source: Source
+    spec: TaskSpec
+    scenes: tuple[SceneSpec, ...]
+    robots: Mapping[str, RobotModel]
+    assets: Mapping[str, Mesh | Urdf]
+    names: SceneNames
+    warnings: tuple[Finding, ...] = ()
+
+
+class TaskFileError(FileError):
+    """A task file is wrong.
+
+    Attributes:
+        names: The names of the scene, if what is wrong leaves no doubt about them.
+    """
+
+    def __init__(self, findings: Iterable[Finding], names: SceneNames | None = None) -> None:
+        super().__init__(findings)
+        self.names = names
+
+
+@dataclass
+class _Loading:
+    """A task file on its way: what has been read, and what has been found wrong."""
+
+    entry: CatalogueEntry
+    source: Source
+    catalogue: Catalogue
+    findings: list[Finding] = field(default_factory=list)
+    robots: dict[str, RobotModel] = field(default_factory=dict)
+    assets: dict[str, Mesh | Urdf] = field(default_factory=dict)
+
+    @property
+    def roots(self) -> tuple[Path, ...]:
+        return (self.entry.root, *self.catalogue.folders)
+
+    def report(self, code: str, message: str, path: Path_, *, key: bool = False) -> None:
+        location = self.source.locate(path, key=key)
+        self.findings.append(Finding(code, message, dotted(path), location))
+
+
+def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
+    """Read and check a task file and everything that it names, except its description.
+
+    Raises:
+        TaskFileError: With every finding of the file and of the robots and assets it names.
+    """
+    loading = _Loading(entry, read_source(entry.file), catalogue)
+    spec, wrong = parse(TaskSpec, loading.source)
+    loading.findings += [*loading.source.findings, *wrong]
+    _read_robots(loading)
+    _read_assets(loading)
+    names = read_names(loading.source, _articulated(loading.assets))
+    loading.findings += check_names(loading.source, names)
+    scenes: list[SceneSpec] = []
+    if spec is not None:
+        _check_whole(loading, spec)
+        scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
+        loading.findings += wrong_variations
+        if not wrong_variations:
+            _check_varied_joints(loading, scenes)
+        loading.findings += check_randomize(loading.source, names, spec)
+        loading.findings += _check_instructions(loading.source, spec, scenes)
+    if spec is None or any(finding.severity == "error" for finding in loading.findings):
+        raise TaskFileError(loading.findings, _certain(names, loading.findings))
+    return TaskFile(
+        entry,
+        loading.source,
+        spec,
+        (spec.scene, *scenes),
+        loading.robots,
+        loading.assets,
+        names,
+        tuple(loading.findings),
+    )
+
+
+_WHAT_NAMES = ("robots", "objects", "sites", "cameras")
+
+
+def _certain(names: SceneNames, findings: Sequence[Finding]) -> SceneNames | None:
+    """The names of a scene in whose file there are mistakes; None where names may be missing.
+
+    An object in which something is wrong may have any part, and a site any marker.
+    """
+    objects, sites = dict(names.objects), dict(names.sites)
+    for finding in findings:
+        if finding.code.startswith("TB00") and finding.code != "TB009":
+            return None  # not all of the file was read
+        if finding.code == "TB107":
+            return None  # it will have another name
+        top, _, rest = finding.path.partition(".")
+        group, _, name = rest.partition(".")
+        misplaced = finding.code == "TB102" and not rest  # "objects" may stand at the top
+        if misplaced or (top == "scene" and (group not in _WHAT_NAMES or not name)):
+            return None
+        if top == "scene" and (name := name.partition(".")[0]) in objects:
+            objects[name] = replace(objects[name], unread=True)
+        elif top == "scene" and name in sites:
+            sites[name] = True
+    return replace(names, objects=objects, sites=sites)
+
+
+def _read_robots(loading: _Loading) -> None:
+    models: dict[Path, RobotModel] = {}
+    for name, _ in loading.source.entries("scene", "robots"):
+        path = ("scene", "robots", name, "model")
+        reference = loading.source.get(*path)
+        if not isinstance(reference, str) or not reference:
+            continue
+        try:
+            if looks_like_path(reference):
+                resolve(reference, loading.entry.root, loading.roots)
+            entry = loading.catalogue.robot(reference, loading.entry.root)
+            if entry.file not in models:
+                models[entry.file] = load_robot(entry, loading.roots)
+            loading.robots[name] = models[entry.file]
+        except UnknownNameError as error:
+            loading.report("TB009", str(error), path)
+        except AssetError as error:
+            loading.report(error.code, error.message, path)
+        except FileError as error:
+            loading.findings += error.findings
+    # What is doubtful about a packaged robot is not for the task's author to mend.
+    own = [model for model in models.values() if not model.entry.trusted]
+    loading.findings += [warning for model in own for warning in model.warnings]
+
+
+def _read_assets(loading: _Loading) -> None:
+    readers: tuple[tuple[str, Callable[[Path], Mesh | Urdf]], ...] = (
+        ("mesh", read_mesh),
+        ("urdf", lambda file: read_urdf(file, loading.roots, trusted=loading.entry.trusted)),
+    )
+    for name, _ in loading.source.entries("scene", "objects"):
+        for key, read in readers:
+            path = ("scene", "objects", name, "shape", key)
+            reference = loading.source.get(*path)
+            if not isinstance(reference, str) or not reference:
+                continue
+            try:
+                file = resolve(reference, loading.entry.root, loading.roots)
+                loading.assets[name] = asset = read(file)
+            except AssetError as error:
+                loading.report(error.code, error.message, path)
+            except FileError as error:
+                loading.findings += error.findings
+            else:
+                loading.findings += asset.warnings if isinstance(asset, Urdf) else ()
+
+
+def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
+    return {
+        name: ObjectNames(
+            parts=tuple(link.name for link in asset.links),
+            joints={joint.name: joint.type for joint in asset.moving_joints},
+        )
+        for name, asset in assets.items()
+        if isinstance(asset, Urdf)
+    }
+
+
+def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
+    """What only shows with the robots and assets at hand."""
+    if spec.task != loading.entry.file.stem:
+        message = f'is "{spec.task}"; the file is "{loading.entry.file.name}": use one name'
+        loading.report("TB109", message, ("task",))
+    observers = spec.observe if spec.observe is not None else spec.scene.robots
+    unknown = set(observers) - set(spec.scene.robots)
+    for name in spec.scene.robots:
+        if name not in observers and not unknown:  # else it may be the one that was meant
+            message = f'has no entry for the robot "{name}"; list what it observes, if only []'
+            loading.report("TB101", message, ("observe",), key=True)
+    loading.findings += _check_joints(loading, spec.scene)
+
+
+def _check_varied_joints(loading: _Loading, scenes: Sequence[SceneSpec]) -> None:
+    """Joint values that only a variation sets, each reported at its variation."""
+    known = {(finding.path, finding.message) for finding in loading.findings}
+    for index, scene in enumerate(scenes):
+        for finding in _check_joints(loading, scene):
+            if (finding.path, finding.message) not in known:
+                message = f"{finding.path}: {finding.message}"
+                loading.report(finding.code, message, ("variations", index))
+
+
+def _check_joints(loading: _Loading, scene: SceneSpec) -> Iterator[Finding]:
+    """Joint values of robots and objects that do not fit their URDFs."""
+    for name, robot in scene.robots.items():
+        model = loading.robots.get(name)
+        if model is not None and robot.home is not None and robot.home.joints_deg is not None:
+            yield from _check_home(loading.source, name, model, robot.home.joints_deg)
+    for name, thing in scene.objects.items():
+        asset = loading.assets.get(name)
+        if isinstance(asset, Urdf):
+            yield from _check_object_joints(loading.source, name, asset, thing.joints)
+
+
+def _check_home(
+    source: Source, name: str, model: RobotModel, joints_deg: Sequence[float]
+) -> Iterator[Finding]:
+    path: Path_ = ("scene", "robots", name, "home", "joints_deg")
+    if len(joints_deg) != len(model.arm):
+        message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
+        yield Finding("TB302", message, dotted(path), source.locate(path))
+    else:
+        yield from check_joint_values(source, path, model.arm, joints_deg)
+
+
+def _check_object_joints(
+    source: Source, name: str, urdf: Urdf, joints: Mapping[str, float]
+) -> Iterator[Finding]:
+    moving = {joint.name: joint for joint in urdf.moving_joints}
+    for joint, value in joints.items():
+        path: Path_ = ("scene", "objects", name, "joints", joint)
+        if joint not in moving:
+            message = f'the URDF has no joint "{joint}" that moves; '
+            message += suggestion(joint, moving, what="it has")
+            yield Finding("TB301", message, dotted(path), source.locate(path, key=True))
+            continue
+        for finding in check_joint_values(source, path, [moving[joint]], [value]):
+            yield replace(finding, path=dotted(path), location=source.locate(path))
+
+
+def _check_instructions(
+    source: Source, spec: TaskSpec, scenes: Sequence[SceneSpec]
+) -> Iterator[Finding]:
+    for index, text in enumerate(spec.instructions):
+        path: Path_ = ("instructions", index)
+        try:
+            for scene in (spec.scene, *scenes):
+                fill(text, scene)
+        except (ValueError, UnknownNameError) as error:
+            yield Finding("TB205", str(error), dotted(path), source.locate(path))
+
+
+def fill(instruction: str, scene: SceneSpec) -> str:
+    """An instruction with ``{stick.color}`` and the like filled in from a scene.
+
+    Raises:
+        UnknownNameError: The scene has no such value.
+        ValueError: The braces do not pair.
+    """
+    words = []
+    for literal, name, _, _ in string.Formatter().parse(instruction):
+        words.append(literal)
+        if name is not None:
+            words.append(_scene_value(name, scene))
+    return "".join(words)
+
+
+def _scene_value(name: str, scene: SceneSpec) -> str:
+    thing, _, key = name.partition(".")
+    things: Mapping[str, Model] = {**scene.robots, **scene.objects, **scene.sites}
+    owner = things.get(thing)
+    value = getattr(owner, key) if owner and key in type(owner).model_fields else None
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        known: Sequence[str] = [f"{name}.color" for name in (*scene.objects, *scene.sites)]
+        raise UnknownNameError(f'"{{{name}}}" is no value; {suggestion(name, known, what="try")}')
+    return str(value)

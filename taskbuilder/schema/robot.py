@@ -1,0 +1,71 @@
+"""The robot file: about ten lines over a URDF."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from taskbuilder.geometry import Pose
+from taskbuilder.schema.values import (
+    Friction,
+    Model,
+    Name,
+    Position,
+    Positive,
+    RpyDeg,
+    Text,
+    frozen,
+)
+
+LinkName = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class Tcp(Model):
+    """The tool centre point: a frame on a link, z the direction of approach, y that of closing."""
+
+    link: LinkName
+    position: Position = (0.0, 0.0, 0.0)
+    rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Pose:
+        """The tcp frame in the link's frame."""
+        return Pose.from_rpy_deg(self.position, self.rpy_deg)
+
+
+class GripperJoint(Model):
+    """Where a gripper joint is when the gripper is open and closed (m or rad)."""
+
+    open: float
+    closed: float
+
+
+class GripperSpec(Model):
+    """A gripper of one degree of freedom: its joints move together from closed to open."""
+
+    joints: Annotated[Mapping[LinkName, GripperJoint], Field(min_length=1), AfterValidator(frozen)]
+    fingers: Annotated[
+        tuple[Annotated[tuple[LinkName, ...], Field(min_length=1)], ...],
+        Field(min_length=2, max_length=5, description="The links that hold, a list a finger."),
+    ]
+    stroke: Positive = Field(description="Opening between the pads when open, in metres.")
+    force: Positive = Field(20.0, description="Newtons a finger (N m where its joint turns).")
+    friction: Friction = Field(1.2, description="Lateral friction of the finger links.")
+
+
+class RobotSpec(Model):
+    """An arm with a gripper, over a URDF."""
+
+    robot: Name = Field(description="The name of its folder.")
+    summary: Text
+    urdf: Text = Field(description="Relative to this file, or package://pybullet_data/….")
+    arm: Annotated[tuple[LinkName, ...], Field(min_length=1, max_length=16)] = Field(
+        description="The arm's joints, base to wrist."
+    )
+    tcp: Tcp = Field(description="The tool centre point, such as {link: tool}.")
+    home_deg: tuple[float, ...] = Field(
+        description="An arm joint each: degrees, or metres where it slides."
+    )
+    gripper: GripperSpec = Field(description="Its joints, fingers, stroke and force.")

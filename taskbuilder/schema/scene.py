@@ -1,0 +1,341 @@
+"""The scene of a task file: robots, objects, sites and cameras.
+
+Lengths in metres, masses in kilograms, angles in degrees where the key says ``_deg``. Boxes by
+full edge lengths. Orientations are roll, pitch and yaw about fixed x, y, z, as in URDF.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from taskbuilder.geometry import Pose
+from taskbuilder.schema.names import Refers
+from taskbuilder.schema.values import (
+    Color,
+    Coordinate,
+    Degrees,
+    Edges,
+    Extent,
+    FrameName,
+    FrameOrWorld,
+    Friction,
+    Length,
+    Mass,
+    Model,
+    Name,
+    Pixels,
+    Position,
+    Positive,
+    Reference,
+    RpyDeg,
+    Text,
+    exactly_one,
+    frozen,
+)
+
+
+class Cylinder(Model):
+    """A cylinder or capsule along z; a capsule's length is that of its straight part."""
+
+    radius: Length
+    length: Length
+
+
+class Shape(Model):
+    """One shape, chosen by its key."""
+
+    box: Edges | None = Field(None, description="Full edge lengths.")
+    sphere: Length | None = Field(None, description="Radius.")
+    cylinder: Cylinder | None = None
+    capsule: Cylinder | None = None
+    mesh: Text | None = Field(None, description="OBJ or binary STL file beside the task file.")
+    urdf: Text | None = Field(None, description="URDF file beside the task file.")
+    scale: Positive | None = Field(None, description="Scale of a mesh or URDF.")
+
+    @property
+    def kind(self) -> str:
+        """The key that chose the shape."""
+        return next(name for name in SHAPES if getattr(self, name) is not None)
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Shape:
+        exactly_one("a shape", self, *SHAPES)
+        if self.scale is not None and self.mesh is None and self.urdf is None:
+            raise PydanticCustomError("choice", "scale goes with mesh or urdf only")
+        return self
+
+
+SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh", "urdf")
+
+
+class PartSpec(Model):
+    """One primitive of a compound body, placed in the body's frame."""
+
+    box: Edges | None = Field(None, description="Full edge lengths.")
+    sphere: Length | None = Field(None, description="Radius.")
+    cylinder: Cylinder | None = None
+    capsule: Cylinder | None = None
+    at: Position = (0.0, 0.0, 0.0)
+    rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
+    color: Color | None = Field(None, description="The body's colour where not given.")
+
+    @property
+    def kind(self) -> str:
+        """The key that chose the shape."""
+        return next(name for name in PRIMITIVES if getattr(self, name) is not None)
+
+    @property
+    def pose(self) -> Pose:
+        """The part's frame in the body's."""
+        return Pose.from_rpy_deg(self.at, self.rpy_deg)
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> PartSpec:
+        exactly_one("a part", self, *PRIMITIVES)
+        return self
+
+
+PRIMITIVES = SHAPES[:4]
+
+
+class Grasp(Model):
+    """Where and how a gripper can take a body."""
+
+    at: Position = Field((0.0, 0.0, 0.0), description="Point in the body's frame.")
+    approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
+        "down", description="Direction in which the tool comes: world's down or a body axis."
+    )
+    across: Literal["x", "y", "z"] = Field(
+        "y", description="Body axis along which the fingers close."
+    )
+
+
+class Place(Model):
+    """A region to be placed in at random: on a surface (x, y) or in the air (x, y, z)."""
+
+    surface: Annotated[Reference, Refers("surface")] | None = Field(
+        None, description="Object, or part of one, on whose top the body is put."
+    )
+    frame: FrameOrWorld = Field("world", alias="in", description="Frame of center and size.")
+    center: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+    size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
+    yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Least and greatest yaw.")
+    rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation before the yaw.")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Place:
+        wanted = 3 if self.surface is None else 2
+        if len(self.center) != wanted or len(self.size) != wanted:
+            kind = "on a surface: [x, y]" if wanted == 2 else "without a surface: [x, y, z]"
+            raise PydanticCustomError("length", f"center and size {kind}")
+        if self.yaw_deg[0] > self.yaw_deg[1]:
+            raise PydanticCustomError("order", "yaw_deg is [least, greatest]; swap them")
+        return self
+
+
+class _Placed(Model):
+    """Something that stands at a position or is placed at random."""
+
+    position: Position | None = None
+    rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
+    frame: FrameOrWorld = Field(
+        "world", alias="in", description="Frame of the position: a body, site or robot frame."
+    )
+    place: Place | None = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> _Placed:
+        exactly_one("it", self, "position", "place")
+        if self.place is not None and (self.frame != "world" or any(self.rpy_deg)):
+            raise PydanticCustomError("choice", "in and rpy_deg stand inside place, not beside it")
+        return self
+
+    @property
+    def pose(self) -> Pose:
+        """The pose in its frame; for a placed thing, the orientation before placement."""
+        if self.place is not None:
+            return Pose.from_rpy_deg((0.0, 0.0, 0.0), self.place.rpy_deg)
+        return Pose.from_rpy_deg(self.position or (0.0, 0.0, 0.0), self.rpy_deg)
+
+
+class ObjectSpec(_Placed):
+    """A body: one shape, or a compound of named parts."""
+
+    INSTEAD: ClassVar = {
+        **{kind: f"it is a shape; write shape: {{{{{kind}: {{}}}}}}" for kind in SHAPES},
+        "scale": "it goes with a mesh or urdf, inside shape: {{mesh: part.obj, scale: {}}}",
+    }
+
+    shape: Shape | None = None
+    parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
+    fixed: bool = Field(False, description="Bolted to the world.")
+    mass: Mass | None = Field(None, description="Kilograms; a URDF has its own.")
+    friction: Friction = 0.8
+    rolling_friction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    color: Color = "gray"
+    grasps: Annotated[Mapping[Name, Grasp], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({})
+    )
+    joints: Annotated[Mapping[Reference, float], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({}),
+        description="Joint values of a URDF at the start: metres, or degrees where it turns.",
+    )
+
+    @property
+    def urdf(self) -> str | None:
+        """The URDF file, for an articulated object."""
+        return self.shape.urdf if self.shape else None
+
+    @model_validator(mode="after")
+    def _whole(self) -> ObjectSpec:
+        exactly_one("an object", self, "shape", "parts")
+        if self.parts is not None and not self.parts:
+            raise PydanticCustomError("choice", "parts is empty; name at least one")
+        if self.urdf is not None and self.mass is not None:
+            raise PydanticCustomError("choice", "mass does not go with urdf; the URDF has masses")
+        if self.urdf is None and self.joints:
+            raise PydanticCustomError("choice", "joints goes with urdf only")
+        if self.urdf is None and not self.fixed and self.mass is None:
+            raise PydanticCustomError("mass", "mass is missing; give kilograms, or fixed: true")
+        return self
+
+
+class Marker(Model):
+    """How a site looks; its volume is what `Inside` means by being inside the site."""
+
+    box: Edges | None = Field(None, description="Full edge lengths.")
+    sphere: Length | None = Field(None, description="Radius.")
+    cylinder: Cylinder | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Marker:
+        exactly_one("a marker", self, "box", "sphere", "cylinder")
+        return self
+
+
+class SiteSpec(_Placed):
+    """A named frame without a body; it moves with the body it is `in`."""
+
+    marker: Marker | None = None
+    color: Color = "green"
+
+
+class CameraSpec(Model):
+    """A camera that stands in the world or is mounted on a frame."""
+
+    mount: FrameName | None = Field(None, description="Frame to ride on, such as left.tcp.")
+    position: Position | None = None
+    look_at: Position | None = None
+    fov_deg: Annotated[float, Field(ge=5.0, le=150.0)] = 50.0
+    size: tuple[Pixels, Pixels] = Field((640, 480), description="Width and height in pixels.")
+
+    @model_validator(mode="after")
+    def _aims(self) -> CameraSpec:
+        if self.mount is None and (self.position is None or self.look_at is None):
+            raise PydanticCustomError("choice", "a camera has position and look_at, or a mount")
+        if self.eye == self.aim:
+            raise PydanticCustomError("choice", "position and look_at are the same point")
+        return self
+
+    @property
+    def eye(self) -> Position:
+        """Where the camera is, in the world or in its mount."""
+        return self.position or (0.09, 0.0, -0.10)
+
+    @property
+    def aim(self) -> Position:
+        """The point it looks at, in the world or in its mount."""
+        return self.look_at or (0.0, 0.0, 0.06)
+
+
+class Base(Model):
+    """Where a robot stands."""
+
+    position: Position
+    rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Pose:
+        """The base frame in the world."""
+        return Pose.from_rpy_deg(self.position, self.rpy_deg)
+
+
+class TcpPose(Model):
+    """A pose of the tool centre point in the world; z is the direction of approach."""
+
+    position: Position
+    rpy_deg: RpyDeg = (180.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Pose:
+        """The tcp frame in the world."""
+        return Pose.from_rpy_deg(self.position, self.rpy_deg)
+
+
+class Home(Model):
+    """Where an arm starts."""
+
+    tcp: TcpPose | None = None
+    joints_deg: tuple[float, ...] | None = Field(
+        None, description="One value an arm joint: degrees, or metres where it slides."
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Home:
+        exactly_one("home", self, "tcp", "joints_deg")
+        return self
+
+
+class ActionSpec(Model):
+    """What an agent's action means."""
+
+    arm: Literal[
+        "tcp_delta",
+        "tcp_pose",
+        "tcp_path",
+        "joint_delta",
+        "joint_position",
+        "joint_velocity",
+        "joint_torque",
+    ] = "tcp_delta"
+    frame: Literal["world", "base", "tcp"] = "world"
+    max_step: Annotated[float, Field(gt=0.0, le=0.5)] = Field(
+        0.05, description="Longest translation in a control step, in metres."
+    )
+    turn: Literal["none", "yaw", "full"] = "yaw"
+    max_turn_deg: Annotated[float, Field(gt=0.0, le=90.0)] = 15.0
+    gripper: Literal["binary", "continuous"] = "binary"
+
+
+class RobotEntry(Model):
+    """A robot of the scene: an agent."""
+
+    model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
+    base: Base = Field(description="Where it stands, such as {position: [0, 0, 0.4]}.")
+    home: Home | None = Field(None, description="The model's own home where not given.")
+    action: ActionSpec = ActionSpec()
+
+
+class SceneSpec(Model):
+    """What is there."""
+
+    robots: Annotated[Mapping[Name, RobotEntry], Field(min_length=1), AfterValidator(frozen)] = (
+        Field(description="The agents, by name.")
+    )
+    objects: Annotated[Mapping[Name, ObjectSpec], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({})
+    )
+    sites: Annotated[Mapping[Name, SiteSpec], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({})
+    )
+    cameras: Annotated[Mapping[Name, CameraSpec], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen(
+            {"front": CameraSpec(position=(0.0, -1.7, 1.35), look_at=(0.0, 0.0, 0.5))}
+        )
+    )
+    floor: bool = Field(True, description="A floor at height 0.")

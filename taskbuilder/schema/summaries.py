@@ -1,0 +1,78 @@
+"""What `taskbuilder list` says of a task, and the index that saves reading every file for it.
+
+``index.json`` beside packaged task files holds what each said when the index was written, with the
+checksum that the file had then. A file that has changed since is read instead.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+from zlib import crc32  # SHA-256 would take longer to import than all tasks to read
+
+from taskbuilder.errors import FileError
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+
+INDEX = "index.json"
+
+
+@dataclass(frozen=True)
+class TaskSummary:
+    """A task in a line.
+
+    Attributes:
+        robots: The model of each robot by its name; none where the file has errors.
+        episode_steps: Control steps of an episode, or None where the file has errors.
+        summary: What the task file says of itself.
+    """
+
+    robots: Mapping[str, str] = field(default_factory=dict)
+    episode_steps: int | None = None
+    summary: str = "(has errors)"
+
+
+def summarize(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
+    """What is said of a task: from the index beside it, or else from its file."""
+    indexed = _read_index(entry.root).get(entry.file.stem)
+    if entry.trusted and indexed and indexed["checksum"] == _checksum(entry.file):
+        return TaskSummary(indexed["robots"], indexed["episode_steps"], indexed["summary"])
+    return _read(entry, catalogue)
+
+
+def index_text(folder: Path) -> str:
+    """What the index of a folder of packaged tasks should hold."""
+    catalogue = Catalogue()
+    entries = [entry for entry in catalogue.tasks.values() if entry.root == folder]
+    index = {
+        entry.file.stem: {"checksum": _checksum(entry.file), **asdict(_read(entry, catalogue))}
+        for entry in entries
+    }
+    return json.dumps(index, indent=2, ensure_ascii=False) + "\n"
+
+
+def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
+    from taskbuilder.schema.load import read_task  # takes longer than all else that `list` does
+
+    try:
+        spec = read_task(entry, catalogue).spec
+    except FileError:
+        return TaskSummary()
+    robots = {name: robot.model for name, robot in spec.scene.robots.items()}
+    return TaskSummary(robots, spec.timing.episode_steps, spec.summary)
+
+
+@cache
+def _read_index(folder: Path) -> Mapping[str, Any]:
+    try:
+        index: Mapping[str, Any] = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return index
+
+
+def _checksum(file: Path) -> str:
+    return f"{crc32(file.read_bytes()):08x}"

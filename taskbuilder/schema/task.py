@@ -1,0 +1,109 @@
+"""The task file: a scene, its timing, what agents observe, and how experts do it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.values import (
+    Extent,
+    Model,
+    Name,
+    Reference,
+    RobotName,
+    Shorthand,
+    Text,
+    frozen,
+)
+
+
+class Timing(Model):
+    """Rates and length of an episode."""
+
+    control_hz: Annotated[int, Field(ge=1, le=1000)] = Field(10, description="Actions a second.")
+    physics_hz: Annotated[int, Field(ge=20, le=10_000)] = Field(
+        120, description="Physics steps a second, a multiple of control_hz."
+    )
+    episode_steps: Annotated[int, Field(ge=1, le=100_000)] = Field(
+        50, description="Control steps of an episode."
+    )
+    ends_on: tuple[Literal["success", "failure"], ...] = Field(
+        (), description="What ends an episode before its last step."
+    )
+
+    @property
+    def substeps(self) -> int:
+        """Physics steps in a control step."""
+        return self.physics_hz // self.control_hz
+
+    @model_validator(mode="after")
+    def _whole_substeps(self) -> Timing:
+        if self.physics_hz % self.control_hz:
+            nearest = max(1, round(self.physics_hz / self.control_hz)) * self.control_hz
+            raise PydanticCustomError(
+                "timing",
+                "physics_hz {physics} is no multiple of control_hz {control}; {nearest} is",
+                {"physics": self.physics_hz, "control": self.control_hz, "nearest": nearest},
+            )
+        return self
+
+
+class Noise(Model):
+    """Gaussian noise on an observation channel."""
+
+    std: Extent | None = Field(None, description="Of every number, in the channel's unit.")
+    position_std: Extent | None = Field(None, description="Of positions, in metres.")
+    angle_std_deg: Extent | None = Field(None, description="Of orientations, in degrees.")
+
+
+class Distribution(Model):
+    """What a randomised quantity is drawn from."""
+
+    uniform: tuple[float, float] | None = Field(None, description="Least and greatest value.")
+    choice: Annotated[tuple[Any, ...], Field(min_length=1), AfterValidator(frozen)] | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Distribution:
+        if (self.uniform is None) == (self.choice is None):
+            raise PydanticCustomError("choice", "give exactly one of uniform, choice")
+        if self.uniform is not None and self.uniform[0] > self.uniform[1]:
+            raise PydanticCustomError("order", "uniform is [least, greatest]; swap them")
+        return self
+
+
+class TaskSpec(Model):
+    """A task file."""
+
+    task: Name = Field(description="The file's own name without .yaml.")
+    summary: Text = Field(description="One sentence: who does what.")
+    instructions: tuple[Text, ...] = Field(
+        (), description="In words, for language-conditioned policies; {stick.color} is filled in."
+    )
+    cooperation: Literal["required", "optional"] = Field(
+        "required", description="Whether one robot alone must not be able to succeed."
+    )
+    timing: Timing = Timing()
+    scene: SceneSpec = Field(description="What is there: robots, objects, sites, cameras.")
+    observe: Annotated[Mapping[RobotName, tuple[Reference, ...]], AfterValidator(frozen)] | None = (
+        Field(None, description="Channels of each agent; where not given, all of the scene.")
+    )
+    observation_noise: Annotated[
+        Mapping[RobotName, Mapping[Reference, Noise]], AfterValidator(frozen)
+    ] = Field(default_factory=lambda: frozen({}))
+    state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
+        ("all",), description="Channels that a centralised critic sees, or all."
+    )
+    expert: tuple[ExpertStage, ...] = ()
+    variations: tuple[
+        Annotated[Mapping[Reference, Any], Field(min_length=1), AfterValidator(frozen)], ...
+    ] = Field(
+        (), description="Changes to the scene, such as {stick.color: green}; 0 is the plain task."
+    )
+    randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({}), description="Drawn anew each episode where asked for."
+    )

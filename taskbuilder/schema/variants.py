@@ -1,0 +1,145 @@
+"""Variations and randomisation: the same scene with some values changed.
+
+A change is written ``thing.key: value`` (``stick.color: green``, ``stick.place.center: [0, 0]``).
+The changed scene goes through the same model and the same name check as the plain one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from taskbuilder.errors import Finding
+from taskbuilder.schema.explain import parse
+from taskbuilder.schema.names import SceneNames
+from taskbuilder.schema.references import check_names
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.source import Path_, Source, dotted
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.wording import suggestion
+
+_GROUPS = ("robots", "objects", "sites", "cameras")
+
+RANDOMIZABLE = ("mass", "friction", "rolling_friction", "restitution", "color")
+"""What can be drawn anew each episode: a change that needs no new body."""
+
+
+class _BadChange(Exception):  # noqa: N818  # carries a sentence from one function to the next
+    pass
+
+
+def read_variations(
+    source: Source, names: SceneNames, plain: SceneSpec
+) -> tuple[list[SceneSpec], list[Finding]]:
+    """The varied scenes of a task file, in order, and what is wrong with them."""
+    scenes: list[SceneSpec] = []
+    findings: list[Finding] = []
+    listed = source.get("variations")
+    for index, changes in enumerate(listed if isinstance(listed, tuple) else ()):
+        if not isinstance(changes, dict):
+            continue  # the model has already said so
+        scene, wrong = _changed(source, names, ("variations", index), changes)
+        findings += wrong
+        if scene is None:
+            continue
+        scenes.append(scene)
+        if _files(scene) != _files(plain):
+            path = ("variations", index)
+            message = "names another model, mesh or urdf; a variation changes values, not files"
+            findings.append(Finding("TB205", message, dotted(path), source.locate(path)))
+    return scenes, findings
+
+
+def _files(scene: SceneSpec) -> tuple[object, ...]:
+    """What a scene refers to outside the task file."""
+    models = tuple(robot.model for robot in scene.robots.values())
+    shapes = (thing.shape for thing in scene.objects.values() if thing.shape)
+    return (models, *((shape.mesh, shape.urdf) for shape in shapes))
+
+
+def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterator[Finding]:
+    """What is wrong with the quantities to be randomised and with the values they may take."""
+    for key, distribution in spec.randomize.items():
+        path: Path_ = ("randomize", key)
+        thing, _, quantity = key.partition(".")
+        if quantity and thing in (*names.robots, *names.objects, *names.sites, *names.cameras):
+            allowed = _randomizable(thing, names)
+            if quantity not in allowed:
+                help_ = "only what objects and sites have can be"
+                if allowed:
+                    help_ = suggestion(quantity, allowed, what=f"of {thing}, these can")
+                message = f'"{key}" cannot be randomised; {help_}'
+                yield Finding("TB205", message, dotted(path), source.locate(path, key=True))
+                continue
+        for value in distribution.uniform or distribution.choice or ():
+            _, wrong = _changed(source, names, ("randomize",), {key: value})
+            yield from wrong
+            if wrong:
+                break
+
+
+def _randomizable(thing: str, names: SceneNames) -> tuple[str, ...]:
+    if thing in names.objects:
+        return RANDOMIZABLE
+    return ("color",) if thing in names.sites else ()
+
+
+def _changed(
+    source: Source, names: SceneNames, path: Path_, changes: Mapping[str, Any]
+) -> tuple[SceneSpec | None, list[Finding]]:
+    """The scene with some values changed; findings point at the changes that caused them."""
+    scene = source.get("scene")
+    for key, value in changes.items():
+        try:
+            scene = _replaced(scene, _scene_path(key, names), value)
+        except _BadChange as problem:
+            place = (*path, key)
+            location = source.locate(place, key=True)
+            return None, [Finding("TB205", str(problem), dotted(place), location)]
+    varied = Source(source.file, scene, {}, {})
+    spec, wrong = parse(SceneSpec, varied)
+    if spec is not None:
+        known = {(finding.path, finding.message) for finding in check_names(source, names)}
+        found = check_names(Source(source.file, {"scene": scene}, {}, {}), names)
+        wrong = tuple(f for f in found if (f.path, f.message) not in known)
+    return spec, [_blame(finding, source, names, path, changes) for finding in wrong]
+
+
+def _scene_path(key: str, names: SceneNames) -> tuple[str, ...]:
+    thing, *inner = key.split(".")
+    owners = (names.robots, names.objects, names.sites, names.cameras)
+    for group, owner in zip(_GROUPS, owners, strict=True):
+        if thing in owner and inner:
+            return (group, thing, *inner)
+    if not inner:
+        raise _BadChange(f'"{key}" names no value; write thing.key, such as stick.color')
+    known = [name for owner in owners for name in owner]
+    help_ = suggestion(thing, known, what="it has")
+    raise _BadChange(f'the scene has no "{thing}"; {help_}')
+
+
+def _replaced(data: Any, path: tuple[str, ...], value: Any) -> Any:
+    """The data with one value replaced or added; what is not on the way is shared."""
+    if not path:
+        return value
+    inner = data if isinstance(data, dict) else {}
+    return {**inner, path[0]: _replaced(inner.get(path[0]), path[1:], value)}
+
+
+def _blame(
+    finding: Finding,
+    source: Source,
+    names: SceneNames,
+    path: Path_,
+    changes: Mapping[str, Any],
+) -> Finding:
+    """The finding, moved from the varied scene to the change that caused it."""
+    for key in changes:
+        where = ".".join(_scene_path(key, names))
+        if finding.path.removeprefix("scene.").startswith(where):
+            place = (*path, key)
+            return Finding(
+                finding.code, finding.message, dotted(place), source.locate(place), finding.severity
+            )
+    key = next(iter(changes))
+    return finding.at(source.locate((*path, key)))

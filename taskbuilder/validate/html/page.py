@@ -1,0 +1,87 @@
+"""What the page of a task is made of, and how that is gathered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from taskbuilder.description.description import Description
+from taskbuilder.errors import FileError
+from taskbuilder.jobs import LostError, worker_processes
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.task import Task, load_task
+from taskbuilder.validate.html.pictures import Picture, Pictures, take_pictures
+from taskbuilder.validate.report import TaskReport
+
+PICTURES_LIMIT_S = 300.0
+"""How long the pictures of a task may take."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a page is made of.
+
+    Attributes:
+        report: The validation.
+        task: The task, or None if it does not load.
+        pictures: What was taken of it.
+    """
+
+    report: TaskReport
+    task: Task | None = None
+    pictures: Pictures = field(default_factory=Pictures)
+
+    @property
+    def summary(self) -> str:
+        """What the task is, in a sentence, as far as that is known."""
+        return self.task.file.spec.summary if self.task else ""
+
+    @property
+    def stages(self) -> Sequence[ExpertStage]:
+        """What the expert does, as far as that is known."""
+        return self.task.file.spec.expert if self.task else ()
+
+    @property
+    def first(self) -> Picture | None:
+        """The picture that stands for the task."""
+        return next(iter(self.pictures.scene), None)
+
+
+def make_page(
+    reference: str, report: TaskReport, catalogue: Catalogue, *, apart: bool = True
+) -> Page:
+    """Gather what a page shows; pictures are taken here, unless no physics was asked for.
+
+    Args:
+        reference: What the task was asked for by.
+        report: Its validation.
+        catalogue: Where it was looked up.
+        apart: Load the task and take its pictures in another process; see `validate_task`.
+    """
+    if not apart:
+        return _made(reference, report, catalogue)
+    try:
+        with worker_processes([{}], limit_s=PICTURES_LIMIT_S) as spread:
+            (page,) = spread(_made_apart, [(reference, report, catalogue)])
+    except LostError as error:
+        lost = f"The process that takes them {error.fault.cause}."
+        return Page(report, pictures=Pictures(trouble=lost))
+    found: Page = page
+    return found
+
+
+def _made_apart(asked: tuple[str, TaskReport, Catalogue]) -> Page:
+    """A page, without the description, which only the process that imported it knows."""
+    page = _made(*asked)
+    return replace(page, task=page.task and replace(page.task, description=Description))
+
+
+def _made(reference: str, report: TaskReport, catalogue: Catalogue) -> Page:
+    try:
+        task = load_task(reference, catalogue=catalogue)
+    except FileError:
+        return Page(report)  # its findings say why
+    if len(report.families) < 2:
+        return Page(report, task)
+    return Page(report, task, take_pictures(task, report))

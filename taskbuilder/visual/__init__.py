@@ -1,0 +1,1 @@
+"""Pictures of worlds and robots, films and strips of episodes, charts and learning curves."""

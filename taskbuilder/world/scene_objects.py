@@ -1,0 +1,55 @@
+"""Objects and sites of the world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from taskbuilder.geometry import Box, Pose
+from taskbuilder.schema.scene import ObjectSpec, SiteSpec
+from taskbuilder.sim.body import Body
+
+
+@dataclass(frozen=True)
+class SceneObject:
+    """An object, built.
+
+    Attributes:
+        name: Its name in the scene.
+        spec: What the task file says of it.
+        body: Its body in the simulation.
+        boxes: Bounding box of each part or link, in its own frame.
+        frames: Pose of each part and grasp point, in the object's frame.
+        joints: Indices of the joints that move.
+    """
+
+    name: str
+    spec: ObjectSpec
+    body: Body
+    boxes: Mapping[str, Box]
+    frames: Mapping[str, Pose]
+    joints: tuple[int, ...] = ()
+
+
+@dataclass
+class Site:
+    """A named frame: fixed in the world for an episode, or riding on something.
+
+    Attributes:
+        name: Its name in the scene.
+        spec: What the task file says of it.
+        pose: In the world, or in the frame it rides on.
+        box: Bounding box of its marker, or None without one.
+        marker: What it looks like, or None.
+    """
+
+    name: str
+    spec: SiteSpec
+    pose: Pose
+    box: Box | None
+    marker: Body | None
+
+    @property
+    def rides_on(self) -> str | None:
+        """The frame that it moves with, or None if it stands in the world."""
+        return self.spec.frame if self.spec.frame != "world" else None

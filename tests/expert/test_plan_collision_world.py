@@ -1,0 +1,71 @@
+"""Distances are asked of a copy of the world that is as the world is."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from plan_scenes import Scene, facing, made
+
+from taskbuilder.expert.planning.collision_world import CollisionWorld
+from taskbuilder.sim.contacts import closest_distance, gaps, pose_joints
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """Two arms and a table."""
+    scene = made(tmp_path_factory.mktemp("collision_world"), facing())
+    yield scene
+    scene.close()
+
+
+@pytest.fixture(scope="module")
+def collision_world(both):
+    """A copy of it."""
+    copy = CollisionWorld(both.world)
+    yield copy
+    copy.close()
+
+
+def test_joints_posed_for_a_look_are_where_reset_joints_puts_them(collision_world):
+    robot = collision_world.world.robots["left"]
+    body, joints = robot.body, [0.3, -1.2, 1.1, -1.5, -1.0, 0.4]
+    body.reset_joints(robot.arm.indices, joints)
+    expected = [body.link_pose(index) for index in body.indices]
+    near = closest_distance(body, collision_world.world.objects["table"].body, within=1.0)
+    body.reset_joints(robot.arm.indices, [0.0] * 6)
+    pose_joints(body, robot.arm.indices, joints)
+    assert [body.link_pose(index) for index in body.indices] == expected
+    assert closest_distance(body, collision_world.world.objects["table"].body, within=1.0) == near
+
+
+def test_gaps_say_which_links_are_near_and_what_is_above(collision_world):
+    bar, table = (collision_world.world.objects[name].body for name in ("bar", "table"))
+    found = gaps(bar, table, 0.01)
+    assert min(gap.distance for gap in found) == closest_distance(bar, table, within=0.01)
+    assert {(gap.link_a, gap.link_b) for gap in found} == {(-1, -1)}
+    assert all(math.isclose(gap.up, 1.0, abs_tol=1e-3) for gap in found)
+    assert all(gap.up < -0.99 for gap in gaps(table, bar, 0.01))
+    assert not gaps(bar, collision_world.world.objects["post"].body, 0.01)
+
+
+def test_a_copy_has_arms_where_they_are_commanded_and_the_rest_where_it_is(
+    both: Scene, collision_world
+):
+    both.env.reset(seed=0)
+    both.world.robots["left"].move_gripper(0.5)
+    for height in (0.32, 0.36):
+        both.world.step(
+            {"left": both.plan(both.at("left", (-0.2, -0.15, height))).joints["left"][0]}
+        )
+    joints = collision_world.copy(both.world)
+    for name, robot in both.world.robots.items():
+        copied = collision_world.world.robots[name]
+        assert joints[name] == robot.arm.command.values
+        assert copied.arm_state()[0] == pytest.approx(robot.arm.command.values, abs=1e-12)
+        assert copied.opening() == pytest.approx(robot.opening(), abs=1e-12)
+    assert joints["left"] != pytest.approx(both.world.robots["left"].arm_state()[0], abs=1e-5)
+    for name, thing in both.world.objects.items():
+        copied_pose, pose = collision_world.world.objects[name].body.pose(), thing.body.pose()
+        assert copied_pose.position == pytest.approx(pose.position, abs=1e-12)
+        assert copied_pose.quaternion == pytest.approx(pose.quaternion, abs=1e-12)

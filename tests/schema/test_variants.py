@@ -1,0 +1,267 @@
+"""Variations, randomisation and instructions: the plain scene with some of its values changed."""
+
+from __future__ import annotations
+
+import pytest
+from task_texts import CABINET, TETRAHEDRON
+
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.schema.load import fill
+
+ROBOT = "left: {model: ur5e, base: {position: [-0.8, 0, 0.4]}}"
+
+
+def vary(change):
+    return ("expert:", f"variations:\n  - {{cube.color: blue}}\n  - {change}\nexpert:")
+
+
+def randomize(change):
+    return ("expert:", f"randomize: {change}\nexpert:")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "{cube.color: green}",
+        "{cube.mass: 0.2, table.color: wood}",
+        "{cube.place.center: [0, 0]}",
+        "{cube.place: {surface: table, center: [0, 0], size: [0, 0]}}",
+        "{goal.marker: {box: [1, 1, 1]}}",
+        "{goal.in: table}",
+        "{left.base.position: [-0.7, 0, 0.4]}",
+        "{left.home: {joints_deg: [0, -90, 90, -90, -90, 0]}}",
+        "{front.fov_deg: 70}",
+    ],
+)
+def test_a_variation_may_change_any_value_of_any_thing(load, change):
+    task = load(vary(change))
+    assert len(task.scenes) == 3
+    assert task.scenes[0] == task.spec.scene
+    assert task.scenes[1].objects["cube"].color == "blue"
+    assert task.scenes[2] != task.spec.scene
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            "{cub.color: green}",
+            '27:6: error[TB205] variations[1].cub.color: the scene has no "cub"; '
+            'did you mean "cube"?',
+        ),
+        (
+            "{cube: green}",
+            '27:6: error[TB205] variations[1].cube: "cube" names no value; '
+            "write thing.key, such as stick.color",
+        ),
+        (
+            "{cube.colour: green}",
+            '27:19: error[TB102] variations[1].cube.colour: unknown key; did you mean "color"?',
+        ),
+        ("{cube.mass: 0.2, cube.color: greeen}", "27:34: error[TB108] variations[1].cube.color: "),
+        (
+            "{cube.place.surface: tabel}",
+            "27:26: error[TB201] variations[1].cube.place.surface: "
+            'the scene has no "tabel"; did you mean "table"?',
+        ),
+        (
+            "{goal.in: goal}",
+            "27:15: error[TB203] variations[1].goal.in: runs in a circle: goal in goal",
+        ),
+        (
+            "{left.model: panda}",
+            "27:5: error[TB205] variations[1]: names another model, mesh or urdf; "
+            "a variation changes values, not files",
+        ),
+        (
+            "{left.home: {joints_deg: [1, 2]}}",
+            "27:5: error[TB302] variations[1]: scene.robots.left.home.joints_deg: "
+            "has 2 values; ur5e has 6 arm joints",
+        ),
+        (
+            "{left.home: {joints_deg: [0, 0, 0, 0, 0, 1000]}}",
+            "27:5: error[TB302] variations[1]: scene.robots.left.home.joints_deg[5]: ",
+        ),
+        ("7", "27:5: error[TB103] variations[1]: is 7; a mapping of names is needed"),
+        ("{}", "27:5: error[TB104] variations[1]: is empty; at least one is needed"),
+    ],
+)
+def test_a_wrong_variation_is_marked_where_it_stands(findings, change, message):
+    (found,) = findings(vary(change))
+    assert found.startswith(message)
+
+
+def test_what_is_wrong_with_the_plain_scene_is_not_told_again_for_each_variation(findings):
+    found = findings(vary("{cube.color: green}"), ("surface: table", "surface: tabel"))
+    assert found == [
+        '16:24: error[TB201] scene.objects.cube.place.surface: the scene has no "tabel"; '
+        'did you mean "table"?'
+    ]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "{cube.mass: {uniform: [0.05, 0.2]}}",
+        "{cube.friction: {uniform: [0, 1]}}",
+        "{cube.rolling_friction: {choice: [0, 0.1]}}",
+        "{cube.restitution: {choice: [0.5]}}",
+        "{cube.color: {choice: [red, '#123456', [0, 0, 1]]}}",
+        "{goal.color: {choice: [red, blue]}}",
+    ],
+)
+def test_looks_and_dynamics_can_be_randomised(findings, change):
+    assert not findings(randomize(change))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            "{cube.mas: {uniform: [1, 2]}}",
+            '25:13: error[TB205] randomize.cube.mas: "cube.mas" cannot be randomised; '
+            'did you mean "mass"?',
+        ),
+        (
+            "{cube.place.center: {choice: [[0, 0]]}}",
+            '25:13: error[TB205] randomize.cube.place.center: "cube.place.center" cannot be '
+            "randomised; of cube, these can: mass, friction, rolling_friction, restitution, color",
+        ),
+        (
+            "{goal.mass: {uniform: [1, 2]}}",
+            '25:13: error[TB205] randomize.goal.mass: "goal.mass" cannot be randomised; '
+            "of goal, these can: color",
+        ),
+        (
+            "{left.base.position: {choice: [[0, 0, 0]]}}",
+            '25:13: error[TB205] randomize.left.base.position: "left.base.position" cannot be '
+            "randomised; only what objects and sites have can be",
+        ),
+        (
+            "{front.fov_deg: {uniform: [40, 60]}}",
+            '25:13: error[TB205] randomize.front.fov_deg: "front.fov_deg" cannot be randomised; '
+            "only what objects and sites have can be",
+        ),
+        (
+            "{cub.mass: {uniform: [1, 2]}}",
+            '25:13: error[TB205] randomize.cub.mass: the scene has no "cub"; did you mean "cube"?',
+        ),
+        ("{cube: {uniform: [1, 2]}}", '25:13: error[TB205] randomize.cube: "cube" names no value'),
+        (
+            "{cube.mass: {uniform: [-1, 2]}}",
+            "25:24: error[TB104] randomize.cube.mass: is -1.0; must be at least 0.0001",
+        ),
+        (
+            "{cube.mass: {uniform: [2, 1]}}",
+            "25:24: error[TB106] randomize.cube.mass: uniform is [least, greatest]; swap them",
+        ),
+        ("{cube.color: {choice: [red, rde]}}", "25:25: error[TB108] randomize.cube.color: no such"),
+        (
+            "{cube.mass: {}}",
+            "25:24: error[TB106] randomize.cube.mass: give exactly one of uniform, choice",
+        ),
+    ],
+)
+def test_what_cannot_be_randomised_is_refused(findings, change, message):
+    (found,) = findings(randomize(change))
+    assert found.startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("instruction", "filled"),
+    [
+        ("take the {cube.color} cube", "take the red cube"),
+        ("{cube.mass} kg by {left.model}", "0.1 kg by ur5e"),
+        ("{goal.color} goal", "green goal"),
+        ("no {{fields}}", "no {fields}"),
+    ],
+)
+def test_an_instruction_is_filled_in_from_the_scene(load, instruction, filled):
+    assert fill(instruction, load().spec.scene) == filled
+
+
+@pytest.mark.parametrize(
+    ("instruction", "problem"),
+    [
+        ("{cub.color}", '"{cub.color}" is no value; did you mean "cube.color"?'),
+        ("{cube.colour}", '"{cube.colour}" is no value; did you mean "cube.color"?'),
+        ("{cube}", '"{cube}" is no value; try: table.color'),
+        ("{}", '"{}" is no value; try: table.color, cube.color, goal.color, meeting.color'),
+        ("{cube.shape}", '"{cube.shape}" is no value; try: table.color'),
+        ("{cube.fixed}", '"{cube.fixed}" is no value; '),
+        ("{cube.model_fields}", '"{cube.model_fields}" is no value; '),
+        ("{cube.__class__}", '"{cube.__class__}" is no value; '),
+        ("{cube.color", "expected '}' before end of string"),
+        ("cube}", "Single '}' encountered in format string"),
+    ],
+)
+def test_an_instruction_of_unknown_fields_is_refused(findings, instruction, problem):
+    (found,) = findings(('"take the {cube.color} cube"', f'"{instruction}"'))
+    assert found.startswith(f"3:16: error[TB205] instructions[0]: {problem}")
+
+
+def test_an_instruction_must_be_sayable_of_every_variation(findings):
+    (found,) = findings(vary("{cube.color: [1, 0, 0]}"))
+    assert found.startswith('3:16: error[TB205] instructions[0]: "{cube.color}" is no value')
+
+
+def test_filling_in_what_is_not_there_names_what_is(load):
+    with pytest.raises(UnknownNameError, match=r'"\{cup.color\}" is no value; did you mean'):
+        fill("the {cup.color} cup", load().spec.scene)
+
+
+@pytest.fixture
+def cabinet(folder):
+    (folder / "cabinet.urdf").write_text(CABINET)
+    (folder / "pebble.obj").write_text(TETRAHEDRON)
+    thing = "cabinet: {shape: {urdf: cabinet.urdf}, fixed: true, position: [0, 1, 0], joints: {}}"
+    return lambda joints: ("  sites:", f"    {thing.replace('joints: {}', joints)}\n  sites:")
+
+
+def test_joint_values_are_checked_against_the_urdf(findings, cabinet):
+    assert not findings(cabinet("joints: {slide: 0.3, hinge: 90}"))
+    assert findings(cabinet("joints: {slid: 0.1, hinge: 100}")) == [
+        '17:87: error[TB301] scene.objects.cabinet.joints.slid: the URDF has no joint "slid" that '
+        'moves; did you mean "slide"?',
+        "17:105: error[TB302] scene.objects.cabinet.joints.hinge: 100° is beyond the limits of "
+        "hinge; from 0° to 91.67°",
+    ]
+
+
+def test_joint_values_of_variations_are_checked_too(findings, cabinet):
+    (found,) = findings(cabinet("joints: {}"), vary("{cabinet.joints: {slide: 0.5}}"))
+    assert "error[TB302] variations[1]: scene.objects.cabinet.joints.slide: 0.5 m is bey" in found
+
+
+def test_an_unread_urdf_does_not_make_its_names_wrong(findings, cabinet, folder):
+    (folder / "cabinet.urdf").write_text("<robot")
+    found = findings(
+        cabinet("joints: {slide: 0.1}"), ("[self.tcp, cube.pose]", "[cabinet.slide, cabinet.pose]")
+    )
+    assert [line.split()[1] for line in found] == ["error[TB410]"]
+
+
+@pytest.mark.parametrize(
+    ("shape", "code"),
+    [
+        ("{mesh: missing.obj}", "TB401"),
+        ("{mesh: ../outside.obj}", "TB402"),
+        ("{mesh: cabinet.urdf}", "TB405"),
+    ],
+)
+def test_an_asset_that_cannot_be_used_is_marked_where_it_is_named(findings, cabinet, shape, code):
+    (found,) = findings(("shape: {box: [0.05, 0.05, 0.05]}", f"shape: {shape}"))
+    assert found.startswith(f"12:21: error[{code}] scene.objects.cube.shape.")
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        ("ur5", '7:19: error[TB009] scene.robots.left.model: no robot "ur5"; did you mean "ur5e"?'),
+        ("./robot.yaml", "7:19: error[TB401] scene.robots.left.model: "),
+        ("../robot.yaml", "7:19: error[TB402] scene.robots.left.model: "),
+    ],
+)
+def test_a_robot_that_is_not_there_is_marked_where_it_is_named(findings, model, message):
+    (found,) = findings(("left: {model: ur5e", f"left: {{model: {model}"))
+    assert found.startswith(message)
