@@ -36,8 +36,8 @@ def wild_terms(rollout: Rollout) -> Mapping[str, float]:
 def play_expert(studio: Studio, start: Start) -> Rollout:
     """The expert's own way, up to the end of the episode.
 
-    From starts that only show whether it succeeds, no farther than to the end of its stages if
-    that is known by then.
+    Starts that only show whether it succeeds are played on, once its stages are done, no longer
+    than until that is known.
     """
     in_turn = start.seed % len(studio.task.file.scenes) == start.variation
     expert = studio.expert(start.variation)

@@ -15,8 +15,8 @@ from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.schema.expert import ExpertStage, in_words
 
 Finish = bool | Literal["undecided"]
-"""Whether to hold still until the episode is over once the stages are done; ``"undecided"``: only
-if by then neither success was reached nor a stage could not be done."""
+"""Whether to hold still until the episode is over once the stages are done; ``"undecided"``: no
+longer than until success is reached, and not after a stage that could not be done."""
 
 
 class Expert:
@@ -60,7 +60,7 @@ class Expert:
             without: Robots that stay home: their parts of all stages are left out.
             persist: Go on with the next stage after one that could not be done.
             finish: Hold still until the episode is over once the stages are done; with
-                ``"undecided"`` only if by then success was not reached and no stage failed.
+                ``"undecided"`` only until success is reached, and not after a stage that failed.
             after_stage: Called with a stage's number, from 1, when it is done and the next has
                 not begun; the environment may be saved there, and must be left as it was.
             forces: As for `taskbuilder.rollout.play`.
@@ -178,10 +178,13 @@ class _Script:
             self._ends.append(self._env.episode.steps)
             self._after_stage(number)
         self._stage = 0
-        if self._finish == "undecided" and (self._env.episode.succeeded or self._trouble):
-            return
-        while self._finish:
+        while self._finish is True or (self._finish and not self._decided):
             yield self._executor.encoder.hold()
+
+    @property
+    def _decided(self) -> bool:
+        """Whether it is known what the episode comes to."""
+        return self._env.episode.succeeded or self._trouble is not None
 
     def _note(self, trouble: Trouble | None) -> None:
         self._trouble = self._trouble or trouble
