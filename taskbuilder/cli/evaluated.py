@@ -17,7 +17,7 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.arms import Arena
+from taskbuilder.trial.arms import TrialConfig
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,11 @@ class Evaluated:
     options: Mapping[str, Any]
 
     @property
-    def arena(self) -> Arena:
+    def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
-        return Arena(self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ()))
+        return TrialConfig(
+            self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ())
+        )
 
     @property
     def about(self) -> Mapping[str, Any]:

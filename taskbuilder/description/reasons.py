@@ -115,7 +115,10 @@ def _kept(node: Condition, moment: EvaluatedState, wanted: bool, of: str) -> Ite
     if longest:
         step_s = moment.world.time / max(1, len(moment.history) - 1)
         seconds = (longest - 1) * step_s
-        says = f"kept for {seconds:.1f} of {node.seconds:g} s at most"
+        if seconds < node.seconds:
+            says = f"kept for {seconds:.1f} of {node.seconds:g} s at most"
+        else:
+            says = f"kept for {seconds:.1f} s, {node.seconds:g} s were needed, but not to the end"
         yield Reason(of, label(node), says, moment.since(node))
 
 

@@ -238,9 +238,9 @@ class _Agent:
     def __init__(
         self, agent: str, shapes: Shapes, settings: OpenaiSettings, generator: torch.Generator
     ) -> None:
-        self._said = shapes.actions[agent]
+        self._action_size = shapes.actions[agent]
         seen = sum(shapes.observations.values())
-        actor = (shapes.observations[agent], *settings.hidden, 2 * self._said)
+        actor = (shapes.observations[agent], *settings.hidden, 2 * self._action_size)
         critic = (seen + shapes.joint_action, *settings.hidden, 1)
         self.actor, self.target_actor = _Perceptron(actor, generator), _Perceptron(actor, generator)
         self.critic = _Perceptron(critic, generator)
@@ -251,8 +251,8 @@ class _Agent:
     def mean_network(self) -> Network:
         """The actor without its log-stds."""
         *inner, last = self.actor.arrays()
-        weight, bias = last
-        return Network((*inner, (weight[:, : self._said], bias[: self._said])), squash=False)
+        weight, bias = (array[..., : self._action_size] for array in last)
+        return Network((*inner, (weight, bias)), squash=False)
 
     def tensors(self) -> dict[str, Tensor]:
         """All its numbers, by name."""
