@@ -303,7 +303,8 @@ def _step(chain: Chain, frames: Floats, errors: Floats, sizes: Floats) -> Floats
     square = jacobian @ transposed + damping[:, None, None] * _IDENTITY
     step: Floats = (transposed @ np.linalg.solve(square, errors[:, :, None]))[:, :, 0]
     longest = np.maximum(np.abs(step).max(axis=1), LONGEST_STEP)
-    return step * (LONGEST_STEP / longest)[:, None]
+    step *= (LONGEST_STEP / longest)[:, None]
+    return step
 
 
 def _error(tool: Floats, goal: Floats) -> Floats:
