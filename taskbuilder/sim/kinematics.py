@@ -104,11 +104,7 @@ class Chain:
         return bool((at >= self.lower + margin).all() and (at <= self.upper - margin).all())
 
     def _frames_at(self, positions: Floats) -> Floats:
-        """(..., n + 1, 4, 4) frames of the moved joints, then of the tool, in the base's.
-
-        Args:
-            positions: (..., n) of the joints.
-        """
+        """(..., n + 1, 4, 4) frames of the joints at (..., n), then of the tool, in the base's."""
         moved = _repeated(self.frames, positions)
         moved[..., :-1, :, :] @= self._motions(positions)
         for index in range(1, len(self.frames)):
