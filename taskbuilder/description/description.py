@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 from typing import Any, ClassVar, SupportsFloat
 
 from taskbuilder.description.logic import Never
@@ -96,6 +97,13 @@ def _looked_at(node: Node, world: WorldView, parts: Parts, memory: Memory) -> St
     return value, kept
 
 
+def _picking(positions: Sequence[int]) -> Callable[[Sequence[Any]], Parts]:
+    """What picks the values at some positions out of a list, in their order."""
+    if len(positions) > 1:
+        return itemgetter(*positions)
+    return lambda values: tuple([values[position] for position in positions])
+
+
 class Referee:
     """Evaluates a description on a world, and keeps the memory of the description in one value.
 
@@ -123,7 +131,7 @@ class Referee:
         )
         # Indices into the list of nodes, so that no node is hashed during evaluation.
         index = {node: position for position, node in enumerate(self._nodes)}
-        self._parts = tuple(tuple(index[part] for part in node.parts) for node in self._nodes)
+        self._parts = tuple(_picking([index[part] for part in node.parts]) for node in self._nodes)
         self._conditions = tuple((name, index[node]) for name, node in named.items())
         self._stages = tuple(index[node] for node in stages)
         self._terms = tuple((t.label, t.agent, index[t]) for t in description.reward)
@@ -143,8 +151,8 @@ class Referee:
         memories, stage = self.memory
         values: list[Any] = []
         remembered = []
-        for update, parts, memory in zip(self._updates, self._parts, memories, strict=True):
-            value, kept = update(world, tuple([values[part] for part in parts]), memory)
+        for update, parts_of, memory in zip(self._updates, self._parts, memories, strict=True):
+            value, kept = update(world, parts_of(values), memory)
             values.append(value)
             remembered.append(kept)
         for number, reached in enumerate(self._stages, start=1):

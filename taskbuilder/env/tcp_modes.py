@@ -50,8 +50,7 @@ class TcpDeltaMode:
         """Command the tool by the numbers of an action."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
-        frames = arm.ik.frames(joints)
-        tool = frames.tool
+        tool = arm.ik.forward(joints)
         shift = _shortened((values[0], values[1], values[2]), spec.max_step)
         goal = add(tool.position, self._in_base(shift, tool))
         measured = arm.base_from_world.apply(arm.world.position(arm.tcp_name))
@@ -59,7 +58,7 @@ class TcpDeltaMode:
         if norm(ahead) > LAG_STEPS * spec.max_step:
             goal = add(measured, _shortened(ahead, LAG_STEPS * spec.max_step))
         target = Pose(goal, self._turned(tool, values[3:]))
-        return arm.ik.step(joints, target, arm.longest, frames)
+        return arm.ik.step(joints, target, arm.longest)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""

@@ -21,15 +21,18 @@ def leave_after_stages(
         whole: The expert's episode.
         who: Returns the policies that continue after a stage, by name, given its number.
     """
-    ends = {end: number for number, end in enumerate(whole.stage_ends, start=1)}
+    ends = {
+        end: number for number, end in enumerate(whole.stage_ends, start=1) if end < whole.steps
+    }
     saved: list[tuple[int, int, EnvState]] = []
 
     def save(env: TaskEnv) -> None:
         step = env.episode.steps
-        if step in ends and step < whole.steps:
+        if step in ends:
             saved.append((ends[step], step, env.save_state()))
 
-    replay(env, whole, save)
+    if ends:
+        replay(env, whole.until(max(ends)), save)
     plays: dict[Way, Rollout] = {}
     lost = False
     for number, step, state in saved:

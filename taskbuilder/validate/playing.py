@@ -36,14 +36,11 @@ def wild_terms(rollout: Rollout) -> Mapping[str, float]:
 def play_expert(cache: EnvCache, start: Start) -> Rollout:
     """Play the expert up to the end of the episode.
 
-    Starts that only test success end with the last stage, if the result is known by then.
+    Starts that only test success end, after the last stage, as soon as the result is known.
     """
+    in_turn = start.seed % len(cache.task.file.scenes) == start.variation
     expert = cache.expert(start.variation)
-    if start.seed % len(cache.task.file.scenes) != start.variation:
-        played = expert.play(start.seed, finish=False, explain=True)
-        if played.success or played.trouble:
-            return played
-    return expert.play(start.seed, explain=True)
+    return expert.play(start.seed, finish=True if in_turn else "undecided", explain=True)
 
 
 def play_nothing(env: TaskEnv, seed: int) -> Rollout:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
@@ -13,6 +13,10 @@ from taskbuilder.expert.script.executor import Executor, StageError
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.schema.expert import ExpertStage, in_words
+
+Finish = bool | Literal["undecided"]
+"""Whether to hold still until the episode is over once the stages are done; ``"undecided"``: no
+longer than until success is reached, and not after a stage that could not be done."""
 
 
 class Expert:
@@ -42,7 +46,7 @@ class Expert:
         stages: Sequence[ExpertStage] | None = None,
         without: Collection[str] = (),
         persist: bool = False,
-        finish: bool = True,
+        finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
         forces: bool = False,
         explain: bool = False,
@@ -55,7 +59,8 @@ class Expert:
             stages: Stages to play instead of those of the task file.
             without: Robots that stay at home; their orders are left out of all stages.
             persist: Continue with the next stage after one that could not be done.
-            finish: Hold still after the last stage until the episode is over.
+            finish: Hold still after the last stage until the episode is over; with ``"undecided"``
+                only until success is reached, and not after a stage that failed.
             after_stage: Called with the number of each completed stage, from 1, before the next
                 one begins. It may save the environment, and must not change it.
             forces: As for `taskbuilder.rollout.play`.
@@ -133,7 +138,7 @@ class _Script:
         *,
         without: frozenset[str] = frozenset(),
         persist: bool = False,
-        finish: bool = True,
+        finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
     ) -> None:
         self._env, self._planner, self._stages = env, planner, stages
@@ -173,8 +178,13 @@ class _Script:
             self._ends.append(self._env.episode.steps)
             self._after_stage(number)
         self._stage = 0
-        while self._finish:
+        while self._finish is True or (self._finish and not self._decided):
             yield self._executor.encoder.hold()
+
+    @property
+    def _decided(self) -> bool:
+        """Whether it is known what the episode comes to."""
+        return self._env.episode.succeeded or self._trouble is not None
 
     def _note(self, trouble: Trouble | None) -> None:
         self._trouble = self._trouble or trouble

@@ -8,6 +8,8 @@ from itertools import islice
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
+from taskbuilder.rollout.play import play, resume
+from taskbuilder.rollout.players import HoldStill, RecordedActions
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
@@ -112,6 +114,13 @@ def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
 # --- whether success lasts
 
 
+class Played(NamedTuple):
+    """An episode of the expert that is to go on after its end."""
+
+    start: Start
+    demo: Rollout
+
+
 class PlayedOn(NamedTuple):
     """The result of an episode that continued after its end.
 
@@ -130,7 +139,10 @@ def _passing(context: Context) -> list[Finding]:
     """Check whether success lasts while the expert holds still."""
     seeds = range(max(1, context.seeds // LASTING_SHARE))
     starts = [Start(variation, seed) for variation in range(context.variations) for seed in seeds]
-    for start, played in zip(starts, context.ask(play_on, starts, "success lasts"), strict=True):
+    demos = [context.demonstrations[start] for start in starts]
+    jobs = [Played(start, demo) for start, demo in zip(starts, demos, strict=True)]
+    asked = context.ask(play_on, starts, "success lasts", about=jobs)
+    for start, played in zip(starts, asked, strict=True):
         if played.reached is not None and not played.lasts:
             message = (
                 f"success passes: {start}, the expert reaches it at control step {played.reached}, "
@@ -143,11 +155,20 @@ def _passing(context: Context) -> list[Finding]:
     return []
 
 
-def play_on(cache: EnvCache, start: Start) -> PlayedOn:
-    """Play the expert in an episode that continues after its end while it holds still."""
+def play_on(cache: EnvCache, job: Played) -> PlayedOn:
+    """Play the expert in an episode that continues after its end while it holds still.
+
+    Where all its stages were done before, the same actions are played again: planning is left out.
+    """
     timing = cache.task.file.spec.timing
     horizon = timing.episode_steps + round(LASTS_S * timing.control_hz)
-    played = cache.expert(start.variation, horizon, endless=True).play(start.seed)
+    variation, seed = job.start
+    if len(job.demo.stage_ends) == len(cache.task.file.spec.expert):
+        env = cache.env(variation, horizon, endless=True)
+        begun = play(env, RecordedActions(job.demo.until(max(job.demo.stage_ends)).actions), seed)
+        played = resume(env, HoldStill(), begun)
+    else:
+        played = cache.expert(variation, horizon, endless=True).play(seed)
     return PlayedOn(played.first_success, played.success_held_s, played.success_at_end)
 
 
