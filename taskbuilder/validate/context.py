@@ -56,7 +56,7 @@ class Context:
 
     @property
     def cache(self) -> EnvCache:
-        """The studio of this process."""
+        """The environments and experts that this process keeps."""
         return open_cache(self.source, self.task)
 
     @property

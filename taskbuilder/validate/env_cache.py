@@ -105,7 +105,7 @@ def _endless(task: Task) -> Task:
 
 
 _CACHES: dict[EnvSource, EnvCache] = {}
-"""The studios of this process."""
+"""The caches of this process."""
 
 
 def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
@@ -122,7 +122,7 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
 
 
 def close_cache(source: EnvSource) -> None:
-    """Close this process's studio for a validation, if there is one."""
+    """Close the cache of this process for a validation, if there is one."""
     cache = _CACHES.pop(source, None)
     if cache is not None:
         cache.close()
