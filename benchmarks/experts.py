@@ -23,7 +23,7 @@ from machine import describe_machine
 from taskbuilder import catalogue, load_task, parallel_env
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import cores, workers
-from taskbuilder.validate.shares import Share
+from taskbuilder.validate.proportion import Proportion
 
 RESULTS = Path(__file__).parent / "results"
 FIRST_SEED = 3_100_000
@@ -78,7 +78,7 @@ def summary(rows: Iterable[dict[str, str]]) -> dict[str, Any]:
         solved = sum(row["success"] == "1" for row in own)
         steps = sorted(int(row["first_success"]) for row in own if row["first_success"])
         planning = [float(row["planning_s"]) for row in own]
-        low, high = Share(solved, len(own)).interval
+        low, high = Proportion(solved, len(own)).interval
         failed = [row for row in own if row["success"] != "1"]
         found[name] = {
             "episodes": len(own),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.environments import check_env
-    from taskbuilder.validate.run import validate_task
+    from taskbuilder.validate.runner import validate_task
     from taskbuilder.world.building import build_world
     from taskbuilder.world.world import World
 
@@ -84,7 +84,7 @@ _HOMES = {
     "play": "taskbuilder.rollout.play",
     "replay": "taskbuilder.rollout.play",
     "train": "taskbuilder.learn.runs",
-    "validate_task": "taskbuilder.validate.run",
+    "validate_task": "taskbuilder.validate.runner",
 }
 
 

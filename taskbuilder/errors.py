@@ -31,12 +31,12 @@ class Location:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong, where it is, and what would be right.
+    """A problem, with its place and a suggestion.
 
     Attributes:
         code: Stable code such as ``TB102``; each has an entry in the documentation.
-        message: What is wrong, then, after a semicolon, what would be right.
-        path: Dotted path in the file (``scene.robots.left.model``), or "" where none applies.
+        message: What is wrong and, after a semicolon, what would be right.
+        path: Dotted path in the file (``scene.robots.left.model``), or "" for none.
         location: File, line and column, or None for a finding that belongs to no file.
         excerpt: Source line to show below the finding, or "".
     """
@@ -68,7 +68,7 @@ class Finding:
         }
 
     def at(self, location: Location | None) -> Finding:
-        """The same finding, placed elsewhere."""
+        """The same finding at another place."""
         return replace(self, location=location)
 
 
@@ -92,7 +92,7 @@ class TaskbuilderError(Exception):
 
 
 class FileError(TaskbuilderError):
-    """A task, robot or asset file is wrong; ``findings`` say how.
+    """A task, robot or asset file has errors; ``findings`` lists them.
 
     Attributes:
         findings: Every finding of the file, in reading order; at least one is an error.
@@ -107,19 +107,19 @@ class FileError(TaskbuilderError):
 
 
 class UnknownNameError(TaskbuilderError):
-    """A task, robot, camera or option was asked for by a name that does not exist."""
+    """There is no task, robot, camera or option of this name."""
 
 
 class UsageError(TaskbuilderError):
-    """A call or command line that cannot be carried out as asked."""
+    """A call or command has invalid arguments."""
 
 
 class SimulationError(TaskbuilderError):
-    """The physics engine refused something or lost its state."""
+    """The physics engine refused a call or lost its state."""
 
 
 class ExplosionError(SimulationError):
-    """The simulation diverged: a non-finite or absurd state. The world must be built anew."""
+    """The simulation diverged to a non-finite or absurd state. The world must be rebuilt."""
 
 
 class DivergenceError(TaskbuilderError):
@@ -130,7 +130,7 @@ class PlacementError(TaskbuilderError):
     """Objects could not be placed without overlap.
 
     Attributes:
-        findings: One finding for each thing that did not fit.
+        findings: A finding for each object that could not be placed.
     """
 
     def __init__(self, findings: Iterable[Finding]) -> None:

@@ -143,7 +143,7 @@ class Worker(ChildProcess):
         self.end()
 
     def end(self) -> None:
-        """See `ChildProcess.end`."""
+        """End the child process."""
         super().end()
         self.since = self._still_since = None
 

@@ -1,4 +1,4 @@
-"""A task, whole: its file, its robots and assets, and its description."""
+"""A loaded task: its file, its robots and assets, and its description."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from taskbuilder.wording import suggestion
 
 @dataclass(frozen=True)
 class Task:
-    """A task that has been found right.
+    """A loaded and checked task.
 
     Attributes:
-        file: What its YAML file holds and names.
-        description: Success and reward.
-        warnings: What is doubtful without keeping the task from being used.
+        file: The contents of its YAML file, with robots and assets.
+        description: The description class.
+        warnings: Findings that do not prevent the use of the task.
     """
 
     file: TaskFile
@@ -35,7 +35,7 @@ class Task:
 
     @property
     def name(self) -> str:
-        """Its id."""
+        """The id of the task."""
         return self.file.entry.name
 
     @property
@@ -53,13 +53,13 @@ def load_task(
 
     Args:
         reference: ``handover``, ``namespace/name``, or a path.
-        catalogue: Where names are looked up; by default that of this installation.
+        catalogue: The catalogue that names are looked up in; by default that of this installation.
         guarded: Import a description that is not in the catalogue in a child process first, so
-            that one that hangs or dies becomes a finding.
+            that a hang or a crash becomes a finding.
 
     Raises:
         UnknownNameError: There is no task of that name.
-        FileError: The task is wrong; with every finding.
+        FileError: The files of the task have errors; it has all findings.
     """
     catalogue = catalogue or Catalogue.discover()
     entry = catalogue.task(str(reference))

@@ -7,7 +7,7 @@ import os
 import pytest
 
 from taskbuilder.validate.html.page import make_page
-from taskbuilder.validate.run import validate_task
+from taskbuilder.validate.runner import validate_task
 
 # Tests are shared out over the cores already; with threads besides, they would wait for each other.
 for library in ("OMP", "OPENBLAS"):

@@ -20,7 +20,7 @@ from taskbuilder.diagnostics import CODES, Example
 from taskbuilder.errors import FileError, Finding
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.source import read_source
-from taskbuilder.validate.run import validate_task
+from taskbuilder.validate.runner import validate_task
 
 ROOT = Path(__file__).resolve().parents[1]
 REGISTRIES = ("taskbuilder/diagnostics/", "taskbuilder/assets/codes.py")

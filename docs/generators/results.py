@@ -13,7 +13,7 @@ RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
 
 def probes(task: str) -> str:
-    """What ways of playing a task earn, the best first."""
+    """The returns of the expert and the probes of a task, the best first."""
     report = next(report for report in _read("proofs.json")["tasks"] if report["task"] == task)
     ways = sorted(report["probes"], key=lambda way: -way["return"])
     return table(
@@ -27,7 +27,7 @@ def probes(task: str) -> str:
 
 
 def experts(_: str) -> str:
-    """How reliably and how soon experts do their tasks."""
+    """Success rates and times of the experts."""
     rows = []
     for scene, found in _read("experts.json")["scenes"].items():
         task, _, variation = scene.partition("/")
@@ -43,13 +43,14 @@ def experts(_: str) -> str:
                 f"{found['planning_median_s']:.2f} s",
             ]
         )
-    head = ["task", "variation", "succeeds", "still at the last step"]
-    head += ["after control steps, median", "force between robots, largest", "planning, median"]
+    head = ["task", "variation", "success", "still at the last step"]
+    head += ["control steps to success, median", "force between robots, largest"]
+    head += ["planning time, median"]
     return table(head, rows)
 
 
 def learning(_: str) -> str:
-    """What came of the learning runs."""
+    """The results of the learning runs."""
     rows = []
     for run in _read("learning.json")["runs"]:
         low, high = (100.0 * bound for bound in run["interval"])
@@ -58,7 +59,7 @@ def learning(_: str) -> str:
                 run["task"],
                 run["track"],
                 str(run["seed"]),
-                {"scene": "the whole scene", "task": "as the task says"}[run["observe"]],
+                {"scene": "the whole scene", "task": "as the task lists"}[run["observe"]],
                 f"{run['steps']:,}",
                 f"{100.0 * run['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)",
                 _stages(run["stages"]),
@@ -67,18 +68,18 @@ def learning(_: str) -> str:
         )
     if not rows:
         return "No run is kept yet."
-    head = ["task", "track", "seed", "policies see", "control steps", "success (95 % interval)"]
+    head = ["task", "track", "seed", "policies observe", "control steps", "success (95 % interval)"]
     return table([*head, "furthest stage", "minutes"], rows)
 
 
 def _stages(stages: dict[str, int]) -> str:
-    """How many episodes got how far and no further, the furthest first."""
+    """The number of episodes by the last stage that they reached, the furthest first."""
     reached = [f"{name or 'none'} {count}" for name, count in stages.items() if count]
     return ", ".join(reversed(reached))
 
 
 def zoo(_: str) -> str:
-    """The policies that come with the package, what they achieve, and what made them."""
+    """The pretrained policies, their success rates, and the commands that trained them."""
     rows, commands = [], []
     runs = {run["run"]: run for run in _read("learning.json")["runs"]}
     measured = _read("zoo.json")
@@ -100,10 +101,10 @@ def zoo(_: str) -> str:
         commands.append(run["command"])
     if not rows:
         return "None yet."
-    head = ["policy", "control steps", "success that lasts (95 % interval)", "at the last step"]
-    head += ["force between robots, median peak", "success for a moment, as trained for"]
-    made = "\n".join(["Made by", "", "```text", *commands, "```"])
-    asked = f"Measured by `{measured['command']}`, for as many episodes as the table says."
+    head = ["policy", "control steps", "success (95 % interval)", "at the last step"]
+    head += ["force between robots, median peak", "success under the earlier definition"]
+    made = "\n".join(["These commands trained them:", "", "```text", *commands, "```"])
+    asked = f"Measured by `{measured['command']}`, with the number of episodes in the table."
     return f"{table(head, rows)}\n\n{asked}\n\n{made}"
 
 

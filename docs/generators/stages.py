@@ -21,7 +21,7 @@ def _stage(stage: ExpertStage, indent: str) -> str:
         return f"wait until `{stage.until}` holds, {number(stage.within)} s at most"
     if isinstance(stage, Repeat):
         times = "once" if stage.repeat == 1 else f"{stage.repeat} times"
-        end = f", but no more once `{stage.unless}` holds" if stage.unless else ""
+        end = f", until `{stage.unless}` holds" if stage.unless else ""
         return f"{times}{end}:\n\n{numbered(stage.stages, indent)}"
     return "; ".join(
         f"`{robot}`: {', '.join([_verb(order), *_manner(order)])}" for robot, order in stage.items()
@@ -41,9 +41,9 @@ def _verb(order: Order | Together) -> str:
 
 
 def _manner(order: Order | Together) -> Iterator[str]:
-    """How an order is carried out, as far as that is not as usual."""
+    """The settings of an order that differ from the defaults."""
     if any(order.offset):
-        yield f"({', '.join(number(value) for value in order.offset)}) m beside it"
+        yield f"offset by ({', '.join(number(value) for value in order.offset)}) m"
     if order.above:
         yield f"{_length(abs(order.above))} {'above' if order.above > 0 else 'below'}"
     if isinstance(order, Order):
@@ -52,13 +52,13 @@ def _manner(order: Order | Together) -> Iterator[str]:
         if order.rpy_deg is not None:
             yield f"turned to ({', '.join(number(angle) for angle in order.rpy_deg)})°"
         if order.align:
-            yield "turned as that is"
+            yield "turned like that frame"
     if order.straight:
         yield "in a straight line"
     if order.touching:
-        yield f"touching {' and '.join(map(code, order.touching))} if need be"
+        yield f"may touch {' and '.join(map(code, order.touching))}"
     if order.speed != 1.0:
-        yield f"at {number(order.speed * 100)} % of its speed"
+        yield f"at {number(order.speed * 100)} % of full speed"
     if order.tolerance is not None:
         yield f"to within {_length(order.tolerance)}"
 

@@ -45,7 +45,7 @@ def library() -> Mapping[str, Task]:
 
 
 def title(name: str) -> str:
-    """What a task's Python file calls it in the first words of its docstring."""
+    """The title of a task: the first words of the docstring of its Python file."""
     doc = sys.modules[library()[name].description.__module__].__doc__ or name
     return doc.partition(":")[0]
 
@@ -66,7 +66,7 @@ def gallery(folder: str) -> str:
 
 
 def page(name: str) -> str:
-    """What a task's files say: scene, observations, expert and reward."""
+    """Scene, observations, expert and reward of a task, from its files."""
     task = library()[name]
     return "\n\n".join(_sections(task))
 
@@ -111,7 +111,7 @@ def _sections(task: Task) -> Iterator[str]:
     yield table(["site", "marker", "where"], map(_site, *_pairs(spec.scene.sites)))
     yield "## Observations"
     yield table(
-        ["robot", "sees"],
+        ["robot", "observes"],
         (
             [code(robot), ", ".join(map(code, channels))]
             for robot, channels in (spec.observe or {}).items()
@@ -120,23 +120,23 @@ def _sections(task: Task) -> Iterator[str]:
     yield "## Success, failure and stages"
     yield table(["", "holds when"], _conditions(task))
     yield "## Reward"
-    yield "Every term is paid at every control step."
+    yield "Every term is evaluated at every control step."
     yield table(
-        ["term", "agent", "pays", f"in equation {_equation(name)}"],
+        ["term", "agent", "reward", f"in equation {_equation(name)}"],
         (_term(name, term) for term in task.description.reward),
     )
     if isinstance(task.description.progress, Ladder):
         yield "## Progress"
         yield (
-            "How far the task is, for [training signals](../descriptions.md#progress); it is no "
-            "part of the reward. The last row that holds counts."
+            "How far the task has come, for [training rewards](../descriptions.md#progress); it is "
+            "not part of the reward. The last row whose condition holds gives the value."
         )
         yield table(["while", "progress"], _progress(task.description.progress))
     if spec.expert:
         yield "## Expert"
         yield numbered(spec.expert)
-        yield f"![The stages as it plays them](../images/{name}-strip.png)"
-        yield f"![The reward as it plays](../images/{name}-rewards.png)"
+        yield f"![The stages of the expert](../images/{name}-strip.png)"
+        yield f"![The reward while the expert plays](../images/{name}-rewards.png)"
     yield "## Files"
     for ending in ("yaml", "py"):
         yield shown_file(f"tasks/{name}.{ending}")
@@ -199,11 +199,11 @@ def _conditions(task: Task) -> Iterator[list[str]]:
     yield ["failure", code(expression(description.failure))]
     for number_, (name, stage) in enumerate(description.stages.items(), start=1):
         same = stage == description.success
-        yield [f"stage {number_}: {name}", "as success" if same else code(expression(stage))]
+        yield [f"stage {number_}: {name}", "same as success" if same else code(expression(stage))]
 
 
 def _progress(ladder: Ladder) -> Iterator[list[str]]:
-    yield ["no row below holds", code(expression(ladder.ground))]
+    yield ["no condition below holds", code(expression(ladder.ground))]
     for when, value in ladder.rungs:
         yield [code(expression(when)), code(expression(value))]
 
@@ -215,7 +215,7 @@ def _equation(name: str) -> str:
 def _term(task: str, term: Term) -> list[str]:
     symbols = PUBLISHED[task][1] if task in PUBLISHED else {}
     agent = code(term.agent) if term.agent else "shared"
-    return [code(term.name), agent, _pay(term), symbols.get(term.name, "not in it: ours")]
+    return [code(term.name), agent, _pay(term), symbols.get(term.name, "not part of it")]
 
 
 def _pay(term: Term) -> str:
@@ -223,9 +223,9 @@ def _pay(term: Term) -> str:
         return f"{number(term.amount)} while `{expression(term.condition)}`"
     if isinstance(term, Distance):
         weight = f"{number(term.weight)} × " if term.weight != 1.0 else ""
-        return f"−{weight}distance of `{term.first}` and `{term.second}`, m"
+        return f"−{weight}distance between `{term.first}` and `{term.second}`, m"
     if isinstance(term, Potential):
-        return f"{number(term.weight)} × what `{expression(term.measure)}` gains"
+        return f"{number(term.weight)} × gain of `{expression(term.measure)}`"
     if isinstance(term, Paid):
         return f"{number(term.weight)} × `{expression(term.measure)}`"
     return code(expression(term))

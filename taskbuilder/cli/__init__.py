@@ -78,8 +78,8 @@ def _fail(error: Exception) -> int:
         print(f"taskbuilder: {error}", file=sys.stderr)
         return FINDINGS
     if isinstance(error, OSError):
-        place = f"{error.filename}: " if error.filename else ""
-        print(f"taskbuilder: {place}{error.strerror or error}", file=sys.stderr)
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"taskbuilder: {where}{error.strerror or error}", file=sys.stderr)
         return USAGE
     import traceback  # takes a fifth of the time of `taskbuilder --version`
 

@@ -123,7 +123,7 @@ class Adder:
         self._commands, self._common, self._name = commands, common, name
 
     def command(self, summary: str, example: str) -> argparse.ArgumentParser:
-        """A parser for the command, with what all commands have."""
+        """A parser for the command, with the options that all commands share."""
 
         def run(arguments: argparse.Namespace) -> int:
             module = import_module(f"taskbuilder.cli.{self._name}_command")
@@ -163,19 +163,21 @@ def _add_new(adder: Adder) -> None:
 
 
 def _add_validate(adder: Adder) -> None:
-    parser = adder.command("try to break tasks, and say what was measured", "handover --quick")
+    parser = adder.command(
+        "check and prove tasks, and report what was measured", "handover --quick"
+    )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.add_argument("--all", action="store_true", help="every task of the catalogue")
     parser.add_argument(
         "--level",
         choices=("static", "build", "full"),
         default="full",
-        help="how far to go (default full)",
+        help="which families of checks to run (default full)",
     )
     seeds = parser.add_mutually_exclusive_group()
-    seeds.add_argument("--quick", action="store_true", help="5 seeds in place of 40")
+    seeds.add_argument("--quick", action="store_true", help="5 seeds instead of 40")
     seeds.add_argument(
-        "--seeds", type=whole(1, 100_000), metavar="N", help="episodes to sample (default 40)"
+        "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
     add_jobs(parser)
     formats = parser.add_mutually_exclusive_group()
@@ -183,7 +185,7 @@ def _add_validate(adder: Adder) -> None:
         "--format",
         choices=("text", "json", "junit", "github"),
         default="text",
-        help="of the result: a table, or for machines (default text)",
+        help="format of the report (default text)",
     )
     formats.add_argument(
         "--json",
@@ -193,13 +195,14 @@ def _add_validate(adder: Adder) -> None:
         help="the same as --format json",
     )
     parser.add_argument(
-        "--report", type=Path, metavar="DIR", help="also write pages with pictures to this folder"
+        "--report", type=Path, metavar="DIR", help="also write HTML reports to this folder"
     )
 
 
 def _add_render(adder: Adder) -> None:
     parser = adder.command(
-        "take pictures of tasks, without a display", "handover --camera front --modality rgb depth"
+        "render pictures of tasks, without a display",
+        "handover --camera front --modality rgb depth",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.add_argument("--all", action="store_true", help="every task of the catalogue")
@@ -216,27 +219,31 @@ def _add_render(adder: Adder) -> None:
         nargs="+",
         choices=("rgb", "depth", "mask"),
         default=["rgb"],
-        help="what to take (default rgb)",
+        help="kinds of image (default rgb)",
     )
-    _add_episode(parser, "episode (default 0)")
+    _add_episode(parser, "seed of the episode (default 0)")
     add_json(parser)
 
 
 def _add_demo(adder: Adder) -> None:
     parser = adder.command(
-        "play a task with its expert, and show how it went",
+        "play a task with its expert or a policy, and show what happened",
         "handover --episodes 10 --video",
     )
     parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
     parser.add_argument(
-        "--episodes", type=whole(1, 100_000), default=1, metavar="N", help="to play (default 1)"
+        "--episodes",
+        type=whole(1, 100_000),
+        default=1,
+        metavar="N",
+        help="number of episodes (default 1)",
     )
     parser.add_argument(
         "--policy",
         default="expert",
         metavar="P",
-        help="who plays: expert, random, nothing, or a trained policy: zoo:TASK/TRACK, a run's "
-        "folder, a file (default expert)",
+        help="expert, random, nothing, or a trained policy: zoo:TASK/TRACK, a run's folder, a "
+        "file (default expert)",
     )
     add_jobs(parser)
     parser.add_argument(
@@ -250,29 +257,31 @@ def _add_demo(adder: Adder) -> None:
         "--video", action="store_true", help="also film the first episode, as MP4 and GIF"
     )
     add_picture(parser, cameras="its first", of="a picture")
-    _add_episode(parser, "first episode (default 0); others follow")
+    _add_episode(parser, "seed of the first episode (default 0); others follow")
     add_json(parser)
 
 
 def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
-    """Options that say what is played and what draws it."""
+    """Options that choose the episode and the renderer."""
     parser.add_argument("--seed", type=whole(0, 2**32 - 1), default=0, metavar="N", help=seed)
     parser.add_argument(
         "--variation",
         type=whole(0, 10_000),
         default=0,
         metavar="K",
-        help="which variation; 0 is the plain task",
+        help="number of the variation (default 0, the task as written)",
     )
     add_renderer(parser)
 
 
 def _add_robots(adder: Adder) -> None:
     parser = adder.command(
-        "list the robots, or check one: its files, its joints, and a picture",
+        "list the robots, or check one: its files and joints, with a picture",
         "check path/to/robot.yaml",
     )
-    parser.add_argument("action", nargs="?", choices=("check",), metavar="check", help="check one")
+    parser.add_argument(
+        "action", nargs="?", choices=("check",), metavar="check", help="check one robot"
+    )
     parser.add_argument(
         "robot", nargs="?", metavar="ROBOT", help="name, or path of a robot.yaml or of any URDF"
     )
@@ -284,25 +293,29 @@ def _add_robots(adder: Adder) -> None:
 
 def _add_bench(adder: Adder) -> None:
     parser = adder.command(
-        "measure what a task's environment costs, beside its physics alone", "handover"
+        "measure the speed of a task's environment, beside that of its physics alone", "handover"
     )
     parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
     parser.add_argument(
-        "--episodes", type=whole(1, 1000), default=10, metavar="N", help="to play (default 10)"
+        "--episodes",
+        type=whole(1, 1000),
+        default=10,
+        metavar="N",
+        help="number of episodes (default 10)",
     )
     parser.add_argument(
         "--workers",
         type=whole(0, 64),
         default=2,
         metavar="N",
-        help="measure scaling up to so many processes (default 2)",
+        help="measure scaling up to N processes (default 2)",
     )
     add_json(parser)
 
 
 def _add_explain(adder: Adder) -> None:
     parser = adder.command(
-        "print what the reference says of a code, a condition, a verb, a channel or a key",
+        "print the reference entry of a code, a condition, a verb, a channel or a key",
         "objects.place",
     )
     parser.add_argument("name", metavar="NAME", help="such as TB511, Held, grasp or objects.place")
@@ -314,7 +327,7 @@ def _add_schema(adder: Adder) -> None:
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
     )
     parser.add_argument(
-        "sort", choices=("task", "robot"), metavar="SORT", help="task or robot: of which files"
+        "sort", choices=("task", "robot"), metavar="SORT", help="kind of file: task or robot"
     )
 
 

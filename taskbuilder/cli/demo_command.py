@@ -37,12 +37,12 @@ def run(arguments: argparse.Namespace) -> int:
     catalogue = catalogue_of(arguments)
     task = load_task(arguments.task, catalogue=catalogue)
     _check(task, arguments)
-    cast = _cast(catalogue, arguments)
+    factory = _factory(catalogue, arguments)
     make_folder(arguments.out)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     jobs = min(arguments.jobs or cores(), len(seeds))
     played = []
-    with closing(_play_all(cast, seeds, jobs)) as episodes:
+    with closing(_play_all(factory, seeds, jobs)) as episodes:
         for _, episode in zip(progress(seeds, "episodes"), episodes, strict=True):
             played.append(episode)
             if not arguments.json:
@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
                     say(f"{ASIDE}{reason}")
     if not arguments.json:
         print(_summary(played))
-    files = [display_path(file) for file in _show(task, played[0], cast, arguments)]
+    files = [display_path(file) for file in _show(task, played[0], factory, arguments)]
     if arguments.json:
         print_json({**_as_data(task, played), "files": files})
     else:
@@ -72,32 +72,32 @@ def _check(task: Task, arguments: argparse.Namespace) -> None:
         )
 
 
-def _cast(catalogue: Catalogue, arguments: argparse.Namespace) -> Cast:
+def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFactory:
     """Who plays where; a trained policy that does not fit is refused."""
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
-    place = EnvFactory(arguments.task, catalogue, tuple(options.items()))
-    cast = Cast(place, arguments.policy)
+    make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))
+    factory = PlayerFactory(make_env, arguments.policy)
     if trained:
         with ExitStack() as stack:
-            cast.make_player(stack)
-    return cast
+            factory.make_player(stack)
+    return factory
 
 
 # Playing
 
 
 @dataclass(frozen=True)
-class Cast:
+class PlayerFactory:
     """Who plays where, in a form that other processes can be told.
 
     Attributes:
-        place: Makes the environment.
+        make_env: Makes the environment.
         policy: Who plays.
     """
 
-    place: EnvFactory
+    make_env: EnvFactory
     policy: str
 
     def make_player(self, stack: ExitStack) -> Callable[[int], Rollout]:
@@ -106,7 +106,7 @@ class Cast:
         Raises:
             UsageError: A trained policy does not fit the task.
         """
-        env = stack.enter_context(closing(self.place()))
+        env = stack.enter_context(closing(self.make_env()))
         return partial(play, env, self._policy(env, stack), explain=True)
 
     def _policy(self, env: TaskEnv, stack: ExitStack) -> Policy:
@@ -120,24 +120,26 @@ class Cast:
         return made
 
 
-def _play_all(cast: Cast, seeds: Sequence[int], jobs: int) -> Generator[Rollout, None, None]:
+def _play_all(
+    factory: PlayerFactory, seeds: Sequence[int], jobs: int
+) -> Generator[Rollout, None, None]:
     """Episodes in the order of their seeds, each as soon as it has been played."""
     if jobs > 1:
         with workers(jobs) as spread:
-            yield from spread(partial(_play_elsewhere, cast), seeds)
+            yield from spread(partial(_play_elsewhere, factory), seeds)
         return
     with ExitStack() as stack:
-        yield from map(cast.make_player(stack), seeds)
+        yield from map(factory.make_player(stack), seeds)
 
 
-def _play_elsewhere(cast: Cast, seed: int) -> Rollout:
-    return _player_made_once(cast)(seed)
+def _play_elsewhere(factory: PlayerFactory, seed: int) -> Rollout:
+    return _player_made_once(factory)(seed)
 
 
 @lru_cache(maxsize=1)
-def _player_made_once(cast: Cast) -> Callable[[int], Rollout]:
+def _player_made_once(factory: PlayerFactory) -> Callable[[int], Rollout]:
     """A policy in its environment that is kept for as long as its process lives."""
-    return cast.make_player(ExitStack())
+    return factory.make_player(ExitStack())
 
 
 # Saying
@@ -203,7 +205,9 @@ def _as_data(task: Task, episodes: Sequence[Rollout]) -> dict[str, Any]:
 # Showing
 
 
-def _show(task: Task, episode: Rollout, cast: Cast, arguments: argparse.Namespace) -> list[Path]:
+def _show(
+    task: Task, episode: Rollout, factory: PlayerFactory, arguments: argparse.Namespace
+) -> list[Path]:
     """Write what an episode looked like, and say where."""
     from taskbuilder.visual.charts import Mark, reward_chart  # a second, when all else is in order
 
@@ -212,7 +216,7 @@ def _show(task: Task, episode: Rollout, cast: Cast, arguments: argparse.Namespac
     cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
     cameras = list(dict.fromkeys(cameras))
     subtitle = _subtitle(episode, arguments.policy)
-    with closing(cast.place(renderer=arguments.renderer)) as env:
+    with closing(factory.make_env(renderer=arguments.renderer)) as env:
         size = arguments.size
         page = film_strip(env, episode, cameras, subtitle=subtitle, size=size)
         save_image(strip, page)

@@ -22,7 +22,7 @@ from taskbuilder.files import write_whole
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.arms import SUBJECT, Arena, Job, by_arm, jobs_of, play_all
+from taskbuilder.trial.arms import SUBJECT, Job, TrialConfig, by_arm, jobs_of, play_all
 from taskbuilder.trial.certificate import Trial, certificate, write_certificate
 from taskbuilder.trial.results import Arms, as_data, compare, record
 from taskbuilder.visual.capture import Frame
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_table([*told, ["plays", _episodes(seeds)]], indent="  ")
         print(flush=True)
     compared = _compared(arguments)
-    arms = play_arms(found.arena, jobs_of(seeds, compared), arguments.jobs)
+    arms = play_arms(found.config, jobs_of(seeds, compared), arguments.jobs)
     played = arms[SUBJECT]
     stages = ("", *found.task.description.stages)
     summary = summarise(played, len(stages) - 1)
@@ -98,12 +98,12 @@ def _compared(arguments: argparse.Namespace) -> int:
     return int(arguments.episodes) if arguments.certificate else CONTROLS
 
 
-def play_arms(arena: Arena, jobs: Sequence[Job], asked: int | None) -> Arms:
+def play_arms(config: TrialConfig, jobs: Sequence[Job], asked: int | None) -> Arms:
     """Play all episodes, over as many processes as are asked for."""
     count = min(asked or cores(), len(jobs))
     with ExitStack() as stack:
         spread = stack.enter_context(workers(count)) if count > 1 else None
-        episodes = stack.enter_context(closing(play_all(arena, jobs, spread)))
+        episodes = stack.enter_context(closing(play_all(config, jobs, spread)))
         return by_arm(progress(episodes, "episodes", len(jobs)))
 
 
@@ -163,7 +163,7 @@ def _write(
         files.append(result)
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
-        with closing(found.place(renderer=arguments.renderer)) as env:
+        with closing(found.make_env(renderer=arguments.renderer)) as env:
             cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
             for role, seed in shown(summary).items():
                 files += save_film(

@@ -17,7 +17,7 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.arms import Arena
+from taskbuilder.trial.arms import TrialConfig
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Evaluated:
         player: A trained policy, or the name of another.
         file: Where a trained one was read from, or None.
         task: What is played.
-        place: Makes the environment.
+        make_env: Makes the environment.
         options: Of the environment, by name.
     """
 
@@ -37,13 +37,15 @@ class Evaluated:
     player: TrainedPolicy | str
     file: Path | None
     task: Task
-    place: EnvFactory
+    make_env: EnvFactory
     options: Mapping[str, Any]
 
     @property
-    def arena(self) -> Arena:
+    def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
-        return Arena(self.player, self.place, EnvFactory(self.place.task, self.place.catalogue, ()))
+        return TrialConfig(
+            self.player, self.make_env, EnvFactory(self.make_env.task, self.make_env.catalogue, ())
+        )
 
     @property
     def about(self) -> Mapping[str, Any]:
@@ -100,8 +102,8 @@ def evaluated(
             f"{loaded.name} has no expert; write its stages under expert: in "
             f"{display_path(loaded.file.entry.file)}"
         )
-    place = EnvFactory(reference, catalogue, tuple(chosen.items()))
-    return Evaluated(name, player, file, loaded, place, chosen)
+    make_env = EnvFactory(reference, catalogue, tuple(chosen.items()))
+    return Evaluated(name, player, file, loaded, make_env, chosen)
 
 
 def check_plays(found: Evaluated) -> None:
@@ -110,6 +112,6 @@ def check_plays(found: Evaluated) -> None:
     Raises:
         UsageError: So it is.
     """
-    with closing(found.place()) as env:
+    with closing(found.make_env()) as env:
         if isinstance(found.player, TrainedPolicy):
             check_fits(found.player, env, found.name)

@@ -1,4 +1,4 @@
-"""The parser's part for learning: commands that train, evaluate and plot."""
+"""Arguments of the commands `train`, `evaluate` and `plot`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def add_train(adder: CommandAdder) -> None:
     )
     parser.add_argument("task", nargs="?", metavar="TASK", help="name, or path of a YAML file")
     parser.add_argument(
-        "--resume", type=Path, metavar="RUN", help="go on with the run in this folder, as it began"
+        "--resume", type=Path, metavar="RUN", help="continue the run in this folder"
     )
     parser.add_argument(
         "--out", type=Path, metavar="RUN", help="folder of the run (default runs/TASK-TRACK-SEED)"
@@ -33,17 +33,15 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--algorithm", metavar="A", help="maddpg, maddpg_openai or ppo (default maddpg)"
     )
-    parser.add_argument(
-        "--preset", metavar="P", help="settings of the algorithm that go together, such as paper"
-    )
+    parser.add_argument("--preset", metavar="P", help="a named set of settings, such as paper")
     parser.add_argument(
         "--reward",
         metavar="R",
-        help="what learners learn from: team, local, shaped or ratchet (default ratchet)",
+        help="training reward: team, local, shaped or ratchet (default ratchet)",
     )
     many = whole(1, 1_000_000_000)
     parser.add_argument(
-        "--steps", type=many, metavar="N", help="control steps in all (default 300000)"
+        "--steps", type=many, metavar="N", help="control steps in total (default 300000)"
     )
     parser.add_argument(
         "--seed",
@@ -51,39 +49,49 @@ def add_train(adder: CommandAdder) -> None:
         nargs="+",
         type=whole(0, 2**31 - 1),
         metavar="N",
-        help="(default 0); of several, a run each, in RUN-SEED",
+        help="random seed (default 0); several train a run each, in RUN-SEED",
     )
     parser.add_argument(
-        "--jobs", type=whole(1, 1024), metavar="N", help="runs of several seeds at once (default 1)"
+        "--jobs", type=whole(1, 1024), metavar="N", help="runs to train at once (default 1)"
     )
     parser.add_argument(
-        "--envs", type=whole(1, 1024), metavar="N", help="environments at once (default 4)"
+        "--envs", type=whole(1, 1024), metavar="N", help="parallel environments (default 4)"
     )
     parser.add_argument(
         "--workers",
         type=whole(0, 1024),
         metavar="N",
-        help="processes that run them; 0: this one (default 0)",
+        help="processes for the environments; 0: this one (default 0)",
     )
     parser.add_argument(
-        "--demos", type=whole(0, 100_000), metavar="N", help="expert episodes to learn from too"
+        "--demos", type=whole(0, 100_000), metavar="N", help="also learn from N expert episodes"
     )
     parser.add_argument(
-        "--starts", type=share, metavar="SHARE", help="of the episodes, begin in states of experts"
+        "--starts",
+        type=share,
+        metavar="SHARE",
+        help="fraction of episodes that begin in an expert's state",
     )
     parser.add_argument(
         "--init", metavar="POLICY", help="start from zoo:TASK/TRACK, a run, or a policy's file"
     )
-    parser.add_argument("--device", metavar="D", help="of the networks: cpu or cuda (default cpu)")
     parser.add_argument(
-        "--observe", metavar="O", help="what policies see: task or scene (default task)"
+        "--device", metavar="D", help="device of the networks: cpu or cuda (default cpu)"
     )
     parser.add_argument(
-        "--frame", metavar="F", help="poses and motions as in the task, or base (default base)"
+        "--observe", metavar="O", help="what policies observe: task or scene (default task)"
     )
-    parser.add_argument("--rotation", metavar="R", help="quaternion or matrix (default matrix)")
     parser.add_argument(
-        "--variation", type=variation, metavar="K", help="which variation, or random (default 0)"
+        "--frame", metavar="F", help="frame of poses and motions: task or base (default base)"
+    )
+    parser.add_argument(
+        "--rotation", metavar="R", help="orientations: quaternion or matrix (default matrix)"
+    )
+    parser.add_argument(
+        "--variation",
+        type=variation,
+        metavar="K",
+        help="number of the variation, or random (default 0)",
     )
     parser.add_argument(
         "--randomize",
@@ -92,16 +100,19 @@ def add_train(adder: CommandAdder) -> None:
         help="draw the quantities that the task lists under randomize",
     )
     parser.add_argument(
-        "--evaluate-every", type=many, metavar="N", help="control steps (default 10000)"
+        "--evaluate-every", type=many, metavar="N", help="in control steps (default 10000)"
     )
     parser.add_argument(
-        "--evaluate-episodes", type=many, metavar="N", help="of an evaluation (default 20)"
+        "--evaluate-episodes", type=many, metavar="N", help="episodes per evaluation (default 20)"
     )
     parser.add_argument(
-        "--checkpoint-every", type=many, metavar="N", help="control steps (default 10000)"
+        "--checkpoint-every", type=many, metavar="N", help="in control steps (default 10000)"
     )
     parser.add_argument(
-        "--stop-at", type=share, metavar="SHARE", help="success in two evaluations to stop at"
+        "--stop-at",
+        type=share,
+        metavar="SHARE",
+        help="stop when two evaluations in a row reach this success rate",
     )
     parser.add_argument(
         "--set", nargs="+", metavar="K=V", help="settings of the algorithm, such as noise=0.2"
@@ -111,7 +122,7 @@ def add_train(adder: CommandAdder) -> None:
 def add_evaluate(adder: CommandAdder) -> None:
     """`taskbuilder evaluate`."""
     parser = adder.command(
-        "measure what a policy achieves, to the end of episodes that it has never seen",
+        "measure a policy's success rate in episodes that it has never seen",
         "zoo:handover/demos --episodes 300 --certificate handover.json",
     )
     parser.add_argument(
@@ -122,46 +133,50 @@ def add_evaluate(adder: CommandAdder) -> None:
         "nothing:TASK",
     )
     parser.add_argument(
-        "--episodes", type=whole(1, 100_000), default=300, metavar="N", help="(default 300)"
+        "--episodes",
+        type=whole(1, 100_000),
+        default=300,
+        metavar="N",
+        help="episodes to play (default 300)",
     )
     parser.add_argument(
         "--seed",
         type=whole(0, 2**32 - 1),
         default=2_000_000,
         metavar="N",
-        help="first episode (default 2000000, which no training sees); others follow",
+        help="seed of the first episode (default 2000000, never used in training); others follow",
     )
     parser.add_argument(
         "--variation",
         type=whole(0, 10_000),
         metavar="K",
-        help="which variation (default that of training)",
+        help="number of the variation (default that of training)",
     )
     parser.add_argument(
         "--controls",
         type=whole(0, 100_000),
         metavar="N",
-        help="from how many of the seeds the expert, random play, holding still and stalling play "
-        "too (default 20; all of them for a certificate)",
+        help="number of seeds that the expert, random actions, holding still and stalling play "
+        "for comparison (default 20; all of them for a certificate)",
     )
     add_jobs(parser)
     parser.add_argument(
         "--certificate",
         type=Path,
         metavar="FILE",
-        help="write the result with all that it takes to play it again elsewhere",
+        help="write the result with everything needed to verify it elsewhere",
     )
     parser.add_argument(
         "--verify",
         type=Path,
         metavar="FILE",
-        help="play a certificate again, compare to the bit, and say what differs here",
+        help="play a certificate again, compare bit for bit, and print what differs",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="write the result to this folder; films go there, too (default evaluations)",
+        help="folder for the result and films (default evaluations)",
     )
     parser.add_argument(
         "--video",
@@ -176,11 +191,11 @@ def add_evaluate(adder: CommandAdder) -> None:
 def add_plot(adder: CommandAdder) -> None:
     """`taskbuilder plot`."""
     parser = adder.command(
-        "draw the learning curves of training runs, those alike as one with its band",
+        "draw the learning curves of training runs; seeds of one setup share a curve with a band",
         "runs/handover-scratch-0 runs/handover-scratch-1 --out curves.png",
     )
     parser.add_argument("runs", nargs="+", metavar="RUN", help="folders of runs of one task")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="FILE", help="picture, .png or .svg"
     )
-    parser.add_argument("--title", metavar="T", help="in large letters (default the task)")
+    parser.add_argument("--title", metavar="T", help="title of the picture (default the task)")

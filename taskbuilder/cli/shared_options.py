@@ -1,4 +1,4 @@
-"""Options that several commands have, said once."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from taskbuilder.cli.argument_types import size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
-    """``--jobs``: over how many processes episodes are spread."""
+    """``--jobs``: the number of processes that play episodes."""
     parser.add_argument(
         "--jobs",
         type=whole(1, 1024),
         metavar="N",
-        help="processes to spread episodes over (default: one for each core)",
+        help="processes that play episodes (default: one for each core)",
     )
 
 
 def add_json(parser: ArgumentParser) -> None:
-    """``--json``: for machines."""
+    """``--json``: the result as JSON instead of text."""
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
@@ -26,18 +26,20 @@ def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
     """``--camera`` and ``--size``.
 
     Args:
-        parser: Of the command.
-        cameras: Which ones by default.
-        of: Whose size it is.
+        parser: The command's parser.
+        cameras: The default cameras, in words.
+        of: What the size is that of, in words.
     """
     parser.add_argument(
         "--camera", nargs="+", metavar="C", help=f"cameras of the scene (default {cameras})"
     )
-    parser.add_argument("--size", type=size, metavar="WxH", help=f"pixels of {of}, such as 640x480")
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help=f"size of {of} in pixels, such as 640x480"
+    )
 
 
 def add_renderer(parser: ArgumentParser) -> None:
-    """``--renderer``: what draws."""
+    """``--renderer``: how images are rendered."""
     parser.add_argument(
         "--renderer",
         choices=("auto", "tiny", "egl"),

@@ -20,7 +20,7 @@ from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
 from taskbuilder.validate.report import FamilyResult, TaskReport, as_data
-from taskbuilder.validate.run import QUICK_SEEDS, SEEDS, validate_task
+from taskbuilder.validate.runner import QUICK_SEEDS, SEEDS, validate_task
 
 if TYPE_CHECKING:  # pages need the physics engine, which a static validation never loads
     from taskbuilder.validate.html.page import Page

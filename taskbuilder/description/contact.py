@@ -16,7 +16,7 @@ _CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has le
 
 @dataclass(frozen=True)
 class Held(Condition):
-    """Fingers of a robot press on a body from both sides.
+    """Fingers of a robot press on a body from opposite sides.
 
     ``by`` is a robot, several that must all hold at once, or None for any robot.
     """
@@ -46,7 +46,7 @@ class Held(Condition):
 
 @dataclass(frozen=True)
 class Released(Condition):
-    """No finger touches a body: none of one robot's, or none at all."""
+    """No finger touches a body: no finger of robot ``by``, or of any robot."""
 
     body: BodyName
     _: KW_ONLY
@@ -114,7 +114,7 @@ class On(Condition):
 
 @dataclass(frozen=True)
 class ForceAbove(Condition):
-    """Two things press on each other with more than so many newtons; see `ContactForce`."""
+    """The contact force between two things is more than ``newtons``; see `ContactForce`."""
 
     first: SolidName
     second: SolidName

@@ -1,4 +1,4 @@
-"""Expressions made of functions of the world."""
+"""Expressions made from functions of the world."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Call(Generic[Result]):
-    """A function of the world with its arguments, as a value that can be compared and checked."""
+    """A function of the world with its arguments, as a comparable value."""
 
     function: Callable[..., Result]
     arguments: tuple[tuple[str, Any], ...]
@@ -24,7 +24,7 @@ class Call(Generic[Result]):
     def bind(
         cls, function: Callable[..., Result], args: tuple[Any, ...], kwargs: dict[str, Any]
     ) -> Call[Result]:
-        """The call of a function with everything but its first argument, the world.
+        """Bind the arguments of a function, except the first one, the world.
 
         Raises:
             TypeError: The arguments do not fit the function.
@@ -52,7 +52,7 @@ class Call(Generic[Result]):
 
 @dataclass(frozen=True)
 class CustomCondition(Condition):
-    """A condition made of a function by `condition`."""
+    """A condition that `condition` made from a function."""
 
     call: Call[bool]
 
@@ -67,7 +67,7 @@ class CustomCondition(Condition):
 
 
 def condition(function: Callable[..., bool]) -> Callable[..., Condition]:
-    """Make a condition of a function of the world.
+    """Turn a function of the world into a condition.
 
     ::
 

@@ -1,10 +1,11 @@
-"""A task's description, and the referee that applies it to a world step by step."""
+"""The description of a task, and the referee that evaluates it at every control step."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 from typing import Any, ClassVar, SupportsFloat
 
 from taskbuilder.description.logic import Never
@@ -25,15 +26,15 @@ from taskbuilder.description.view import WorldView
 
 
 class Description:
-    """Success and reward; one subclass in the file beside a task's YAML.
+    """The success condition and the reward of a task, as a class beside its YAML file.
 
     Attributes:
-        success: When the task is done. Required.
-        failure: When it can no longer be done.
+        success: The task is done. Required.
+        failure: The task can no longer be done.
         stages: Milestones by name, in the order in which they come.
-        reward: The terms that are paid at every control step. Required.
-        progress: How far the task is, for training signals; never part of the reward.
-        setback: When going on teaches little, such as after a drop: training may end there.
+        reward: The reward terms, summed at every control step. Required.
+        progress: How far the task has come, for training rewards; never part of the reward.
+        setback: The episode has little left to teach, as after a drop; training may end there.
     """
 
     success: ClassVar[Condition]
@@ -45,30 +46,30 @@ class Description:
 
     @classmethod
     def attributes(cls) -> dict[str, Condition]:
-        """The conditions among the class's attributes, inherited ones too."""
+        """The conditions among the class's attributes, including inherited ones."""
         everything = {name: getattr(cls, name) for base in cls.__mro__ for name in vars(base)}
         return {name: value for name, value in everything.items() if isinstance(value, Condition)}
 
     @classmethod
     def conditions(cls) -> dict[str, Condition]:
-        """Every condition that has a name: success, failure, stages and other attributes."""
+        """All named conditions: success, failure, stages and other attributes."""
         first = {"success": cls.success, "failure": cls.failure}
         return {**first, **cls.stages, **cls.attributes()}
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What the referee says of one control step.
+    """The result of evaluating a description at one control step.
 
     Attributes:
         success: The success condition holds now.
         failure: The failure condition holds now.
-        stage: How many stages have been reached so far: the last one ever to hold counts.
+        stage: Number of the last stage that has ever held in this episode, 0 for none.
         progress: The description's progress, or 0.0.
         conditions: Value of every named condition.
-        terms: Pay of every reward term by label, in the description's order.
-        local: Each agent's own pay plus its even share of what is common.
-        team: The sum of the agents' pay, in their order.
+        terms: Value of every reward term by label, in the description's order.
+        local: Each agent's own terms plus its equal share of the common ones.
+        team: The sum of the local rewards, in the order of the agents.
     """
 
     success: bool
@@ -82,7 +83,7 @@ class Outcome:
 
 
 def _looked_at(node: Node, world: WorldView, parts: Parts, memory: Memory) -> Step:
-    """A node's value and memory, the value being of the right sort."""
+    """A node's checked value and its memory."""
     step = node.update(world, parts, memory)
     if not isinstance(step, tuple) or len(step) != 2:
         raise ValueOfNodeError(node, step, "update gives a value and a memory")
@@ -96,16 +97,23 @@ def _looked_at(node: Node, world: WorldView, parts: Parts, memory: Memory) -> St
     return value, kept
 
 
+def _picking(positions: Sequence[int]) -> Callable[[Sequence[Any]], Parts]:
+    """What picks the values at some positions out of a list, in their order."""
+    if len(positions) > 1:
+        return itemgetter(*positions)
+    return lambda values: tuple([values[position] for position in positions])
+
+
 class Referee:
-    """Applies a description to a world; remembers what the description needs, in one value.
+    """Evaluates a description on a world, and keeps the memory of the description in one value.
 
     Every distinct expression of the description is evaluated once after reset and once after each
-    control step, parts first, never short-circuited. `memory` is immutable: keep it beside a
-    snapshot of the physics and set it back to continue from there.
+    control step, parts first, never short-circuited. `memory` is immutable: save it with a snapshot
+    of the physics, and restore it to continue from there.
 
     Attributes:
-        force_pairs: The bodies between which the world must meter forces, from before `start`.
-        values: Value of every node when the world was last judged; see `moment`.
+        force_pairs: Pairs of bodies whose contact forces the world must measure, before `start`.
+        values: Value of every node at the last evaluation; see `moment`.
     """
 
     def __init__(self, description: type[Description], agents: Sequence[str]) -> None:
@@ -116,14 +124,14 @@ class Referee:
         stages = description.stages.values()
         roots: tuple[Node, ...] = (*named.values(), *stages, *description.reward, *progress)
         self._nodes = tuple(walk(roots))
-        # What a description's own nodes give in their own ways is looked at; ours cannot go wrong.
+        # Values of a description's own nodes are checked; those of the library need no check.
         self._updates = tuple(
             node.update if is_ours(type(node).update) else partial(_looked_at, node)
             for node in self._nodes
         )
-        # Where in the list of nodes everything is, so that no node is hashed while judging.
+        # Indices into the list of nodes, so that no node is hashed during evaluation.
         index = {node: position for position, node in enumerate(self._nodes)}
-        self._parts = tuple(tuple(index[part] for part in node.parts) for node in self._nodes)
+        self._parts = tuple(_picking([index[part] for part in node.parts]) for node in self._nodes)
         self._conditions = tuple((name, index[node]) for name, node in named.items())
         self._stages = tuple(index[node] for node in stages)
         self._terms = tuple((t.label, t.agent, index[t]) for t in description.reward)
@@ -134,17 +142,17 @@ class Referee:
         self.values: Sequence[Any] = ()
 
     def start(self, world: WorldView) -> Outcome:
-        """Forget the last episode and judge the world as it stands after reset."""
+        """Begin an episode: clear the memory, and evaluate the world after reset."""
         self.memory = (tuple(node.start(world) for node in self._nodes), 0)
         return self.judge(world)
 
     def judge(self, world: WorldView) -> Outcome:
-        """Judge the world after a control step."""
+        """Evaluate the world after a control step."""
         memories, stage = self.memory
         values: list[Any] = []
         remembered = []
-        for update, parts, memory in zip(self._updates, self._parts, memories, strict=True):
-            value, kept = update(world, tuple([values[part] for part in parts]), memory)
+        for update, parts_of, memory in zip(self._updates, self._parts, memories, strict=True):
+            value, kept = update(world, parts_of(values), memory)
             values.append(value)
             remembered.append(kept)
         for number, reached in enumerate(self._stages, start=1):
@@ -154,11 +162,11 @@ class Referee:
         return self._outcome(values, stage)
 
     def moment(self, world: WorldView, history: Sequence[Sequence[Any]]) -> EvaluatedState:
-        """The world as it was last judged, to ask for reasons.
+        """The last evaluated state, for finding reasons.
 
         Args:
-            world: The same.
-            history: `values` after every judgement of the episode, the last one included.
+            world: The world in this state.
+            history: `values` after every evaluation of the episode, the last one included.
         """
         index = {node: position for position, node in enumerate(self._nodes)}
         return EvaluatedState(world, index, self.memory[0], history)

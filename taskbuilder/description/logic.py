@@ -1,4 +1,4 @@
-"""Conditions over conditions: counting, and order and duration in time."""
+"""Conditions made of other conditions: counting, order and duration."""
 
 from __future__ import annotations
 
@@ -62,10 +62,10 @@ class AtLeast(Condition):
 
 @dataclass(frozen=True, init=False)
 class Then(Condition):
-    """Conditions that come true one after the other; true from the last one on.
+    """Conditions that come true one after the other; true once the last one has.
 
-    Each must hold at the same control step as the one before it came true, or at a later one;
-    none needs to go on holding.
+    Each must hold at the control step at which the one before it came true, or at a later one. None
+    has to keep holding.
     """
 
     of: tuple[Condition, ...]
@@ -79,7 +79,7 @@ class Then(Condition):
         return self.of
 
     def start(self, world: WorldView) -> Memory:
-        """How many have come true."""
+        """The number of conditions that have come true."""
         return 0
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
@@ -100,7 +100,7 @@ class Then(Condition):
 
 @dataclass(frozen=True)
 class Sustained(Condition):
-    """A condition that has held at every control step for some time."""
+    """A condition that has held without a break for at least ``seconds``."""
 
     of: Condition
     seconds: float

@@ -1,4 +1,4 @@
-"""Measures: numbers read off the world, for potentials, progress and pay.
+"""Measures: numbers read from the world, for progress, potentials and reward terms.
 
 They add and multiply with each other and with plain numbers: ``0.5 * (3 + Height("cube"))``.
 """
@@ -29,7 +29,7 @@ from taskbuilder.schema.names import SceneNames
 
 
 class Measure(Node):
-    """A number read off the world. Make your own by `measure`, or as a frozen dataclass."""
+    """A number read from the world. Make your own by `measure`, or as a frozen dataclass."""
 
     def value(self, world: WorldView) -> float:
         """The number now."""
@@ -40,7 +40,7 @@ class Measure(Node):
         return (value if type(value) is float and value == value else self.number_of(value)), memory
 
     def number_of(self, value: Any) -> float:
-        """A value as a measure's.
+        """A value as a float.
 
         Raises:
             ValueOfNodeError: It is no number.
@@ -147,7 +147,7 @@ class Closeness(Measure):
 
 @dataclass(frozen=True)
 class Height(Measure):
-    """How high a frame is above the world's origin, or above another frame, in metres."""
+    """The height of a frame above the world's origin, or above another frame, in metres."""
 
     frame: FrameName
     reference: FrameName | None = None
@@ -159,7 +159,7 @@ class Height(Measure):
 
 @dataclass(frozen=True)
 class GripperOpening(Measure):
-    """How far a robot's gripper is open: 0 where it is closed, 1 where it is wide open."""
+    """How far a robot's gripper is open, from 0 (closed) to 1 (fully open)."""
 
     robot: RobotName
 
@@ -169,10 +169,10 @@ class GripperOpening(Measure):
 
 @dataclass(frozen=True)
 class ContactForce(Measure):
-    """The force with which two things press on each other, in newtons; 0 where they do not touch.
+    """The contact force between two things, in newtons; 0 if they do not touch.
 
-    Each is a robot, an object or a part. It is the sum of the normal forces between the two,
-    averaged over 1/60 s, and of that the peak over all physics steps of the control step.
+    Each is a robot, an object or a part. The force is the sum of the normal forces between the
+    two, averaged over 1/60 s; the value is its peak over the physics steps of the control step.
     """
 
     first: SolidName
@@ -196,7 +196,7 @@ def one_body(first: str, second: str) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Duration(Measure):
-    """For how long a condition has held without a break, in seconds; 0 while it does not hold."""
+    """The time for which a condition has held without a break, in seconds; else 0."""
 
     of: Condition
 
@@ -215,7 +215,7 @@ class Duration(Measure):
 
 @dataclass(frozen=True)
 class Fraction(Measure):
-    """How much of a whole there is: measure / of, from 0 to 1."""
+    """A measure as a fraction of a whole: measure / of, clipped to 0 to 1."""
 
     measure: Measure
     _: KW_ONLY
@@ -223,7 +223,7 @@ class Fraction(Measure):
 
     @property
     def parts(self) -> tuple[Node, ...]:
-        """What is measured."""
+        """The measure."""
         return (self.measure,)
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
@@ -236,7 +236,7 @@ class Fraction(Measure):
 
 @dataclass(frozen=True, init=False)
 class Minimum(Measure):
-    """The least of measures: ``Minimum(Height("tray.left"), Height("tray.right"))``."""
+    """The minimum of measures: ``Minimum(Height("tray.left"), Height("tray.right"))``."""
 
     of: tuple[Measure, ...]
 
@@ -245,7 +245,7 @@ class Minimum(Measure):
 
     @property
     def parts(self) -> tuple[Node, ...]:
-        """What it is the least of."""
+        """The measures, in order."""
         return self.of
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
@@ -258,7 +258,7 @@ class Minimum(Measure):
 
 @dataclass(frozen=True, init=False)
 class Ladder(Measure):
-    """The measure of the last rung whose condition holds, or else of the ground.
+    """The measure of the last rung whose condition holds; the ground while none holds.
 
     ::
 
@@ -291,7 +291,7 @@ class Ladder(Measure):
 
 @dataclass(frozen=True)
 class CustomMeasure(Measure):
-    """A measure made of a function by `measure`."""
+    """A measure that `measure` made from a function."""
 
     call: Call[float]
 
@@ -306,7 +306,7 @@ class CustomMeasure(Measure):
 
 
 def measure(function: Callable[..., float]) -> Callable[..., Measure]:
-    """Make a measure of a function of the world, as `condition` makes a condition."""
+    """Turn a function of the world into a measure, as `condition` does for conditions."""
 
     def make(*args: Any, **kwargs: Any) -> Measure:
         return CustomMeasure(Call.bind(function, args, kwargs))

@@ -1,8 +1,8 @@
 """The building blocks of descriptions: frozen expressions over names in the scene.
 
 An expression is a value: it can be compared, hashed, printed and checked against the scene before
-anything runs. What it has to remember during an episode is kept outside it (see `Referee`), so
-that two environments never share memory.
+anything runs. Its memory during an episode is kept outside it (see `Referee`), so that two
+environments never share memory.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ JointName = Annotated[str, Refers("joint")]
 ContainerName = Annotated[str, Refers("container")]
 
 Memory = Any
-"""What a node carries from one control step to the next; an immutable value."""
+"""The memory of a node between control steps; an immutable value."""
 
 Parts = tuple[Any, ...]
 """The values of a node's parts at this control step."""
@@ -95,11 +95,11 @@ class Node:
         raise NotImplementedError
 
     def force_pairs(self) -> Iterator[tuple[str, str]]:
-        """Pairs of bodies whose `WorldView.contact_force` it asks for; no others are metered."""
+        """Pairs of bodies whose `WorldView.contact_force` it reads; only these are measured."""
         return iter(())
 
     def problems(self, names: SceneNames) -> Iterator[str]:
-        """What is wrong with the node's own values, beyond names and kinds."""
+        """Problems with the node's own values, other than names and kinds."""
         return iter(())
 
     def arguments(self) -> Iterator[Argument]:
@@ -121,10 +121,10 @@ class Node:
 
 
 class ValueOfNodeError(TaskbuilderError, TypeError):
-    """An expression gave a value that it cannot have.
+    """An expression returned an invalid value.
 
     Attributes:
-        place: Where what gave it was written, or None.
+        place: Where the code that returned it was written, or None.
     """
 
     def __init__(self, node: Node, value: Any, right: str) -> None:
@@ -154,11 +154,11 @@ def _function_of(node: Node) -> Callable[..., Any] | None:
 
 
 class Blame(NamedTuple):
-    """Which parts of a condition keep it from being as it is wanted.
+    """The parts of a condition that keep it from having the wanted value.
 
     Attributes:
-        parts: Each with whether it should hold.
-        every: Whether all of them must change, or any one of them would do.
+        parts: Each part, with the value that it should have.
+        every: Whether all of them must change, or any one of them would be enough.
     """
 
     parts: tuple[tuple[Condition, bool], ...]
@@ -166,7 +166,7 @@ class Blame(NamedTuple):
 
 
 class Condition(Node):
-    """Something that is true or false of the world.
+    """An expression that is true or false.
 
     Compose with ``&``, ``|``, ``~`` and the conditions of `taskbuilder.description.logic`. Make
     your own by subclassing as a frozen dataclass with a method ``holds``, or by `condition`.
@@ -181,7 +181,7 @@ class Condition(Node):
         return (value if value is True or value is False else self.truth(value)), memory
 
     def truth(self, value: Any) -> bool:
-        """A value as a condition's; numbers are true unless they are 0.
+        """A value as a bool; numbers other than 0 are true.
 
         Raises:
             ValueOfNodeError: It is neither true nor false.
@@ -195,22 +195,22 @@ class Condition(Node):
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         """The figure that decides and the bound that is needed: "7 cm, within 5 cm is needed".
 
-        Asked after an episode, and only where the condition is not as wanted.
+        It is called after an episode, and only if the condition does not have the wanted value.
 
         Args:
-            world: As it stands.
-            memory: What the condition remembers after its last `update`.
-            wanted: Whether it should hold.
+            world: The world in this state.
+            memory: The memory after the last `update`.
+            wanted: Whether the condition should hold.
         """
         return "does not hold" if wanted else "holds"
 
     def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
-        """Which of its parts are to blame where it is not as wanted; None: it tells a `figure`.
+        """The parts to blame if it does not have the wanted value; None to use its `figure`.
 
         Args:
-            parts: Their values.
-            memory: What the condition remembers after its last `update`.
-            wanted: Whether it should hold.
+            parts: Values of the parts.
+            memory: The memory after the last `update`.
+            wanted: Whether the condition should hold.
         """
         return None
 
@@ -235,14 +235,14 @@ def _flat(sort: type[AllOf] | type[AnyOf], node: Condition) -> tuple[Condition, 
 
 
 def blame_those(of: tuple[Condition, ...], values: Parts, *, wanted: bool, every: bool) -> Blame:
-    """Blame those of several conditions that are not as wanted."""
+    """Blame the conditions that do not have the wanted value."""
     wrong = [part for part, value in zip(of, values, strict=True) if bool(value) != wanted]
     return Blame(tuple((part, wanted) for part in wrong), every)
 
 
 @dataclass(frozen=True)
 class AllOf(Condition):
-    """Every one of several conditions; written ``a & b``."""
+    """All of several conditions; written ``a & b``."""
 
     of: tuple[Condition, ...]
 

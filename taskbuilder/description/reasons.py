@@ -1,4 +1,4 @@
-"""Why a condition is not as it is wanted: which parts of it are to blame, by figure and bound."""
+"""Explanations of why a condition does not have the wanted value, by figure and bound."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from taskbuilder.description.node import Condition, Memory, Node
 from taskbuilder.description.view import WorldView
 
 MOST_ALTERNATIVES = 4
-"""Parts of which any would do that are told one by one."""
+"""Maximum number of alternatives that are listed one by one."""
 
 
 @dataclass(frozen=True)
 class Reason:
-    """What kept an episode from success.
+    """A reason why an episode did not succeed.
 
     Attributes:
-        of: What it is about: ``success``, which was false; ``failure``, which held; or
-            ``physics``, which diverged.
-        part: The part of the condition that is to blame, such as ``Near(stick, goal)``; "" where
-            the physics diverged.
+        of: The subject: ``success``, which was false; ``failure``, which held; or ``physics``,
+            which diverged.
+        part: The part of the condition that is to blame, such as ``Near(stick, goal)``; "" if the
+            physics diverged.
         says: Its figure and its bound: "7.3 cm, within 5 cm is needed".
-        since: Control steps that had passed when the part became so, 0 if it always was; of a
-            failure, those that had passed when it first held.
+        since: Control step since which the part has this value, 0 for the whole episode; for a
+            failure, the step at which it first held.
     """
 
     of: str
@@ -45,13 +45,13 @@ class Reason:
 
 @dataclass(frozen=True)
 class EvaluatedState:
-    """A state of an episode, and the values that led to it.
+    """A state of an episode, with the values of all nodes so far.
 
     Attributes:
-        world: As it stands.
-        index: Where each node of the description has its value and its memory.
-        memories: Of every node.
-        history: The values of every node at each state so far, the present one last.
+        world: The world in this state.
+        index: Index of each node of the description in the lists of values and memories.
+        memories: Memory of every node.
+        history: Values of every node at each step so far, the current one last.
     """
 
     world: WorldView
@@ -83,13 +83,13 @@ class EvaluatedState:
 
 
 def reasons(node: Condition, moment: EvaluatedState, *, wanted: bool, of: str) -> list[Reason]:
-    """Why a condition is not as it is wanted; nothing if it is.
+    """The reasons why a condition does not have the wanted value; empty if it has.
 
     Args:
-        node: The condition, of the description that the moment is of.
-        moment: When.
-        wanted: Whether it should hold.
-        of: What the reasons are about; see `Reason`.
+        node: A condition of the description.
+        moment: The state of the episode.
+        wanted: Whether the condition should hold.
+        of: The subject of the reasons; see `Reason`.
     """
     if bool(moment.value(node)) == wanted:
         return []
@@ -115,7 +115,10 @@ def _kept(node: Condition, moment: EvaluatedState, wanted: bool, of: str) -> Ite
     if longest:
         step_s = moment.world.time / max(1, len(moment.history) - 1)
         seconds = (longest - 1) * step_s
-        says = f"kept for {seconds:.1f} of {node.seconds:g} s at most"
+        if seconds < node.seconds:
+            says = f"kept for {seconds:.1f} of {node.seconds:g} s at most"
+        else:
+            says = f"kept for {seconds:.1f} s, {node.seconds:g} s were needed, but not to the end"
         yield Reason(of, label(node), says, moment.since(node))
 
 

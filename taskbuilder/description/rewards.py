@@ -1,7 +1,7 @@
-"""Reward terms: named, each with the agent that earns it, paid at every control step.
+"""Reward terms: named, paid at every control step, each to an agent or to the team.
 
-A term without an agent is common to all: its pay is shared evenly, so that the agents' parts add
-up to the team's reward.
+A term without an agent is common to all agents and is shared equally, so that the local rewards
+add up to the team reward.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from taskbuilder.schema.names import SceneNames
 
 
 class Term(Node):
-    """A named part of the reward; its value is what it pays at a control step."""
+    """A named part of the reward; its value is the reward of a control step."""
 
     name: str
     agent: str | None = None
 
     @property
     def label(self) -> str:
-        """The term's name with its agent's, as logs show it: ``grasp/left``."""
+        """The term's name with its agent's, as it appears in logs: ``grasp/left``."""
         return f"{self.name}/{self.agent}" if self.agent else self.name
 
 
 @dataclass(frozen=True)
 class Bonus(Term):
-    """Pays ``amount`` while a condition holds, else nothing."""
+    """A reward of ``amount`` at each control step at which a condition holds, else 0."""
 
     name: str
     condition: Condition
@@ -49,7 +49,7 @@ class Bonus(Term):
 
 @dataclass(frozen=True)
 class Distance(Term):
-    """Costs the distance between two frames: pays -weight * |a - b|, in metres."""
+    """The negative distance between two frames: -weight * |a - b|, in metres."""
 
     name: str
     first: FrameName
@@ -65,7 +65,7 @@ class Distance(Term):
 
 @dataclass(frozen=True)
 class Potential(Term):
-    """Pays what a measure has gained since the last step: weight * (discount * now - before).
+    """The gain of a measure since the last step: weight * (discount * now - before).
 
     With the learner's own discount this leaves the best policy as it was (Ng, Harada and Russell,
     "Policy invariance under reward transformations", 1999).
@@ -96,7 +96,7 @@ class Potential(Term):
 
 @dataclass(frozen=True)
 class Paid(Term):
-    """Pays a measure itself, weighted."""
+    """A measure as a reward: weight * measure."""
 
     name: str
     measure: Measure

@@ -1,4 +1,4 @@
-"""Conditions on where things are, how they stand, and how they move."""
+"""Conditions on positions, orientations and motions."""
 
 from __future__ import annotations
 
@@ -185,14 +185,14 @@ def Level(frame: FrameName, *, within_deg: float) -> Condition:  # noqa: N802  #
 
 @dataclass(frozen=True)
 class Moved(Condition):
-    """A frame is at least ``by`` metres from where it was when the episode began."""
+    """A frame is at least ``by`` metres from its position when the episode began."""
 
     frame: FrameName
     _: KW_ONLY
     by: float
 
     def start(self, world: WorldView) -> Memory:
-        """Where it was."""
+        """The initial position."""
         return world.position(self.frame)
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
@@ -208,14 +208,14 @@ class Moved(Condition):
 
 @dataclass(frozen=True)
 class Turned(Condition):
-    """A frame is turned by at least ``by_deg`` from how it stood when the episode began."""
+    """A frame is turned by at least ``by_deg`` from its orientation when the episode began."""
 
     frame: FrameName
     _: KW_ONLY
     by_deg: float
 
     def start(self, world: WorldView) -> Memory:
-        """How it stood."""
+        """The initial orientation."""
         return world.pose(self.frame).quaternion
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
@@ -264,7 +264,7 @@ class Stationary(Condition):
 
 @dataclass(frozen=True)
 class JointPosition(Condition):
-    """A sliding joint of an articulated object is above or below some positions, in metres."""
+    """A prismatic joint of an articulated object is above or below a position, in metres."""
 
     joint: JointName
     _: KW_ONLY
@@ -286,7 +286,7 @@ class JointPosition(Condition):
 
 @dataclass(frozen=True)
 class JointAngle(Condition):
-    """A turning joint of an articulated object is above or below some angles, in degrees."""
+    """A revolute joint of an articulated object is above or below an angle, in degrees."""
 
     joint: JointName
     _: KW_ONLY
@@ -313,7 +313,7 @@ def _between(value: float, above: float | None, below: float | None) -> bool:
 def _beyond(
     value: float, above: float | None, below: float | None, *, unit: str, wanted: bool
 ) -> str:
-    """A joint's value and what is needed of it."""
+    """A joint's value and its bound, in words."""
     if wanted:
         low = above is not None and value < above
         bound = above if low else below

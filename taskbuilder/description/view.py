@@ -1,4 +1,4 @@
-"""What a description may see of the world: values by name, nothing to change it with."""
+"""The read-only view of the world that descriptions use."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from taskbuilder.geometry import Box, Pose, Vec3
 
 
 class WorldView(Protocol):
-    """The world as conditions and rewards see it, unchanging within a control step.
+    """The state of the world that conditions and rewards read; constant within a control step.
 
     Frames are named ``stick``, ``tray.left_handle``, ``goal``, ``left.tcp``; poses and velocities
     are in the world frame, in metres, seconds and radians.
@@ -40,7 +40,7 @@ class WorldView(Protocol):
         """Bounding box, in its own frame, of an object, a part, or a site's marker."""
 
     def is_solid(self, name: str) -> bool:
-        """Whether a name stands for a body, as against a site, which is only a frame."""
+        """Whether a name is a body (True), or a site, which is only a frame (False)."""
 
     def held(self, body: str, robot: str) -> bool:
         """Whether opposing fingers of a robot press on an object or part from both sides."""
@@ -49,12 +49,13 @@ class WorldView(Protocol):
         """Whether two things touch: objects, parts, or robots (their gripper included)."""
 
     def support(self, body: str, below: str) -> float:
-        """Upward force in newtons with which one object or part carries another."""
+        """Upward force in newtons with which ``below`` carries ``body``."""
 
     def contact_force(self, first: str, second: str) -> float:
-        """Peak of the force between two things in this control step (N); see `ContactForce`.
+        """Peak contact force between two things in this control step, in N.
 
-        Known of the pairs that a node of the description names in `Node.force_pairs`.
+        It is measured only for pairs that a node of the description names in `Node.force_pairs`;
+        see `ContactForce` for its definition.
         """
 
     def fingers_touch(self, body: str, robot: str) -> bool:

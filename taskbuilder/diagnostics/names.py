@@ -11,8 +11,8 @@ ENTRIES = {
     ),
     "TB201": Code(
         "Name that stands for nothing",
-        "The task file refers to something that the scene does not have, or that is of "
-        "another kind: a site where a robot is needed.",
+        "The task file refers to something that the scene does not have, or that is of another "
+        "kind, such as a site instead of a robot.",
         within(
             "scene.objects.cube",
             "place: {surface: tabel, center: [-0.4, 0], size: [0.1, 0.1]}",
@@ -21,16 +21,16 @@ ENTRIES = {
     ),
     "TB202": Code(
         "Name used twice",
-        "Robots, objects, sites and cameras share one space of names, and the links and grasp "
-        "points of a URDF object another.",
+        "Robots, objects, sites and cameras share one namespace, and so do the links and grasp "
+        "points of a URDF object.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),
     ),
     "TB203": Code(
         "Positions run in a circle",
-        "One thing stands in the frame of another that, in the end, stands in the frame of "
-        "the first.",
+        "An object or site is placed in the frame of another one that is, directly or "
+        "indirectly, placed in the frame of the first.",
         within(
             "scene.sites",
             "a: {position: [0, 0, 0.1], in: b}\nb: {position: [0, 0, 0.1], in: a}",
@@ -45,13 +45,13 @@ ENTRIES = {
     ),
     "TB205": Code(
         "Change of the scene that cannot be made",
-        "A variation, a randomised quantity or a {thing.key} of an instruction names no value "
-        "of the scene, or one that cannot change.",
+        "A variation, a randomised quantity or a {thing.key} of an instruction refers to a "
+        "value that the scene does not have, or that cannot change.",
         Example("task", "variations: [{cub.color: blue}]", "variations: [{cube.color: blue}]"),
     ),
     "TB206": Code(
         "No description beside the task file",
-        "NAME.yaml needs NAME.py in the same folder; it holds the description.",
+        "NAME.yaml needs NAME.py in the same folder, which holds the description.",
         Example("folder", "example.yaml", "example.yaml\nexample.py"),
     ),
     "TB207": Code(
@@ -83,7 +83,7 @@ ENTRIES = {
     "TB211": Code(
         "Two things of one name in the description",
         "Two reward terms have the same name and agent, or a stage has the name of another "
-        "condition. Logs could not tell them apart.",
+        "condition. Logs could not distinguish them.",
         Example(
             "description",
             'reward = (Bonus("grasp", Held("cube"), 1.0), Bonus("grasp", Held("tray"), 1.0))',
@@ -92,7 +92,8 @@ ENTRIES = {
     ),
     "TB212": Code(
         "Value that makes no sense in the description",
-        "A threshold is negative or not a number, bounds exclude each other, or the like.",
+        "A value is invalid: a threshold is negative or not a number, bounds exclude each "
+        "other, or the like.",
         Example(
             "description",
             'success = Near("cube", "goal", within=-0.05)',
@@ -102,13 +103,13 @@ ENTRIES = {
     "TB213": Code(
         "The description does not come back",
         "Importing the Python file took over ten seconds or ended the interpreter. A "
-        "description only declares: it neither trains nor talks to anything.",
+        "description only declares expressions: it must not train anything or communicate.",
         Example("module", "import os\n\nos._exit(0)", "class Example(Description):\n    ..."),
     ),
     "TB214": Code(
         "No such condition",
-        "An expert waits for something, or a joint's lock goes by something, that the description "
-        "does not name. It can be a stage, success or failure, or any condition that is an "
+        "An expert waits for a condition, or a lock of a joint names one, that the description "
+        "does not have. It can be a stage, success or failure, or any condition that is an "
         "attribute of the class.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),

@@ -9,9 +9,9 @@ _OURS = " No task file is known to fail this; please report one that does."
 ENTRIES = {
     "TB501": Code(
         "The same seed gives another episode",
-        "Played twice with the same seed and the same actions, the episode went differently, and "
-        "differently again in a fresh process. Something draws from a generator that the seed "
-        "does not decide, or reads the clock.",
+        "Two episodes with the same seed and the same actions differ, in one process and also "
+        "in a fresh process. Some code draws from a generator that the seed does not determine,"
+        " or reads the clock.",
         Example(
             "module",
             "import random\n\n\n@measure\ndef luck(world):\n    return random.random()\n\n\n"
@@ -21,9 +21,9 @@ ENTRIES = {
     ),
     "TB502": Code(
         "An episode depends on those before it",
-        "The same seed and actions give the same episode in two fresh processes, but another one "
-        "after other episodes. A description keeps something in a variable of its module; what "
-        "has to be remembered belongs into conditions such as Once, Then and Sustained.",
+        "The same seed and actions give the same episode in two fresh processes, but another "
+        "one after other episodes. A description keeps state in a variable of its module. Use "
+        "conditions with memory instead, such as Once, Then and Sustained.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -34,9 +34,9 @@ ENTRIES = {
     ),
     "TB503": Code(
         "An episode depends on the process",
-        "The same seed and actions give the same episode again and again in one process, but "
-        "another one in a second process. Hashes of texts, the order of sets, id() and the "
-        "process's number differ between processes.",
+        "The same seed and actions give the same episode repeatedly in one process, but another"
+        " one in a second process. Hashes of strings, the order of sets, id() and the process "
+        "id differ between processes.",
         Example(
             "module",
             "@measure\ndef order(world):\n    return hash('cube') % 1000\n\n\n"
@@ -46,9 +46,9 @@ ENTRIES = {
     ),
     "TB504": Code(
         "A restored episode goes on differently",
-        "Saved in mid-episode, played on, restored and played on by the same actions, the episode "
-        "went differently. A description remembers something that is not saved; what has to be "
-        "remembered belongs into conditions such as Once, Then and Sustained.",
+        "An episode was saved and continued, then restored and continued with the same actions,"
+        " and the two continuations differ. A description has state that is not saved. Use "
+        "conditions with memory instead, such as Once, Then and Sustained.",
         Example(
             "module",
             "highest = []\n\n\n@measure\ndef record(world):\n    if world.time == 0:\n"
@@ -60,8 +60,8 @@ ENTRIES = {
     ),
     "TB505": Code(
         "The description changes the world",
-        "After the description was asked, something stood elsewhere, moved otherwise or was told "
-        "otherwise than before. A description only looks.",
+        "After the description was evaluated, positions, velocities or motor commands had "
+        "changed. A description must only read the world.",
         Example(
             "module",
             "@condition\ndef freed(world):\n"
@@ -72,10 +72,10 @@ ENTRIES = {
     ),
     "TB511": Code(
         "The expert asks for what a robot cannot reach",
-        "At some placement, no joint positions within the limits bring the robot's tcp to a pose "
-        "that a stage of the expert asks for, and the expert fails there too. The finding names "
-        "the seed, the stage and the robot, and how far the pose is out of reach. Where the expert "
-        "succeeds before it comes to that stage, it is a warning.",
+        "For some placement, no joint positions within the limits bring the robot's tcp to a "
+        "pose that a stage of the expert needs, and the expert fails there too. The finding "
+        "names the seed, the stage and the robot, and how far the pose is out of reach. If the "
+        "expert succeeds before that stage, it is a warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -86,17 +86,16 @@ ENTRIES = {
     ),
     "TB521": Code(
         "PettingZoo's test of the parallel API",
-        "`parallel_api_test` refuses the environment that the task makes." + _OURS,
+        "`parallel_api_test` refuses the environment of the task." + _OURS,
     ),
     "TB522": Code(
         "PettingZoo's tests of the turn-based view",
-        "`api_test` or `seed_test` refuses the environment that the task makes, seen agent by "
-        "agent." + _OURS,
+        "`api_test` or `seed_test` refuses the turn-based view of the environment." + _OURS,
     ),
     "TB523": Code(
         "Gymnasium's test of the joint view",
-        "`check_env` refuses the environment that the task makes, seen as one agent's. An episode "
-        "of a single step is one reason.",
+        "`check_env` refuses the joint view of the environment. An episode of a single step is "
+        "one reason.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 1}",
@@ -105,14 +104,15 @@ ENTRIES = {
     ),
     "TB524": Code(
         "Observation outside its space",
-        "An observation is of another shape or type than its space says, beyond its bounds, or "
-        "not a number. Observations are clipped to their bounds. No task file is known to fail "
-        "this, short of a description that tampers with what the world answers.",
+        "An observation has another shape or type than its space, exceeds its bounds, or is not"
+        " a number. Observations are clipped to their bounds. No task file is known to fail "
+        "this, except for a description that manipulates the values of the world.",
     ),
     "TB525": Code(
         "Observation that does not vary",
-        "Over whole episodes, an agent sees the same at every step; or it sees the same in every "
-        "episode although things are placed anew. Either way it learns nothing from looking.",
+        "An agent's observation is the same at every step of whole episodes, or the same in "
+        "every episode although objects are placed at random. In both cases the agent cannot "
+        "learn from it.",
         Example(
             "task",
             "observe: {left: [goal.position], right: [self.tcp, cube.position]}",
@@ -121,8 +121,9 @@ ENTRIES = {
     ),
     "TB526": Code(
         "Observations that are not each agent's own",
-        "Two agents see exactly the same and neither sees itself, so that neither can tell which "
-        "one it is; or writing into an observation changes another one, or the episode.",
+        "Two agents have exactly the same observations and neither observes itself, so that "
+        "neither can tell which one it is. Or writing into an observation changes another one, "
+        "or the episode.",
         Example(
             "task",
             "observe: {left: [cube.pose, time_left], right: [cube.pose, time_left]}",
@@ -131,8 +132,8 @@ ENTRIES = {
     ),
     "TB527": Code(
         "Space that is made anew at every call",
-        "observation_space or action_space of an agent gives another object at every call, so "
-        "that seeding it has no effect." + _OURS,
+        "observation_space or action_space of an agent returns another object at every call, so"
+        " that seeding it has no effect." + _OURS,
     ),
     "TB531": Code(
         "The expert does not succeed",
@@ -147,7 +148,7 @@ ENTRIES = {
     ),
     "TB532": Code(
         "The episode is too short",
-        "The expert succeeds from enough seeds if an episode may last longer, but not within "
+        "The expert succeeds from enough seeds if episodes are longer, but not within "
         "timing.episode_steps. The finding says how many steps it takes.",
         within(
             "",
@@ -157,8 +158,8 @@ ENTRIES = {
     ),
     "TB533": Code(
         "No expert",
-        "The task has no expert, so nothing shows that it can be done, and what the expert's play "
-        "would show is not checked. A warning.",
+        "The task has no expert, so nothing shows that it can be done, and checks that play the"
+        " expert are skipped. A warning.",
         Example(
             "task",
             "expert: []",
@@ -168,14 +169,15 @@ ENTRIES = {
     ),
     "TB534": Code(
         "Variation that changes nothing",
-        "The scene of a variation is that of the plain task, or of another variation.",
+        "The scene of a variation is the same as that of the task as written, or of another "
+        "variation.",
         Example("task", "variations: [{cube.color: gray}]", "variations: [{cube.color: blue}]"),
     ),
     "TB535": Code(
         "Success passes",
-        "What the expert reaches no longer holds when everybody then holds still for two seconds: "
-        "success is a moment, such as a load that flies through its goal. What learns from it "
-        "learns to pass through, too. Ask for a state that is kept, and let the expert come to "
+        "The success of the expert does not last for two seconds in which all robots hold "
+        "still, for example because the load flies through its goal. A learner would learn to "
+        "pass through the goal, too. Require a state that lasts, and let the expert come to "
         "rest in it.",
         Example(
             "description",
@@ -185,8 +187,8 @@ ENTRIES = {
     ),
     "TB541": Code(
         "A robot is not needed",
-        "With one robot staying home, its part of every stage left out, the others succeed. Where "
-        "that is meant, write cooperation: optional.",
+        "The others succeed while one robot stays at home and its orders are left out. If that "
+        "is intended, write cooperation: optional.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05)',
@@ -195,9 +197,9 @@ ENTRIES = {
     ),
     "TB542": Code(
         "One robot can do it alone",
-        "One robot succeeds alone by taking an object that the success condition names and "
-        "bringing it to a place that it names, in another way than the expert's. Where that is "
-        "meant, write cooperation: optional.",
+        "One robot succeeds alone by taking an object in the success condition to a place in "
+        "the condition, in another way than the expert. If that is intended, write cooperation:"
+        " optional.",
         Example(
             "description",
             'success = (Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
@@ -207,7 +209,7 @@ ENTRIES = {
     ),
     "TB543": Code(
         "Random play succeeds",
-        "Success comes true in an episode of random actions. It asks for too little.",
+        "Success becomes true in an episode of random actions. The condition is too weak.",
         Example(
             "description",
             'success = Moved("left.tcp", by=0.1)',
@@ -216,7 +218,7 @@ ENTRIES = {
     ),
     "TB544": Code(
         "Doing nothing succeeds",
-        "Success is false at the start, but comes true while all robots hold still.",
+        "Success is false at the start, but becomes true while all robots hold still.",
         Example(
             "description",
             'success = Sustained(Near("cube", "table", within=1.0), 1.0)',
@@ -225,10 +227,10 @@ ENTRIES = {
     ),
     "TB545": Code(
         "An object starts in the reach of both arms",
-        "Cooperation is required, and an object that one robot has to fetch starts where another "
-        "could fetch it. Solo play did not succeed, but a better policy may. What several robots "
-        "take or carry together, or push to each other, may start in the reach of all of them. A "
-        "warning.",
+        "Cooperation is required, and an object that one robot has to fetch starts where "
+        "another could fetch it. No single robot succeeded, but a better policy may. Objects "
+        "that several robots take or carry together, or push to each other, may start in the "
+        "reach of all of them. A warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"
@@ -241,8 +243,8 @@ ENTRIES = {
     ),
     "TB551": Code(
         "Reward term that is not finite, or huge",
-        "A reward term paid something that is not a number or infinite, or more than a million "
-        "at one control step, where single precision loses all that the other terms say.",
+        "A reward term is not a finite number, or is more than a million at one control step, "
+        "where single precision loses the other terms.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 1e8), Distance("point", "right.tcp", '
@@ -253,10 +255,10 @@ ENTRIES = {
     ),
     "TB552": Code(
         "Stalling pays better than going on",
-        "Holding still for ever after one of the expert's stages earns as much as the expert does, "
-        "or the episodes that were played do not show otherwise: the interval of the difference, "
-        "pair by pair on the same seeds, includes zero. A learner would stop there. Pay more for "
-        "what comes later, or less for what comes before.",
+        "Holding still forever after one of the expert's stages earns as much as the expert, or"
+        " the played episodes do not show otherwise: the interval of the difference, pair by "
+        "pair on the same seeds, includes zero. A learner would stop there. Give more reward "
+        "for later stages, or less for earlier ones.",
         Example(
             "description",
             'reward = (Bonus("hold", Held("cube") & ~success, 1.0), Bonus("done", success, 0.1))',
@@ -265,8 +267,8 @@ ENTRIES = {
     ),
     "TB553": Code(
         "Doing nothing or anything pays as well",
-        "Holding still from the start, or random play, earns as much as the expert does, or the "
-        "episodes that were played do not show otherwise.",
+        "Holding still from the start, or random actions, earn as much as the expert, or the "
+        "played episodes do not show otherwise.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", -1.0), Bonus("done", success, 0.1))',
@@ -275,7 +277,7 @@ ENTRIES = {
     ),
     "TB554": Code(
         "Leaving out a robot pays as well",
-        "With one robot staying home, the others earn as much as the expert does, although "
+        "The others earn as much as the expert while one robot stays at home, although "
         "cooperation is required: a learner would leave that robot idle.",
         Example(
             "description",
@@ -287,8 +289,8 @@ ENTRIES = {
     ),
     "TB555": Code(
         "Failing on purpose pays as well",
-        "Dropping what is held, or throwing it away, after one of the expert's stages earns as "
-        "much as the expert does. Where failure ends the episode, it may end costs as well.",
+        "Dropping a held object, or throwing it away, after one of the expert's stages earns as"
+        " much as the expert. If failure ends the episode, it may also end negative rewards.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"), '
@@ -304,21 +306,21 @@ ENTRIES = {
     ),
     "TB571": Code(
         "Render gives no picture",
-        "`render` gives nothing, something other than (height, width, 3) of uint8, or a picture "
-        "of one colour alone." + _OURS,
+        "`render` returns nothing, something other than (height, width, 3) of uint8, or a "
+        "picture of a single colour." + _OURS,
     ),
     "TB572": Code(
         "Resets keep memory",
-        "Each reset keeps saved states, or more than 100 KB, that no later one gives back: "
-        "training would run out of memory." + _OURS,
+        "Each reset keeps saved states, or more than 100 KB, that no later one frees: training "
+        "would run out of memory." + _OURS,
     ),
     "TB573": Code(
         "An episode that does not end",
-        "After its last control step the episode still goes on." + _OURS,
+        "The episode continues after its last control step." + _OURS,
     ),
     "TB574": Code(
         "An agent sees nothing",
-        "An agent is given no observation, or an empty one: it cannot learn anything from looking.",
+        "An agent has no observation, or an empty one, and cannot learn from it.",
         Example(
             "task",
             "observe: {left: [], right: [self.tcp, cube.position]}",
@@ -327,12 +329,13 @@ ENTRIES = {
     ),
     "TB575": Code(
         "The seed does not decide",
-        "In the same environment the same seed and actions gave another episode, or another "
-        "episode after it; or every seed gave the same, although things are placed anew." + _OURS,
+        "The same seed and actions gave another episode in the same environment, or another "
+        "episode after it; or all seeds gave the same episode although objects are placed at "
+        "random." + _OURS,
     ),
     "TB576": Code(
         "Reward that is no finite number",
-        "An agent was paid something that is not a number or infinite." + _OURS,
+        "The reward of an agent is not a finite number." + _OURS,
     ),
 }
 """Code -> what it stands for."""

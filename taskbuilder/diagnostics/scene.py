@@ -11,14 +11,15 @@ ENTRIES = {
     ),
     "TB301": Code(
         "Does not fit the URDF",
-        "A robot.yaml, or the joints and grasp points of an object, name a link or a moving joint "
-        "that the URDF does not have, or give a gripper a position beyond its joint's limits.",
+        "A robot.yaml, or the joints and grasp points of an object, refer to a link or a moving "
+        "joint that the URDF does not have, or give a gripper a position beyond its joint's "
+        "limits.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
         "Joint value beyond its limits",
-        "A position, or a limit of the task file's own, lies outside the limits of its joint, or "
-        "there are not as many positions as joints.",
+        "A position, or a limit in the task file, is outside the limits of its joint, or the "
+        "number of positions is not the number of joints.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -41,7 +42,7 @@ ENTRIES = {
     ),
     "TB305": Code(
         "No free place",
-        "A hundred placements were tried, and each came closer than 5 mm to something else.",
+        "A hundred placements were tried, and each was closer than 5 mm to something else.",
         block(
             "place: {surface: table, center: [0.4, 0], size: [0.05, 0.05]}",
             "place: {surface: table, center: [0, 0.3], size: [0.05, 0.05]}",
@@ -49,13 +50,14 @@ ENTRIES = {
     ),
     "TB306": Code(
         "Does not come to rest",
-        "Left alone for a second, the object is more than 5 mm from its start or still moves.",
+        "During a second without any action, the object moved more than 5 mm from its start, or"
+        " it is still moving.",
         block("position: [0, 0, 0.6]", "position: [0, 0, 0.43]"),
     ),
     "TB307": Code(
         "The simulation explodes",
-        "With nothing driven, bodies gain energy, leave the scene or have positions that are "
-        "not finite. Bodies inside each other, or of very unlike masses, are the usual cause.",
+        "Without any action, bodies gain energy, leave the scene or have positions that are not"
+        " finite. Bodies inside each other, or with very different masses, are the usual cause.",
         block("position: [0, 0, -47]", "position: [0, 0, 0.43]"),
     ),
     "TB308": Code(
@@ -74,8 +76,8 @@ ENTRIES = {
     ),
     "TB310": Code(
         "Leaves its region",
-        "After the control step in which an episode settles, the thing is more than 3 mm "
-        "outside the region that it was placed in: it fell, slid or was pushed.",
+        "After the scene has settled for one control step, the object is more than 3 mm outside"
+        " the region that it was placed in: it fell, slid or was pushed.",
         block(
             "place: {center: [0, 0.3, 0.436], size: [0.1, 0.1, 0]}",
             "place: {surface: table, center: [0, 0.3], size: [0.1, 0.1]}",
@@ -83,7 +85,7 @@ ENTRIES = {
     ),
     "TB311": Code(
         "Solved at the start",
-        "The success condition holds before anyone has acted.",
+        "The success condition holds before any action.",
         Example(
             "description",
             'success = Above("cube", height=0.3)',
@@ -92,7 +94,7 @@ ENTRIES = {
     ),
     "TB312": Code(
         "Failed at the start",
-        "The failure condition holds before anyone has acted.",
+        "The failure condition holds before any action.",
         Example(
             "description",
             'failure = Below("cube", height=0.6)',
@@ -101,7 +103,7 @@ ENTRIES = {
     ),
     "TB313": Code(
         "Placement does not vary",
-        "The region has a size, yet the thing is at one place for every seed.",
+        "The region has a size, but the position is the same for every seed.",
         within(
             "scene.sites",
             "spot: {place: {center: [0, 0, 0.6], size: [1e-9, 0, 0]}}",
@@ -110,9 +112,9 @@ ENTRIES = {
     ),
     "TB314": Code(
         "The description fails when it is asked",
-        "A condition, measure or reward term raised an error, or gave what it cannot have: a "
-        "condition gives True or False, a measure and a term give a number. The finding shows the "
-        "line.",
+        "A condition, measure or reward term raised an error or returned an invalid value: a "
+        "condition returns True or False, a measure and a term return a number. The finding "
+        "shows the line.",
         Example(
             "module",
             "@condition\ndef up(world):\n    return world.position('cube') > 0.6\n\n\n"
@@ -122,10 +124,10 @@ ENTRIES = {
     ),
     "TB315": Code(
         "The process that plays is lost",
-        "Asked, the description ended or crashed the interpreter, or did not come back in time: "
-        "20 s and 0.8 s for each control step of an episode. The finding shows the line, where it "
-        "can be known. A process that is killed or stopped from outside is replaced, and what it "
-        "did is done again; where that happens twice in a row, memory may be short.",
+        "The description ended or crashed the interpreter while it was evaluated, or did not "
+        "return in time: 20 s and 0.8 s for each control step of an episode. The finding shows "
+        "the line, if it is known. A process that is killed or stopped from outside is replaced"
+        " and its work is repeated; if this happens twice in a row, memory may be short.",
         Example(
             "module",
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
@@ -135,8 +137,8 @@ ENTRIES = {
     ),
     "TB316": Code(
         "Grasp point that stays behind",
-        "A grasp point of an articulated object is fixed to its base, but is nearest to a link "
-        "that moves: when that moves, grasps miss, and rewards pay for the wrong place. A warning.",
+        "A grasp point of an articulated object is fixed to its base, but the nearest link moves. "
+        "When that link moves, grasps miss, and rewards pay for the wrong place. A warning.",
         cabinet(
             "grasps: {knob: {at: [0, -0.07, 0.03]}}",
             "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",

@@ -16,39 +16,40 @@ ENTRIES = {
     ),
     "TB002": Code(
         "Not UTF-8",
-        "Task and robot files are UTF-8. The finding names the line of the first byte that is not.",
+        "Task and robot files must be UTF-8. The finding names the line of the first byte that "
+        "is not.",
         Example("file", "summary: Öffne die Tür.  # Latin-1", "summary: Öffne die Tür.  # UTF-8"),
     ),
     "TB003": Code(
         "Not valid YAML",
-        "The file is not YAML, or holds a second document, or a key that is not a plain word.",
+        "The file is not YAML, holds a second document, or has a key that is not a plain word.",
         Example("file", "timing: {control_hz: 10", "timing: {control_hz: 10}"),
     ),
     "TB004": Code(
         "Key given twice",
-        "A key stands twice in one mapping. Most YAML readers keep the last in silence.",
+        "A key occurs twice in one mapping. Most YAML readers would silently keep the last one.",
         Example("file", "state: all\nstate: [cube.pose]", "state: [cube.pose]"),
     ),
     "TB005": Code(
         "YAML feature that is not read",
-        "Tags (!!str) and merge keys (<<) are not read: files hold plain values only.",
+        "Tags (!!str) and merge keys (<<) are not supported: files hold plain values only.",
         Example("file", "summary: !!str Lift the cube.", "summary: Lift the cube."),
     ),
     "TB006": Code(
         "Beyond what is read",
-        "A file has at most 256 KiB, 24 levels and 20,000 values once its aliases are written "
-        "out, and an alias comes after the anchor that it names.",
+        "A file has at most 256 KiB, 24 levels and 20,000 values after its aliases are "
+        "expanded, and an alias comes after the anchor that it names.",
         Example("file", "state: *everything", "state: all"),
     ),
     "TB007": Code(
         "Top level is not a mapping",
-        "The file is empty, or is a list or a single value in place of keys.",
+        "The file is empty, or holds a list or a single value instead of keys.",
         Example("file", "- task: example", "task: example"),
     ),
     "TB008": Code(
         "Two files of one name",
-        "Two tasks, or two robots, have one name in the catalogue. Neither wins: rename one, "
-        "or take its folder off the task path.",
+        "Two tasks, or two robots, have the same name in the catalogue. Neither is used: rename"
+        " one, or remove its folder from the task path.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(
@@ -62,7 +63,7 @@ ENTRIES = {
     ),
     "TB101": Code(
         "Something is missing",
-        "A key that has no default is not given.",
+        "A key without a default is missing.",
         within(
             "scene.robots.left",
             "home: {tcp: {rpy_deg: [180, 0, 0]}}",
@@ -71,13 +72,13 @@ ENTRIES = {
     ),
     "TB102": Code(
         "Unknown key",
-        "The key is not one of those that may stand there. Nothing is ignored in silence.",
+        "This key is not allowed here. Unknown keys are never ignored silently.",
         within("scene.objects.table", "fixd: true", "fixed: true"),
     ),
     "TB103": Code(
         "Value of another type",
-        "A number is needed and a text stands there, or the like. Booleans are true and "
-        "false; off, on, yes and no are texts.",
+        "The value has the wrong type, for example a string instead of a number. Booleans are "
+        "true and false; off, on, yes and no are strings.",
         within("scene.objects.cube", "fixed: off", "fixed: false"),
     ),
     "TB104": Code(
@@ -87,14 +88,14 @@ ENTRIES = {
     ),
     "TB105": Code(
         "Not one of the choices",
-        "The key takes one of a few words, and this is none of them.",
+        "The key takes one of a few words, and the value is none of them.",
         Example("task", "cooperation: needed", "cooperation: required"),
     ),
     "TB106": Code(
         "Values that do not go together",
-        "Each value is right alone, but not beside the others: two shapes for one object, "
-        "[greatest, least] in place of [least, greatest], a physics_hz that is no multiple of "
-        "control_hz.",
+        "Each value is valid by itself, but the combination is not: two shapes for one object, "
+        "[greatest, least] instead of [least, greatest], a physics_hz that is not a multiple of"
+        " control_hz.",
         within(
             "scene.objects.cube",
             "shape: {box: [0.05, 0.05, 0.05], sphere: 0.03}",
@@ -103,9 +104,9 @@ ENTRIES = {
     ),
     "TB107": Code(
         "Not a name",
-        "A name is a letter, then letters, digits and _, at most 40 in all, and none of the "
-        "reserved words (self, world, all, together, until, repeat, nothing, time_left, "
-        "description).",
+        "A name is a letter followed by letters, digits and _, with at most 40 characters, and "
+        "is not a reserved word (self, world, all, together, until, repeat, nothing, time_left,"
+        " description).",
         within(
             "scene.sites",
             "2nd_goal: {position: [0, 0, 0.6]}",
@@ -119,14 +120,14 @@ ENTRIES = {
     ),
     "TB109": Code(
         "Name and file differ",
-        "A task is named as its file is, without .yaml; a robot as the folder of its "
-        "robot.yaml is.",
+        "The name of a task must be the name of its file without .yaml; the name of a robot "
+        "must be the name of the folder of its robot.yaml.",
         Example("task", "task: exmaple", "task: example"),
     ),
     "TB110": Code(
         "Unit of another kind of joint",
-        "start, limits and rest are in metres, for joints that slide; start_deg, limits_deg and "
-        "rest_deg are in degrees, for joints that turn.",
+        "start, limits and rest are in metres, for prismatic joints; start_deg, limits_deg and "
+        "rest_deg are in degrees, for revolute joints.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
 }

@@ -1,4 +1,4 @@
-"""Actions that command arms and grippers, in whatever action mode the task chose."""
+"""Encoding of joint and gripper commands as actions, in any action mode."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class ActionEncoder:
         self.env = env
 
     def hold(self) -> Actions:
-        """Everyone stays where it is commanded to be, grippers as they were told."""
+        """Actions that repeat the last commands of all arms and grippers."""
         return self.actions()
 
     def actions(
@@ -41,9 +41,9 @@ class ActionEncoder:
         """An action for every agent.
 
         Args:
-            joints: Where arms are to be commanded next, rad or m, within a control step's reach;
-                arms that are not named stay.
-            openings: Of grippers, from 0 (closed) to 1 (open); others are left as they are.
+            joints: Commanded joint positions, rad or m, within one control step's reach; other arms
+                stay.
+            openings: Gripper openings, from 0 (closed) to 1 (open); other grippers stay unchanged.
         """
         joints, openings = joints or {}, openings or {}
         found = {}

@@ -1,4 +1,4 @@
-"""Actions: an agent's numbers, in the order arm then gripper, carried out on its robot."""
+"""Actions of agents: the arm's numbers, then the gripper's, applied to its robot."""
 
 from __future__ import annotations
 
@@ -33,35 +33,35 @@ ARM_MODES: Mapping[str, Callable[[Arm], ArmMode]] = {
 """Arm modes by the name that task files give them."""
 
 HYSTERESIS = 0.2
-"""A binary gripper changes its mind only for a command beyond this, of at most 1."""
+"""A binary gripper ignores commands up to this size, of at most 1."""
 
 
 @dataclass(frozen=True)
 class GripperMode:
-    """Commands a gripper: binary, or by how far it is to be open."""
+    """Commands a gripper: open or close, or by an opening width."""
 
     robot: Robot
     kind: Literal["binary", "continuous"]
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and greatest value: -1 (close) to 1 (open), or an opening in metres."""
+        """Lower and upper bound: -1 (close) to 1 (open), or an opening width in metres."""
         return (-1.0, 1.0) if self.kind == "binary" else (0.0, self.robot.model.spec.gripper.stroke)
 
     def opening_to(self, opening: float | None) -> float:
-        """The number that opens the gripper to a share from 0 to 1, or leaves it for None."""
+        """The number that opens the gripper to a fraction from 0 to 1; None leaves it unchanged."""
         if self.kind == "continuous":
             told = self._told() if opening is None else opening
             return told * self.robot.model.spec.gripper.stroke
         return 0.0 if opening is None else 1.0 if opening > 0.5 else -1.0
 
     def _told(self) -> float:
-        """The opening that was commanded last."""
+        """The last commanded opening."""
         end = next(iter(self.robot.model.spec.gripper.joints.values()))
         return (self.robot.gripper.command.values[0] - end.closed) / (end.open - end.closed)
 
     def command(self, value: float) -> None:
-        """Carry out an action's last number."""
+        """Command the gripper by the last number of an action."""
         if self.kind == "continuous":
             self.robot.move_gripper(value / self.robot.model.spec.gripper.stroke)
         elif value > HYSTERESIS:
@@ -71,13 +71,13 @@ class GripperMode:
 
 
 class RobotActions:
-    """The actions of one agent: bounds, and carrying one out.
+    """The actions of one agent: their bounds and their execution.
 
     Attributes:
-        arm: What the arm's numbers work on.
-        low: (n,) least value of each number, in physical units.
-        high: (n,) greatest value.
-        size: How many numbers an action has: the arm's, then the gripper's one.
+        arm: The arm that is commanded.
+        low: (n,) lower bound of each number, in physical units.
+        high: (n,) upper bound.
+        size: Number of values in an action: the arm's, then one for the gripper.
     """
 
     def __init__(self, world: World, robot: Robot, spec: ActionSpec, dt: float) -> None:
@@ -91,21 +91,21 @@ class RobotActions:
         self.high: NDArray[np.float64] = np.array([high for _, high in self._bounds])
 
     def physical(self, normalized: Sequence[float]) -> list[float]:
-        """Numbers from -1 to 1 in physical units, those beyond clipped."""
+        """Convert numbers from -1 to 1 to physical units, clipped to the bounds."""
         return [
             middle + half * (1.0 if value > 1.0 else -1.0 if value < -1.0 else value)
             for value, (middle, half) in zip(normalized, self._spans, strict=True)
         ]
 
     def clipped(self, physical: Sequence[float]) -> list[float]:
-        """Numbers in physical units, those beyond the bounds clipped."""
+        """Clip numbers in physical units to the bounds."""
         return [
             min(max(value, low), high)
             for value, (low, high) in zip(physical, self._bounds, strict=True)
         ]
 
     def normalized(self, physical: Sequence[float]) -> list[float]:
-        """Numbers in physical units as numbers from -1 to 1, those beyond the bounds clipped."""
+        """Convert numbers in physical units to -1 to 1, clipped to the bounds."""
         return [
             (value - middle) / half
             for value, (middle, half) in zip(self.clipped(physical), self._spans, strict=True)
@@ -114,20 +114,20 @@ class RobotActions:
     def leading_to(
         self, joints: Sequence[float] | None = None, opening: float | None = None
     ) -> list[float]:
-        """The action, in physical units, that commands the arm to joints and opens the gripper.
+        """The action, in physical units, for given joint positions and a gripper opening.
 
         Args:
             joints: Positions within a control step's reach, rad or m; None to stay.
-            opening: Of the gripper, from 0 (closed) to 1; None to leave it as it was told.
+            opening: Of the gripper, from 0 (closed) to 1; None to leave it unchanged.
         """
         arm = self._mode.leading_to(self.arm.robot.commanded() if joints is None else joints)
         return self.clipped([*arm, self._gripper.opening_to(opening)])
 
     def command(self, values: Sequence[float]) -> Targets:
-        """Carry out an action in physical units and within the bounds.
+        """Apply an action in physical units and within the bounds.
 
         Returns:
-            Joint positions for the arm to arrive at with the control step, or None.
+            Joint positions of the arm for the end of the control step, or None.
         """
         *arm, gripper = values
         self._gripper.command(gripper)

@@ -1,8 +1,8 @@
-"""Arm modes: what the numbers of an action mean for the arm, and how they move it.
+"""Arm modes: the interpretations of the arm's part of an action.
 
-A mode turns a vector of physical units (metres, radians, newton metres) into commands to a
-robot's motors, and finds the vector that leads to given joints. It holds no memory of its own: the
-last commanded joints are those of the motors, which snapshots keep.
+A mode turns a vector in physical units (metres, radians, newton metres) into commands to a robot's
+motors, and finds the vector that leads to given joint positions. It has no state of its own: the
+last commanded joints are those of the motors, which snapshots save.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
 Targets = Sequence[float] | None
-"""Joint positions to arrive at with the control step, or None where motors were told otherwise."""
+"""Joint positions for the end of the control step, or None if motors have other commands."""
 
 
 @dataclass(frozen=True)
 class Arm:
-    """What every arm mode works on.
+    """An arm, as arm modes use it.
 
     Attributes:
-        world: The world it is in; keeps what was read of the tool's pose already.
+        world: The world, which caches the tool's pose.
         robot: The robot.
-        spec: What its action means.
+        spec: The action section of the task file.
         dt: Length of a control step, s.
         ik: The arm's inverse kinematics.
         longest: How far each joint can move in a control step, rad or m.
@@ -49,7 +49,7 @@ class Arm:
 
     @classmethod
     def of(cls, world: World, robot: Robot, spec: ActionSpec, dt: float) -> Arm:
-        """Prepare a robot's arm."""
+        """Make an `Arm` for a robot."""
         ik = DifferentialIK.of(robot.chain)
         longest = tuple((joint.velocity or math.pi) * dt for joint in robot.model.arm)
         home = ik.forward(robot.home).quaternion
@@ -63,7 +63,7 @@ class Arm:
 
     @property
     def reach(self) -> float:
-        """How far the tool can get from the base at most, m."""
+        """Maximum distance of the tool from the base, m."""
         links = [norm(offset) for offset, _ in self.ik.offsets]
         return sum(links) + norm(self.ik.tool.position)
 
@@ -79,14 +79,19 @@ class ArmMode(Protocol):
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Least and greatest value of each number, in physical units."""
+        """Lower and upper bound of each number, in physical units."""
 
     def command(self, values: Sequence[float]) -> Targets:
-        """Carry out an action's numbers."""
+        """Command the motors by the numbers of an action.
+
+        Returns:
+            Joint positions for the end of the control step, or None if motors have other commands.
+        """
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """The numbers that command the arm to joints within a control step's reach.
+        """The numbers that command the arm to given joint positions.
 
         Args:
-            joints: Positions, rad or m; those commanded now for an arm that is to stay.
+            joints: Positions within one control step's reach, rad or m; the ones commanded now for
+                an arm that should stay.
         """

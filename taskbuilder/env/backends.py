@@ -1,7 +1,7 @@
-"""What runs a vector's environments: this process, or workers that are replaced when lost.
+"""Backends of a vector environment: this process, or workers that are replaced when lost.
 
-An owner and a worker exchange single bytes; everything else is in buffers that they share. A worker
-holds nothing that outlives it, so it is ended by being killed.
+An owner and a worker exchange single bytes; all other data is in shared buffers. A worker holds
+nothing that must outlive it, so it is ended by killing it.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from taskbuilder.errors import TaskbuilderError, UsageError
 from taskbuilder.processes import Fault
 
 START_LIMIT_S = 120.0
-"""How long a worker may take to build its environments."""
+"""Time limit for a worker to build its environments, in seconds."""
 
 _log = logging.getLogger(__name__)
 
 
 class WorkerError(TaskbuilderError):
-    """A worker was lost again and again without completing a step in between.
+    """A worker was lost repeatedly without completing a step in between.
 
     Attributes:
-        worker: Its number.
-        environments: The environments that it runs.
-        cause: How it was lost last.
+        worker: Number of the worker.
+        environments: Its environments.
+        cause: The cause of the last loss.
         words: The traceback that it left, or "".
     """
 
@@ -46,45 +46,45 @@ class WorkerError(TaskbuilderError):
 
 
 class Backend(Protocol):
-    """Runs the environments of a vector."""
+    """The interface of a backend, which runs the environments of a vector."""
 
     @property
     def buffers(self) -> SharedBuffers:
-        """What the environments are told and tell."""
+        """The shared arrays of actions, observations and rewards."""
 
     @property
     def pids(self) -> tuple[int, ...]:
-        """The processes of the workers, if there are any."""
+        """Process ids of the workers, if there are any."""
 
     def settle(self) -> None:
-        """Wait until nobody uses the buffers any more, whatever was begun or interrupted.
+        """Wait until no environment is using the buffers, also after an interruption.
 
         Raises:
-            WorkerError: A worker is lost again and again.
+            WorkerError: A worker is lost repeatedly.
         """
 
     def go(self) -> None:
-        """Let every environment do what the buffers say, without waiting for it."""
+        """Start the work that the buffers describe, without waiting."""
 
     def wait(self, *, begin_anew: bool) -> list[range]:
-        """Wait until all have done it.
+        """Wait until all environments have finished.
 
         Args:
-            begin_anew: Let the environments of a worker that was lost begin episodes at once.
+            begin_anew: Reset the environments of a lost worker at once.
 
         Returns:
-            Rows of environments that could not, because their worker was lost.
+            Rows of environments whose step was lost with their worker.
 
         Raises:
-            WorkerError: A worker is lost again and again.
+            WorkerError: A worker is lost repeatedly.
         """
 
     def close(self) -> None:
-        """Free the environments; the buffers stay."""
+        """Close the environments; the buffers stay."""
 
 
 class InProcess:
-    """No workers: the environments run in this process, and errors in them are raised here."""
+    """Runs the environments in this process; their errors are raised here."""
 
     pids: tuple[int, ...] = ()
 
@@ -100,30 +100,30 @@ class InProcess:
         )
 
     def settle(self) -> None:
-        """See `Backend.settle`."""
+        """Wait until no environment is using the buffers."""
 
     def go(self) -> None:
-        """See `Backend.go`; there is nobody else to do it meanwhile."""
+        """Start the work that the buffers describe, without waiting."""
 
     def wait(self, *, begin_anew: bool) -> list[range]:
-        """See `Backend.wait`; no environment is ever lost here."""
+        """Wait until all environments have finished, and return the rows that were lost."""
         del begin_anew
         self._group.advance()
         return []
 
     def close(self) -> None:
-        """See `Backend.close`."""
+        """Close the environments; the buffers stay."""
         self._group.close()
 
 
 class Subprocesses:
-    """Processes that run a group each.
+    """Worker processes, each with a group of the environments.
 
     Args:
-        config: What to run.
-        count: How many workers, at most one an environment.
-        timeout_s: How long a worker may take for a step of all its environments.
-        retries: How many times in a row a worker is replaced.
+        config: Configuration of the environments.
+        count: Number of workers, at most one per environment.
+        timeout_s: Time limit for a worker to step all its environments.
+        retries: Maximum number of replacements of a worker in a row.
 
     Attributes:
         buffers: The buffers that they share.
@@ -155,23 +155,23 @@ class Subprocesses:
 
     @property
     def pids(self) -> tuple[int, ...]:
-        """See `Backend.pids`."""
+        """Process ids of the workers; -1 for one that is not running."""
         return tuple(worker.pid for worker in self._workers)
 
     def settle(self) -> None:
-        """See `Backend.settle`; starts workers that are not running, too."""
+        """Wait until no environment is using the buffers."""
         for worker in self._workers:
             if worker.busy:
                 worker.wait(self._timeout_s)
         self._start([worker for worker in self._workers if worker.pid < 0])
 
     def go(self) -> None:
-        """See `Backend.go`."""
+        """Start the work that the buffers describe, without waiting."""
         for worker in self._workers:
             worker.go()
 
     def wait(self, *, begin_anew: bool) -> list[range]:
-        """See `Backend.wait`."""
+        """Wait until all environments have finished, and return the rows that were lost."""
         faults = [(worker, worker.wait(self._timeout_s)) for worker in self._workers]
         lost = []
         for worker, fault in faults:
@@ -183,7 +183,7 @@ class Subprocesses:
         return lost
 
     def close(self) -> None:
-        """See `Backend.close`."""
+        """Close the environments; the buffers stay."""
         if os.getpid() != self._owner:  # a fork of the owner must leave the workers alone
             return
         for worker in self._workers:

@@ -1,4 +1,4 @@
-"""Reading what a caller hands to a vector of environments: actions and seeds for all of them."""
+"""Checking the actions and seeds that are passed to a vector environment."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def read_actions(
 
 
 def read_seeds(seed: Any, num_envs: int) -> list[int | None]:
-    """A seed for every environment, or None for those that go on with what they have.
+    """A seed for every environment; None for those that continue their own sequence.
 
     Raises:
         UsageError: A seed is not a whole number from 0 to 2**63 - 1, or there are too few or many.

@@ -1,8 +1,8 @@
-"""Copies of environments: each builds a world of its own, and plays what has been played so far.
+"""Copies of environments, which build a world of their own and replay the episode so far.
 
-A copy that shared the physics would move the original, and a process that was forked off has the
-numbers of a physics that it cannot step. So a copy is what leads to it: task, options, the seed of
-the episode and its actions. What they do not lead to is refused.
+A copy that shared the physics would move the original, and a forked process cannot step the
+physics of its parent. So a copy is made from the task, the options, the seed of the episode and its
+actions. If these do not lead to the current state, copying is refused.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ _REBUILT = ("task", "options", "episode", "_observer")
 
 @dataclass(frozen=True)
 class Recipe:
-    """What leads to an environment as it stands.
+    """The data that an environment is rebuilt from.
 
     Attributes:
-        seed: Of its episode.
-        actions: What all agents did in it; None before the first episode.
-        noise: State of the generator of noise.
-        fingerprint: Of all that moves, to compare the copy with.
+        seed: Seed of its episode.
+        actions: All actions of the episode; None before the first episode.
+        noise: State of the generator of observation noise.
+        fingerprint: Hash of the physical state, to compare the copy with.
     """
 
     seed: int
@@ -45,7 +45,7 @@ class Recipe:
 
 
 class Copyable:
-    """An environment that is copied and pickled by what led to it."""
+    """An environment that is copied and pickled by replaying its episode."""
 
     if TYPE_CHECKING:
         task: Task
@@ -70,15 +70,15 @@ class Copyable:
 
 
 def _rest(env: Copyable) -> dict[str, Any]:
-    """Attributes that are copied as they are: generators, spaces, and what others have set."""
+    """Attributes that are copied as usual: generators, spaces, and those set by users."""
     return {name: value for name, value in vars(env).items() if name not in _REBUILT}
 
 
 def _recipe(env: Copyable) -> Recipe:
-    """What leads to an environment.
+    """The recipe of an environment.
 
     Raises:
-        UsageError: It is closed, or stands where its actions do not lead to.
+        UsageError: It is closed, or its actions do not lead to its state.
     """
     episode = env.episode
     episode.check_usable()
@@ -109,10 +109,10 @@ def _unpacked(
 def _rebuilt(
     kind: type[Env], task: Task, options: Options, recipe: Recipe, rest: dict[str, Any]
 ) -> Env:
-    """The environment that a recipe leads to.
+    """Rebuild an environment from its recipe.
 
     Raises:
-        UsageError: It is another one than the original was.
+        UsageError: Its state differs from that of the original.
     """
     env = kind.__new__(kind)
     vars(env).update(rest, task=task, options=options, episode=Episode(task, options))
@@ -133,7 +133,7 @@ def _rebuilt(
 
 
 def _fingerprint(episode: Episode) -> str:
-    """A hash of all that moves, and of what it was worth."""
+    """A hash of the physical state and of the outcome."""
     return blake2b(repr(list(_moving(episode))).encode(), digest_size=16).hexdigest()
 
 

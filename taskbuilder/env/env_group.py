@@ -15,24 +15,24 @@ from taskbuilder.env.shared_buffers import SharedBuffers
 from taskbuilder.task import Task
 
 Wrap = Callable[[TaskEnv], Any]
-"""Puts wrappers around an environment; workers are sent it by pickle."""
+"""Wraps an environment; it is sent to workers by pickle."""
 
 
 def unwrapped(env: TaskEnv) -> TaskEnv:
-    """The environment as it is."""
+    """Return the environment without a wrapper."""
     return env
 
 
 class EnvGroup:
-    """Environments that read what to do from shared buffers, and write there what came of it.
+    """Environments that read actions from shared buffers and write the results to them.
 
     Args:
         task: The task.
-        options: How it is made into environments.
-        wrap: Put around each of them.
-        buffers: Where this group's rows are.
-        rows: Which they are.
-        same_step: Let an episode that ends be followed by another within the step.
+        options: The options of the environments.
+        wrap: Wraps each environment.
+        buffers: The shared arrays.
+        rows: The rows of this group.
+        same_step: Whether an ended episode is followed by a reset within the same step.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class EnvGroup:
         self._envs = {row: wrap(TaskEnv(task, options)) for row in rows}
 
     def advance(self) -> None:
-        """Let every environment begin an episode or act, as the buffers say."""
+        """Reset or step every environment, as the buffers say."""
         buffers = self._buffers
         for row, env in self._envs.items():
             if buffers.begin[row]:
@@ -61,7 +61,7 @@ class EnvGroup:
                 self._act(row, env)
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the environments."""
         for env in self._envs.values():
             env.close()
 

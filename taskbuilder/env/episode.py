@@ -1,6 +1,6 @@
-"""The episode: one world under one referee, stepped by all agents' actions at once.
+"""The episode: one world and one referee, stepped by the actions of all agents.
 
-Every view of an environment (multi-agent, joint, vectorised) is a shell around an `Episode`.
+All views of an environment (multi-agent, joint, vector) wrap an `Episode`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Actions = Mapping[str, NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class EpisodeState:
-    """A moment of an episode, to go back to within the same environment and process."""
+    """A saved state of an episode, for the same environment and process."""
 
     seed: int
     variation: int
@@ -46,23 +46,22 @@ class EpisodeState:
 
 
 class Episode(Single):
-    """Runs a task: reset, step, judge, save, go back.
+    """Runs a task: reset, step, evaluate, save and restore.
 
     Attributes:
         task: The task.
-        options: How it was made into an environment.
+        options: The options of the environment.
         agents: The robots, in file order.
-        actions: What each agent's action means.
-        outcome: The referee's word on the present control step.
+        actions: The actions of each agent.
+        outcome: The referee's outcome of the current control step.
         steps: Control steps taken in this episode.
-        succeeded: Success has held at some control step of this episode, at which failure had not
-            held yet.
+        succeeded: Success has held at a control step of this episode, before any failure.
         failed: Failure has held at some control step of this episode, or after its reset.
-        exploded: The physics diverged; the episode is over and its world given up.
+        exploded: The physics diverged; the episode is over and its world is discarded.
         over: No further step is possible before a reset.
-        begun: A reset has gone well.
-        taken: What all agents did since the reset; None where that does not lead to here.
-        noise_rng: For noise on observations.
+        begun: A reset has succeeded.
+        taken: All actions since the reset; None if they do not lead to the current state.
+        noise_rng: Generator of the observation noise.
     """
 
     def __init__(self, task: Task, options: Options) -> None:
@@ -87,11 +86,11 @@ class Episode(Single):
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         self.outcome = self._referee.start(self.world)
 
-    # --- time
+    # --- stepping
 
     @property
     def world(self) -> World:
-        """The world of the present variation, built when first needed.
+        """The world of the current variation, built on first use.
 
         Raises:
             UsageError: The environment was closed.
@@ -106,7 +105,7 @@ class Episode(Single):
         return self._worlds[self._variation]
 
     def check_usable(self) -> None:
-        """Refuse what is closed, and what belongs to the process that this one was forked from.
+        """Check that the environment is open, and was made in this process.
 
         Raises:
             UsageError: It cannot be used here.
@@ -119,11 +118,11 @@ class Episode(Single):
 
     @property
     def referee(self) -> Referee:
-        """Who judges; it tells why, too."""
+        """The referee, which also explains its outcome."""
         return self._referee
 
     def meter_robots(self) -> None:
-        """Meter the forces between every two robots too, from now on; it changes nothing else."""
+        """Also measure the forces between all pairs of robots; nothing else changes."""
         known = {frozenset(pair) for pair in self._force_pairs}
         pairs = [pair for pair in combinations(self.agents, 2) if frozenset(pair) not in known]
         if pairs:
@@ -135,24 +134,24 @@ class Episode(Single):
         """The largest force between two robots in the last control step, in newtons.
 
         Raises:
-            UsageError: It is not metered; see `meter_robots`.
+            UsageError: It is not measured; see `meter_robots`.
         """
         pairs = combinations(self.agents, 2)
         return max((self.world.contact_force(*pair) for pair in pairs), default=0.0)
 
     @property
     def variation(self) -> int:
-        """Which scene of the task this episode is played in."""
+        """The variation of this episode."""
         return self._variation
 
     @property
     def horizon(self) -> int:
-        """Control steps of a whole episode."""
+        """Length of an episode in control steps."""
         return self._file.spec.timing.episode_steps
 
     @property
     def terminated(self) -> bool:
-        """Ended by success or failure, as the task's `ends_on` says, or by an explosion."""
+        """Whether the episode ended by success or failure (see `ends_on`), or by divergence."""
         ends = self._file.spec.timing.ends_on
         won = self.outcome.success and "success" in ends
         lost = self.outcome.failure and "failure" in ends
@@ -160,11 +159,11 @@ class Episode(Single):
 
     @property
     def truncated(self) -> bool:
-        """Ended by its length alone."""
+        """Whether the episode ended by its length only."""
         return self.steps >= self.horizon and not self.terminated
 
     def reset(self, seed: int) -> None:
-        """Begin an episode; the seed decides all that chance decides in it.
+        """Begin an episode; the seed determines everything random in it.
 
         Raises:
             PlacementError: The objects do not fit.
@@ -172,7 +171,7 @@ class Episode(Single):
         """
         self.check_usable()
         randomness = EpisodeRandomness(seed)
-        self.over, self.begun = True, False  # until this has gone well
+        self.over, self.begun = True, False  # until the reset has succeeded
         self.taken = []
         if self.options.variation == "random":
             count = len(self._file.scenes)
@@ -196,11 +195,11 @@ class Episode(Single):
         self.over, self.begun = False, True
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
-        """Let every agent act for one control step, and judge.
+        """Run one control step, and evaluate the description.
 
         Args:
-            actions: Each agent's numbers, checked to be finite and of the right size; from -1 to
-                1 or in physical units, as the options say.
+            actions: Each agent's numbers, which must be finite and of the right size; from -1 to 1
+                or in physical units, depending on the options.
         """
         self.check_usable()
         targets: dict[str, Sequence[float]] = {}
@@ -227,14 +226,14 @@ class Episode(Single):
         self.over = self.terminated or self.truncated
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the physics engine."""
         for world in self._worlds.values():
             world.close()
         self._worlds.clear()
         self.over = self._closed = True
 
     def _give_up(self) -> None:
-        """End an episode whose physics diverged; its client is poisoned and is thrown away."""
+        """End an episode whose physics diverged, and discard its corrupted client."""
         self.exploded = self.over = True
         self._worlds.pop(self._variation).close()
         self.actions = self._make_actions()
@@ -252,11 +251,11 @@ class Episode(Single):
             return action.model_copy(update={"frame": "base"})
         return action
 
-    # --- what observations read
+    # --- for observations
 
     @property
     def time_left(self) -> float:
-        """Share of the episode that is still to come, 1 to 0."""
+        """Remaining fraction of the episode, from 1 to 0."""
         return max(0.0, 1.0 - self.steps / self.horizon)
 
     def holding(self, robot: str) -> float:
@@ -265,7 +264,7 @@ class Episode(Single):
         return float(any(world.held(name, robot) for name in world.movable))
 
     def forces(self, robot: str) -> Sequence[float]:
-        """Force of each finger on what the robot touches most, in newtons."""
+        """Force of each finger on the object that the robot touches most, in newtons."""
         world = self.world
         pressed = [world.grip_forces(name, robot) for name in world.movable]
         fingers = len(world.robots[robot].fingers)
@@ -281,13 +280,13 @@ class Episode(Single):
         numbers: list[float] = np.clip(values, -1.0, 1.0).tolist()
         return numbers
 
-    # --- going back
+    # --- saving and restoring
 
     def save(self) -> EpisodeState:
-        """This moment of the episode.
+        """Save the state of the episode.
 
         Raises:
-            UsageError: There is none: no reset yet, or the physics diverged.
+            UsageError: There was no reset yet, or the physics diverged.
         """
         if self._closed or self.exploded or not self.begun:
             raise UsageError("there is no state to save; reset first")
@@ -306,10 +305,10 @@ class Episode(Single):
         )
 
     def load(self, state: EpisodeState) -> None:
-        """Go back to a moment of this environment.
+        """Restore a saved state of this environment.
 
         Raises:
-            UsageError: The world that the state belongs to is gone.
+            UsageError: The world of the state no longer exists.
         """
         self.check_usable()
         world = self._worlds.get(state.variation)

@@ -1,4 +1,4 @@
-"""What an environment refuses; its state is then unchanged."""
+"""Errors of environments; a refused call leaves the state unchanged."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ class ActionError(TaskbuilderError, ValueError):
     """An action that is not in its agent's space.
 
     Attributes:
-        agent: Whose action it is.
-        space: The space that it should be in.
+        agent: The agent.
+        space: The action space.
     """
 
     def __init__(self, agent: str, space: Any, what: str) -> None:
@@ -22,7 +22,7 @@ class ActionError(TaskbuilderError, ValueError):
 
 
 class AgentError(TaskbuilderError, KeyError):
-    """Actions were given for agents that are not there, or not for all that are."""
+    """An action is missing, or is for an unknown agent."""
 
     def __init__(self, message: str) -> None:
         self.message = message

@@ -6,7 +6,7 @@ from taskbuilder.env.episode import Episode
 
 
 def make_info(episode: Episode) -> dict[str, float]:
-    """Everything that the referee said of the present control step, and how the episode stands."""
+    """The outcome of the current control step and the status of the episode, as numbers."""
     outcome = episode.outcome
     paid = 0.0 if episode.exploded else 1.0
     return {

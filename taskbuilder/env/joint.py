@@ -20,19 +20,19 @@ from taskbuilder.task import Task
 
 
 class JointEnv(gymnasium.Env[Any, Any]):
-    """Any task as one agent's environment, paid the team reward.
+    """A task as a single-agent environment with the team reward.
 
-    Flat: observations and actions are those of the robots one after the other, in file order, in
-    one box each. Otherwise dictionaries by robot.
+    Flat observations and actions are those of the robots in file order, concatenated in one box
+    each. Otherwise they are dictionaries by robot.
 
     Args:
-        task: Its name, the path of its YAML file, or the task itself.
-        render_mode: "rgb_array" to make `render` return pictures.
-        options: See `taskbuilder.env.options.Options`; ``reward`` is always the team's.
+        task: Name or path of the task, or the task itself.
+        render_mode: "rgb_array" if `render` should return pictures.
+        options: See `taskbuilder.env.options.Options`; ``reward`` is always ``team``.
 
     Raises:
         UnknownNameError: There is no such task.
-        FileError: The task is wrong.
+        FileError: The files of the task have errors.
         UsageError: An option does not fit the task.
     """
 
@@ -60,23 +60,23 @@ class JointEnv(gymnasium.Env[Any, Any]):
         self._cuts = np.cumsum(sizes)[:-1]
 
     def __copy__(self) -> Self:
-        return deepcopy(self)  # a copy has a physics of its own
+        return deepcopy(self)  # a copy has a physics engine of its own
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode.
+        """Reset the environment.
 
         Args:
-            seed: Decides this episode and, until the next seed, all that follow.
-            options: Unused; there for Gymnasium.
+            seed: Seed of this episode and, until the next seed, of all later ones.
+            options: Not used; required by Gymnasium.
         """
         super().reset(seed=seed)
         observations, infos = self.parallel.reset(seed=seed, options=options)
         return self._observation(observations), infos[self._agents[0]]
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Let all robots act for one control step.
+        """Run one control step.
 
         Raises:
             ActionError: The action is not finite, or of another shape or kind.
@@ -89,19 +89,19 @@ class JointEnv(gymnasium.Env[Any, Any]):
         return seen, reward, terminations[first], truncations[first], infos[first]
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A picture of the world: (height, width, 3) uint8, or None without a render mode."""
+        """An image of the scene: (height, width, 3) uint8, or None without a render mode."""
         return self.parallel.render()
 
     def save_state(self) -> EnvState:
-        """See `TaskEnv.save_state`."""
+        """Save the state of the environment; see `TaskEnv.save_state` for its limits."""
         return self.parallel.save_state()
 
     def load_state(self, state: EnvState) -> Any:
-        """See `TaskEnv.load_state`; returns the observation of that moment."""
+        """Restore a saved state of this environment, and return its observation."""
         return self._observation(self.parallel.load_state(state))
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the environment."""
         self.parallel.close()
 
     def _observation(self, observations: dict[str, Any]) -> Any:
@@ -120,7 +120,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
 
 
 def _joined(boxes: dict[str, spaces.Space[Any]]) -> spaces.Box:
-    """One box of several, in their order."""
+    """Concatenate boxes in order."""
     parts = [box for box in boxes.values() if isinstance(box, spaces.Box)]
     low = np.concatenate([box.low for box in parts])
     high = np.concatenate([box.high for box in parts])

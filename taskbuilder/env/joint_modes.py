@@ -1,4 +1,4 @@
-"""Arm modes whose numbers are about the joints."""
+"""Arm modes in joint space."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class JointDeltaMode:
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`."""
+        """Lower and upper bound of each number, in physical units."""
         spec = self.arm.spec
         steps = [
             min(most, math.radians(spec.max_turn_deg) if turns else spec.max_step)
@@ -26,7 +26,7 @@ class JointDeltaMode:
         return tuple((-step, step) for step in steps)
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the joints by the numbers of an action."""
         ik = self.arm.ik
         return [
             min(max(joint + value, low), high)
@@ -36,7 +36,7 @@ class JointDeltaMode:
         ]
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """See `ArmMode.leading_to`."""
+        """The numbers that command the arm to given joint positions."""
         return [goal - at for goal, at in zip(joints, self.arm.robot.commanded(), strict=True)]
 
 
@@ -48,7 +48,7 @@ class JointPositionMode:
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`; a joint without limits turns once either way."""
+        """Lower and upper bound of each number, in physical units."""
         ik = self.arm.ik
         return tuple(
             (low, high) if math.isfinite(high - low) else (-math.pi, math.pi)
@@ -56,32 +56,32 @@ class JointPositionMode:
         )
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the joints by the numbers of an action."""
         return self.arm.approach(self.arm.robot.commanded(), values)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """See `ArmMode.leading_to`."""
+        """The numbers that command the arm to given joint positions."""
         return joints
 
 
 @dataclass(frozen=True)
 class JointVelocityMode:
-    """Turns or slides the joints at velocities, rad/s or m/s."""
+    """Moves the joints at velocities, rad/s or m/s."""
 
     arm: Arm
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`."""
+        """Lower and upper bound of each number, in physical units."""
         return tuple((-most / self.arm.dt, most / self.arm.dt) for most in self.arm.longest)
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the joints by the numbers of an action."""
         self.arm.robot.arm.velocity(values)
         return None
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """See `ArmMode.leading_to`."""
+        """The numbers that command the arm to given joint positions."""
         return [
             (goal - at) / self.arm.dt
             for goal, at in zip(joints, self.arm.robot.commanded(), strict=True)
@@ -90,20 +90,20 @@ class JointVelocityMode:
 
 @dataclass(frozen=True)
 class JointTorqueMode:
-    """Applies torques (Nm) or forces (N) to the joints; nothing makes up for gravity."""
+    """Applies torques (Nm) or forces (N) to the joints, without gravity compensation."""
 
     arm: Arm
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`."""
+        """Lower and upper bound of each number, in physical units."""
         return tuple((-effort, effort) for effort in self.arm.robot.arm.forces)
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the joints by the numbers of an action."""
         self.arm.robot.arm.torque(values)
         return None
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """No torques: which would lead there depends on what the arm carries and touches."""
+        """Not supported: the torques would depend on the load and contacts of the arm."""
         return [0.0] * len(joints)

@@ -1,4 +1,4 @@
-"""Observation channels: what an agent sees, read off the world and laid out in a vector."""
+"""Observation channels: reading them from the world, and their layout in a vector."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ _FORCE_LIMIT = 1e4  # newtons
 
 @dataclass(frozen=True)
 class ObservedValue:
-    """One channel, ready to be read.
+    """A channel of numbers.
 
     Attributes:
-        name: As the task file writes it.
-        read: Gives the numbers, from an episode.
-        low: Least value of each number.
-        high: Greatest value of each number.
-        turns: Index of the first number of a quaternion among them, or None.
+        name: Name in the task file.
+        read: Reads the numbers from an episode.
+        low: Lower bound of each number.
+        high: Upper bound of each number.
+        turns: Index of the first number of a quaternion, or None.
         noise: Gaussian noise on the numbers, or None.
-        matrix: Show the quaternion as the first two columns of its rotation matrix.
+        matrix: Convert the quaternion to the first two columns of its rotation matrix.
     """
 
     name: str
@@ -48,11 +48,11 @@ class ObservedValue:
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of values."""
         return len(self.low)
 
     def with_matrix(self) -> ObservedValue:
-        """The same with rotations as the first two columns of their matrices, six numbers."""
+        """The same channel with its rotation as two columns of the matrix, six numbers."""
         if self.turns is None:
             return self
         unit = (1.0,) * 6
@@ -60,7 +60,7 @@ class ObservedValue:
         return replace(self, low=low, high=(*self.high[: self.turns], *unit), matrix=True)
 
     def shown(self, episode: Episode) -> Sequence[float]:
-        """The numbers as they are seen now."""
+        """The current values."""
         values = self.read(episode)
         if self.noise is not None:
             values = self.noisy(values, episode.noise_rng)
@@ -70,7 +70,7 @@ class ObservedValue:
         return values
 
     def noisy(self, values: Sequence[float], rng: np.random.Generator) -> Sequence[float]:
-        """The numbers with the channel's noise."""
+        """The values with the channel's noise."""
         if self.noise is None:
             return values
         numbers = list(values)
@@ -89,7 +89,7 @@ class ObservedValue:
 
 
 class View:
-    """What one observer sees: channels of numbers in one vector, and cameras beside it."""
+    """The channels of one observer: a vector of numbers, and cameras."""
 
     def __init__(self, readings: Sequence[ObservedValue], cameras: Sequence[Channel]) -> None:
         self.readings = tuple(readings)
@@ -100,7 +100,7 @@ class View:
         self.high = np.array(numbers, dtype=np.float32)
 
     def vector(self, episode: Episode) -> NDArray[np.float32]:
-        """All channels of numbers, one after the other: (n,) float32, inside the bounds."""
+        """All channels of numbers, concatenated: (n,) float32, clipped to the bounds."""
         values: list[float] = []
         for reading in self.readings:
             values += reading.shown(episode)
@@ -121,20 +121,20 @@ class View:
 def make_reading(
     name: str, channel: Channel, world: World, noise: Noise | None = None
 ) -> ObservedValue:
-    """Prepare a channel of numbers.
+    """Make the reading of a channel of numbers.
 
     Args:
-        name: As the task file writes it.
-        channel: What it means.
-        world: Tells sizes and limits.
-        noise: Gaussian noise on it.
+        name: Name in the task file.
+        channel: The parsed channel.
+        world: The world, for sizes and limits.
+        noise: Gaussian noise on the channel.
     """
     read, low, high, turns = _parts(channel, world)
     return ObservedValue(name, read, low, high, turns, noise)
 
 
 def is_camera(channel: Channel, world: World) -> bool:
-    """Whether a channel is a camera's."""
+    """Whether a channel is an image of a camera."""
     return channel.subject in world.scene.cameras and channel.quantity in CAMERA_QUANTITIES
 
 
@@ -179,7 +179,7 @@ def _robot_parts(channel: Channel, world: World) -> _Parts:
 
 
 def world_action_size(world: World, name: str) -> int:
-    """How many numbers an action of a robot has."""
+    """Size of a robot's action."""
     spec = world.scene.robots[name].action
     turns = {"none": 0, "yaw": 1, "full": 3}[spec.turn]
     return (3 + turns if spec.arm.startswith("tcp") else len(world.robots[name].arm.indices)) + 1
@@ -239,10 +239,10 @@ def _around(size: int, limit: float) -> tuple[tuple[float, ...], tuple[float, ..
 
 
 def surroundings(agent: str, world: World) -> tuple[str, ...]:
-    """The whole scene as one agent may see it: itself first, then the others in file order.
+    """Channels of the whole scene for one agent: itself first, then the others in file order.
 
-    It names itself "self", as task files do, so that what they say of a channel holds here too.
-    Where something can be grasped, and sites, are told in the frame of the agent's tool besides.
+    The agent is named "self", as in task files, so that noise on a channel applies here too. Grasp
+    points and sites are also given in the frame of the agent's tool.
     """
     robots = ("self", *(name for name in world.robots if name != agent))
     moving = {name: thing for name, thing in world.objects.items() if not thing.spec.fixed}
@@ -272,7 +272,7 @@ def _moving_joints(world: World) -> list[str]:
 
 
 def everything(world: World) -> tuple[str, ...]:
-    """Every channel of numbers there is, for a centralised critic."""
+    """All channels of numbers, for a centralised critic."""
     robots = ("joints", "joint_velocities", "tcp", "gripper", "holding")
     moving = [name for name, thing in world.objects.items() if not thing.spec.fixed]
     return (

@@ -1,4 +1,4 @@
-"""Observing: the views of all agents, and of the centralised critic, over one episode."""
+"""Observations of all agents and the centralised state, read from an episode."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _Look = tuple[Image, CameraView]
 
 
 class Observer:
-    """Knows what every agent sees, and looks."""
+    """Makes the observations of all agents and the centralised state."""
 
     def __init__(self, task: Task, options: Options, world: World) -> None:
         spec, names = task.file.spec, task.file.names
@@ -67,7 +67,7 @@ class Observer:
         return spaces.Box(self._state.low, self._state.high, dtype=np.float32)
 
     def observe(self, episode: Episode) -> dict[str, Any]:
-        """What every agent sees now; arrays of its own each time."""
+        """The current observation of every agent, in new arrays."""
         cameras = [camera for view in self._views.values() for camera in view.cameras]
         images = self._look(episode, cameras) if cameras else {}
         return {agent: self._seen(view, episode, images) for agent, view in self._views.items()}
@@ -109,7 +109,7 @@ class Observer:
         return {**numbers, **shown}
 
     def _look(self, episode: Episode, cameras: Iterable[Channel]) -> dict[str, _Look]:
-        """One picture a camera, shared by all who see it."""
+        """Render each camera once, for all agents that observe it."""
         world = episode.world
         world.move_markers()
         wanted = dict.fromkeys(camera.subject for camera in cameras)

@@ -28,33 +28,34 @@ _FOR_TRAINING = {
     "openings": "StartPrefixes",
     "opening_share": "StartPrefixes",
 }
-"""Options that there once were, and the wrapper in whose place each now stands."""
+"""Former options, and the training wrapper that replaces each."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a task is made into an environment.
+    """The options of an environment.
 
     Attributes:
-        reward: ``team`` pays every agent the sum of all terms; ``local`` pays each its own terms
-            and an even share of the common ones, which add up to the team's exactly.
-        flat: Observations and actions as flat float32 boxes, or as dictionaries of channels.
+        reward: ``team`` gives every agent the sum of all terms; ``local`` gives each its own terms
+            and an equal share of the common ones. Local rewards add up to the team reward exactly.
+        flat: Whether observations and actions are flat float32 boxes, or dictionaries of channels.
         normalize: Actions from -1 to 1, or in physical units.
         horizon: Control steps of an episode; by default the task's.
-        control_hz: Control steps a second; by default the task's. The longest step and turn of an
-            action change with it, so that tools and joints stay as fast.
-        variation: Which variation, 0 being the plain task; or ``random``, drawn each episode.
+        control_hz: Control steps a second; by default the task's. The maximum step and turn of an
+            action are scaled, so that tools and joints keep their speed.
+        variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
+            episode.
         randomize: Draw the quantities that the task lists under ``randomize``.
-        observe: ``task``: every agent sees what the task file lists for it; ``scene``: itself, then
-            the other robots' tools and grippers, all that moves, all sites and the time left.
-        frame: ``task``: poses are seen, and tool motions given, in the frames of the task file;
-            ``base``: what would be in the world's is in each robot's own base frame, so that
-            robots that face each other are alike.
+        observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,
+            the other robots' tools and grippers, all moving objects, all sites and the time left.
+        frame: ``task``: observed poses and commanded motions are in the frames of the task file;
+            ``base``: those in the world's frame are in each robot's own base frame instead, so that
+            robots that face each other can share a policy.
         rotation: Orientations as ``quaternion`` (x, y, z, w), or as ``matrix``: the first two
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
-        cameras: Cameras whose colour images every agent sees besides its own channels.
+        cameras: Cameras whose colour images every agent observes besides its own channels.
         camera_size: Width and height of observed images; by default each camera's own.
-        renderer: What draws pictures.
+        renderer: Renderer of images: ``tiny``, ``egl`` or ``auto``.
         render_camera: The camera of ``render()``; by default the scene's first.
     """
 
@@ -74,7 +75,7 @@ class Options:
     render_camera: str | None = None
 
     def applied(self, task: Task) -> TaskFile:
-        """The task file with horizon and control rate as asked for.
+        """The task file with the horizon and control rate of these options.
 
         Raises:
             UsageError: An option does not fit the task.
@@ -119,11 +120,11 @@ class Options:
 
 
 def _paced(scene: SceneSpec, share: float) -> SceneSpec:
-    """A scene in whose control steps, which last another time, its robots are as fast as before.
+    """Scale the action limits of a scene to another control rate, so that speeds stay the same.
 
     Args:
-        scene: The scene as the task file has it.
-        share: How long a control step lasts, as a share of the task file's.
+        scene: The scene of the task file.
+        share: Duration of a control step, as a fraction of the task file's.
     """
     if share == 1.0:
         return scene
@@ -138,7 +139,7 @@ def _paced(scene: SceneSpec, share: float) -> SceneSpec:
 
 
 class EnvOptions(TypedDict, total=False):
-    """The fields of `Options` as keywords, by which type checkers find a wrong one."""
+    """The fields of `Options` as keyword arguments, for type checkers."""
 
     reward: RewardSharing
     flat: bool
@@ -157,10 +158,10 @@ class EnvOptions(TypedDict, total=False):
 
 
 def make_options(**options: Unpack[EnvOptions]) -> Options:
-    """Options by name.
+    """Make options from keyword arguments.
 
     Raises:
-        UsageError: There is no such option, or it is a wrapper for training now.
+        UsageError: There is no such option, or it is now a training wrapper.
     """
     moved = next((name for name in options if name in _FOR_TRAINING), None)
     if moved is not None:

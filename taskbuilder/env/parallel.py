@@ -34,7 +34,7 @@ Infos = dict[str, dict[str, float]]
 
 @dataclass(frozen=True)
 class EnvState:
-    """A moment of an environment, for `load_state` of the same environment."""
+    """A saved state, for `load_state` of the same environment."""
 
     episode: EpisodeState
     agents: tuple[str, ...]
@@ -43,24 +43,24 @@ class EnvState:
 
 
 class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
-    """Any task as a multi-agent environment.
+    """A task as a multi-agent environment.
 
-    Each agent sees the channels that the task file lists for it under ``observe``, and nothing
-    else; `state` is for centralised critics. All agents act at once and all end at once. Infos
-    are numbers with the same keys for every agent, at every step and reset.
+    Each agent observes the channels that the task file lists for it under ``observe``, and nothing
+    else; `state` is for centralised critics. All agents act at every step, and their episodes end
+    together. Infos are numbers with the same keys for every agent, at every step and reset.
 
-    Copies, pickled ones too, have a physics of their own: they build it anew and play the actions
-    of the episode again.
+    A copy (also by pickle) has a physics engine of its own: it builds the scene again and replays
+    the actions of the episode.
 
     Args:
         task: The task.
-        options: How it is made into an environment.
+        options: The options of the environment.
         render_mode: "rgb_array" or None.
 
     Attributes:
         possible_agents: The robots of the scene, in file order.
-        agents: The same while an episode runs, else empty.
-        episode: The episode that this is a view of.
+        agents: The same robots while an episode runs, else empty.
+        episode: The episode that the environment wraps.
     """
 
     def __init__(self, task: Task, options: Options, render_mode: str | None = None) -> None:
@@ -104,7 +104,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
 
     @property
     def info_keys(self) -> tuple[str, ...]:
-        """Names of the numbers in every agent's info."""
+        """Keys of every agent's info."""
         return tuple(make_info(self.episode))
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
@@ -115,16 +115,16 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         """An agent's action space; the same object at every call."""
         return self.action_spaces[agent]
 
-    # --- time
+    # --- stepping
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, Infos]:
-        """Begin an episode.
+        """Reset the environment.
 
         Args:
-            seed: Decides this episode and, until the next seed, all that follow.
-            options: Unused; there for PettingZoo.
+            seed: Seed of this episode and, until the next seed, of all later ones.
+            options: Not used; required by PettingZoo.
 
         Raises:
             PlacementError: The objects do not fit.
@@ -139,7 +139,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     def step(
         self, actions: Mapping[str, Any]
     ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]:
-        """Let every agent act for one control step.
+        """Run one control step.
 
         Args:
             actions: An action for every agent. Numbers beyond the bounds are clipped.
@@ -163,7 +163,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         return seen, rewards, terminations, truncations, infos
 
     def observe(self) -> Observations:
-        """What every agent observes now; noise is drawn anew."""
+        """The current observations of all agents, with new noise."""
         self._noise = self.episode.noise_rng.bit_generator.state
         self._last = self._observer.observe(self.episode)
         return self._last
@@ -191,21 +191,21 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         return dict.fromkeys(self.agents, self.team_reward())
 
     def team_reward(self) -> float:
-        """The sum of all agents' pay for the present control step; 0 after an explosion."""
+        """The team reward of the current control step; 0 after a divergence of the physics."""
         return 0.0 if self.episode.exploded else self.episode.outcome.team
 
     def _infos(self) -> Infos:
         info = make_info(self.episode)
         return {agent: dict(info) for agent in self.possible_agents}
 
-    # --- more to see
+    # --- state and rendering
 
     def state(self) -> NDArray[np.float32]:
-        """What a centralised critic sees: all that the task file lists under ``state``."""
+        """The state for centralised critics, as listed in the task file under ``state``."""
         return self._observer.state(self.episode)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A picture of the world: (height, width, 3) uint8, or None without a render mode."""
+        """An image of the scene: (height, width, 3) uint8, or None without a render mode."""
         if self.render_mode is None:
             return None
         world = self.episode.world
@@ -213,12 +213,12 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         world.move_markers()
         return capture(world.client, world.camera(camera), shadow=True, backdrop=STUDIO).rgb
 
-    # --- going back
+    # --- saving and restoring
 
     def save_state(self) -> EnvState:
-        """This moment, generators included; restored to the bit by `load_state`.
+        """Save the state, random generators included; `load_state` restores it bit for bit.
 
-        Only within this environment and process. Across processes a state is what led to it: the
+        It is valid only in this environment and process. To continue in another process, keep the
         options, the seed of `reset`, and the actions since.
 
         Raises:
@@ -231,10 +231,10 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         return state
 
     def load_state(self, state: EnvState) -> Observations:
-        """Go back to a moment of this environment.
+        """Restore a saved state of this environment.
 
         Returns:
-            The observations of that moment.
+            The observations in that state.
 
         Raises:
             UsageError: The state belongs to another environment.
@@ -242,11 +242,11 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         self.episode.load(state.episode)
         self.agents = list(state.agents)
         self._seeds.bit_generator.state = state.seeds
-        self.episode.noise_rng.bit_generator.state = state.noise  # what was seen is seen again
+        self.episode.noise_rng.bit_generator.state = state.noise  # the same noise again
         return self.observe()
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the environment."""
         self.episode.close()
         self.agents = []
 
@@ -262,16 +262,16 @@ def parallel_env(
     render_mode: RenderMode | None = None,
     **options: Unpack[EnvOptions],
 ) -> TaskEnv:
-    """Make a task into a PettingZoo ParallelEnv.
+    """Make a PettingZoo ParallelEnv of a task.
 
     Args:
-        task: Its name, the path of its YAML file, or the task itself.
-        render_mode: "rgb_array" to make `render` return pictures.
+        task: Name or path of the task, or the task itself.
+        render_mode: "rgb_array" if `render` should return pictures.
         options: See `Options`.
 
     Raises:
         UnknownNameError: There is no such task.
-        FileError: The task is wrong.
+        FileError: The files of the task have errors.
         UsageError: An option does not fit the task.
     """
     loaded = task if isinstance(task, Task) else load_task(task)

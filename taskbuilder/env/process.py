@@ -1,4 +1,4 @@
-"""A worker as its owner sees it: started, told to work, waited for, and asked why it died."""
+"""The owner's handle on a worker process."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class WorkerProcess(ChildProcess):
     """One worker.
 
     Attributes:
-        number: Counts from 0.
-        rows: The environments that it runs.
-        losses: How many times in a row it was lost.
-        busy: It owes an answer.
+        number: Its number, from 0.
+        rows: Rows of its environments.
+        losses: Number of losses in a row.
+        busy: Whether an answer is pending.
     """
 
     def __init__(self, number: int, rows: range) -> None:
@@ -27,24 +27,24 @@ class WorkerProcess(ChildProcess):
         self.busy = False
 
     def start(self, orders: bytes, memory: int) -> None:
-        """Start a process; it answers when its environments are built.
+        """Start a process, which answers when its environments are built.
 
         Args:
-            orders: What it is to run, for `WorkerConfig.read`.
+            orders: Its configuration, for `WorkerConfig.read`.
             memory: Descriptor of the shared memory.
         """
         self.begin(_MAIN, orders, self.rows.start, self.rows.stop, passed=[memory])
         self.busy = True
 
     def go(self) -> None:
-        """Let it work; one that is lost is found out by `wait`."""
+        """Start work; `wait` detects a lost process."""
         self.busy = True
         if self.connection:
             with suppress(OSError):
                 self.connection.sendall(b"!")
 
     def wait(self, limit_s: float) -> Fault | None:
-        """Wait for its answer; if none comes, end it and say why."""
+        """Wait for its answer; without one, end it and return the cause."""
         if self.connection is None:
             return Fault("is not running", "")
         self.connection.settimeout(limit_s)
@@ -60,6 +60,6 @@ class WorkerProcess(ChildProcess):
         return None
 
     def end(self) -> None:
-        """See `ChildProcess.end`."""
+        """End the worker process."""
         super().end()
         self.busy = False

@@ -1,7 +1,7 @@
-"""What the environments of a vector and their owner tell each other: arrays in one block of memory.
+"""Shared arrays of a vector environment and its workers, in one block of memory.
 
-A row of every array belongs to one environment. The block is anonymous: it has no name that could
-be left behind, and is gone with the last process that has it.
+Each environment has a row of every array. The block is anonymous: it leaves no name behind, and is
+freed with the last process that uses it.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ Rows = range | slice
 
 @dataclass(frozen=True)
 class Signature:
-    """What all environments of a task have alike.
+    """The spaces and keys that all environments of a task share.
 
     Attributes:
         agents: The robots, in file order.
-        observation_spaces: Of every agent.
-        action_spaces: Of every agent.
-        action_sizes: How many numbers each agent's action has.
-        state_space: Of the centralised state.
-        info_keys: Names of the numbers in every agent's info.
+        observation_spaces: Observation space of every agent.
+        action_spaces: Action space of every agent.
+        action_sizes: Size of each agent's action.
+        state_space: Space of the centralised state.
+        info_keys: Keys of every agent's info.
     """
 
     agents: tuple[str, ...]
@@ -46,7 +46,7 @@ class Signature:
 
     @classmethod
     def of(cls, env: TaskEnv) -> Signature:
-        """Read it off an environment, which need not have been reset."""
+        """The spaces and keys of an environment, which need not have been reset."""
         return cls(
             agents=tuple(env.possible_agents),
             observation_spaces=dict(env.observation_spaces),
@@ -58,10 +58,10 @@ class Signature:
 
 
 class Allocator:
-    """Hands out arrays one after the other from a block of memory, or without one from the heap.
+    """Allocates consecutive arrays in a block of memory, or on the heap without one.
 
     Attributes:
-        size: Bytes that the arrays handed out so far take in a block.
+        size: Bytes of the arrays allocated so far.
     """
 
     def __init__(self, block: mmap.mmap | None = None) -> None:
@@ -69,7 +69,7 @@ class Allocator:
         self._block = block
 
     def take(self, shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
-        """An array of zeros, if nobody has written to the block."""
+        """Allocate an array, of zeros in a new block."""
         start = self.size
         bytes_ = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
         self.size += -(-bytes_ // _ALIGNMENT) * _ALIGNMENT
@@ -79,7 +79,7 @@ class Allocator:
 
 
 class StepView:
-    """How every environment looks after a step.
+    """Observations, states and infos of all environments after a step.
 
     Attributes:
         observations: By agent: (num_envs, …), or a dictionary of such arrays.
@@ -104,31 +104,30 @@ class StepView:
         state: NDArray[np.float32],
         info: Mapping[str, float],
     ) -> None:
-        """Set down how one environment looks."""
+        """Write the view of one environment."""
         _write(self.observations, row, observations)
         self.state[row] = state
         self.infos[row] = [info[key] for key in self._keys]
 
     def copy(self, source: StepView, rows: Rows = slice(None)) -> None:
-        """Take over rows of another."""
+        """Copy rows of another view."""
         part = slice(rows.start, rows.stop)
         for mine, theirs in zip(self._arrays, source._arrays, strict=True):
             mine[part] = theirs[part]
 
 
 class SharedBuffers:
-    """All arrays of a vector of environments.
+    """All arrays of a vector environment.
 
-    The owner writes what is to be done, lets the environments do it, and reads what came of it;
-    nobody writes while another may read.
+    The owner writes actions, lets the environments step, and reads the results. Nobody writes while
+    another process may read.
 
     Attributes:
         actions: By agent: (num_envs, n) float64.
-        begin: (num_envs,) bool: begin an episode instead of acting.
-        seeds: (num_envs,) int64: of the next episode of each environment.
-        now: What there is to see after the step.
-        final: What there was to see at the end of those episodes that ended and were followed by
-            another within the step.
+        begin: (num_envs,) bool: reset instead of acting.
+        seeds: (num_envs,) int64: seeds of the next episodes.
+        now: The view after the step.
+        final: The view at the end of episodes that were followed by a reset within the step.
         rewards: (num_envs, agents) float64.
         terminated: (num_envs,) bool.
         truncated: (num_envs,) bool.
@@ -151,7 +150,7 @@ class SharedBuffers:
 
 
 def make_block(size: int) -> int:
-    """Memory to be shared with child processes: a file descriptor for `map_block`."""
+    """Make memory to share with child processes: a file descriptor for `map_block`."""
     if hasattr(os, "memfd_create"):
         descriptor = os.memfd_create("taskbuilder")
     else:
@@ -162,12 +161,12 @@ def make_block(size: int) -> int:
 
 
 def map_block(descriptor: int) -> mmap.mmap:
-    """A block of shared memory in this process's reach."""
+    """Map a block of shared memory into this process."""
     return mmap.mmap(descriptor, os.fstat(descriptor).st_size)
 
 
 def copied(tree: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrays, or dictionaries of arrays, of one's own."""
+    """Copies of arrays, or of dictionaries of arrays."""
     return {
         key: copied(value) if isinstance(value, dict) else value.copy()
         for key, value in tree.items()
@@ -175,7 +174,7 @@ def copied(tree: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def row_of(tree: Mapping[str, Any], row: int) -> dict[str, Any]:
-    """One environment's share of observations, in arrays of its own."""
+    """The observations of one environment, in new arrays."""
     return {
         key: row_of(value, row) if isinstance(value, dict) else value[row].copy()
         for key, value in tree.items()

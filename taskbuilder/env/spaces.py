@@ -1,4 +1,4 @@
-"""Spaces of observations and actions, and moving values in and out of them."""
+"""Spaces of observations and actions, and conversion of values."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ VECTOR = "vector"
 def observation_space(
     view: View, sizes: Mapping[str, tuple[int, int]], *, flat: bool
 ) -> spaces.Space[Any]:
-    """The space of what a view shows: a box, or a dictionary where it must be one."""
+    """The observation space of a view: a box, or a dictionary if it has images or is not flat."""
     images = {f"{c.subject}.{c.quantity}": _image_space(c, sizes[c.subject]) for c in view.cameras}
     numbers = spaces.Box(view.low, view.high, dtype=np.float32)
     if flat:
@@ -51,7 +51,7 @@ def _image_space(channel: Channel, size: tuple[int, int]) -> spaces.Box:
 
 
 def image_values(channel: Channel, image: Image, view: CameraView) -> NDArray[Any]:
-    """What a camera channel shows of an image, in an array of its own."""
+    """The values of a camera channel, in a new array."""
     match channel.quantity:
         case "rgb":
             return image.rgb.copy()
@@ -64,7 +64,7 @@ def image_values(channel: Channel, image: Image, view: CameraView) -> NDArray[An
 
 
 def action_space(actions: RobotActions, *, flat: bool, normalize: bool) -> spaces.Space[Any]:
-    """The space of an agent's actions: a box, or arm and gripper apart."""
+    """The action space of an agent: a box, or a dictionary of arm and gripper."""
     ones = np.ones(actions.size, dtype=np.float32)
     low = -ones if normalize else actions.low.astype(np.float32)
     high = ones if normalize else actions.high.astype(np.float32)
@@ -79,10 +79,9 @@ def action_space(actions: RobotActions, *, flat: bool, normalize: bool) -> space
 
 
 def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np.float64]:
-    """An agent's action as a vector of numbers.
+    """Convert an agent's action to a vector of numbers.
 
-    Numbers beyond the bounds are let through, to be clipped: learners with Gaussian policies send
-    them.
+    Numbers beyond the bounds are accepted and clipped later, because Gaussian policies send them.
 
     Raises:
         ActionError: It is not of the space's kind or shape, or not finite.

@@ -1,4 +1,4 @@
-"""Arm modes whose numbers are about the tool: its step, or where it is to be."""
+"""Arm modes in Cartesian space: a step of the tool, or a target pose."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from taskbuilder.geometry import (
 from taskbuilder.sim.kinematics import solve
 
 LAG_STEPS = 2.0
-"""How many steps the commanded tool may be ahead of the measured one."""
+"""Maximum lead of the commanded tool over the measured one, in steps."""
 
 
 @dataclass(frozen=True)
@@ -33,25 +33,24 @@ class TcpDeltaMode:
     """Moves the commanded tool by a step, and turns it.
 
     Numbers: a translation (m), then by `turn` nothing, an angle about the tool's axis, or a
-    rotation vector (rad). A translation longer than `max_step` is shortened to it, a rotation
-    vector likewise. The tool keeps its tilt from home unless `turn` is full.
+    rotation vector (rad). Translations are shortened to `max_step`, and rotation vectors to
+    `max_turn_deg`. The tool keeps its tilt from home unless `turn` is full.
     """
 
     arm: Arm
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`."""
+        """Lower and upper bound of each number, in physical units."""
         step, turn = self.arm.spec.max_step, math.radians(self.arm.spec.max_turn_deg)
         turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
         return ((-step, step),) * 3 + ((-turn, turn),) * turns
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the tool by the numbers of an action."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
-        frames = arm.ik.frames(joints)
-        tool = frames.tool
+        tool = arm.ik.forward(joints)
         shift = _shortened((values[0], values[1], values[2]), spec.max_step)
         goal = add(tool.position, self._in_base(shift, tool))
         measured = arm.base_from_world.apply(arm.world.position(arm.tcp_name))
@@ -59,10 +58,10 @@ class TcpDeltaMode:
         if norm(ahead) > LAG_STEPS * spec.max_step:
             goal = add(measured, _shortened(ahead, LAG_STEPS * spec.max_step))
         target = Pose(goal, self._turned(tool, values[3:]))
-        return arm.ik.step(joints, target, arm.longest, frames)
+        return arm.ik.step(joints, target, arm.longest)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """See `ArmMode.leading_to`."""
+        """The numbers that command the arm to given joint positions."""
         arm, spec = self.arm, self.arm.spec
         tool, goal = arm.ik.forward(arm.robot.commanded()), arm.ik.forward(joints)
         shift = self._from_base(subtract(goal.position, tool.position), tool)
@@ -110,13 +109,13 @@ class TcpPoseMode:
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`."""
+        """Lower and upper bound of each number, in physical units."""
         reach = self.arm.reach
         turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
         return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * turns
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the tool by the numbers of an action."""
         arm, spec = self.arm, self.arm.spec
         joints = arm.robot.commanded()
         tool = arm.ik.forward(joints)
@@ -128,7 +127,7 @@ class TcpPoseMode:
         return arm.ik.step(joints, target, arm.longest)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """See `ArmMode.leading_to`."""
+        """The numbers that command the arm to given joint positions."""
         arm, spec = self.arm, self.arm.spec
         goal = arm.ik.forward(joints)
         offset = subtract(goal.position, arm.ik.forward(arm.robot.home).position)
@@ -143,7 +142,7 @@ class TcpPoseMode:
         return (*offset, *_vector_of(multiply(conjugate(arm.home), goal.quaternion)))
 
     def goal(self, values: Sequence[float]) -> Pose:
-        """The pose that the numbers mean, in the base frame."""
+        """The target pose in the base frame."""
         arm, spec = self.arm, self.arm.spec
         start = arm.ik.forward(arm.robot.home)
         offset: Vec3 = (values[0], values[1], values[2])
@@ -161,22 +160,23 @@ class TcpPoseMode:
 
 @dataclass(frozen=True)
 class TcpPathMode:
-    """Drives to a pose by way of the joints: for scripts, and for slow control.
+    """Moves to a pose in joint space, for scripts and for slow control.
 
-    The numbers are those of `TcpPoseMode`. The pose's inverse kinematics is solved in full, with
-    restarts, from where the joints are; they go there in a straight line at their speed limits,
-    so that poses are reached to which no straight motion of the tool leads. About a millisecond.
+    The numbers are those of `TcpPoseMode`. The inverse kinematics of the pose is solved with
+    restarts, from the current joints, and the joints move there in a straight line at their speed
+    limits. So poses can be reached that no straight motion of the tool leads to. Takes about a
+    millisecond.
     """
 
     arm: Arm
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `ArmMode.bounds`."""
+        """Lower and upper bound of each number, in physical units."""
         return TcpPoseMode(self.arm).bounds
 
     def command(self, values: Sequence[float]) -> Targets:
-        """See `ArmMode.command`."""
+        """Command the tool by the numbers of an action."""
         arm = self.arm
         joints = arm.robot.commanded()
         rng = np.random.default_rng(0)  # the same path for the same command
@@ -184,7 +184,7 @@ class TcpPathMode:
         return arm.approach(joints, found.joints)
 
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
-        """See `ArmMode.leading_to`."""
+        """The numbers that command the arm to given joint positions."""
         return TcpPoseMode(self.arm).leading_to(joints)
 
 
@@ -198,7 +198,7 @@ def _about_z(angle: float) -> Quat:
 
 
 def _yaw(home: Quat, now: Quat) -> float:
-    """The part of the turn from home to now that is about the tool's own axis."""
+    """The rotation from home to now about the tool's own axis."""
     _, _, z, w = multiply(conjugate(home), now)
     return 2.0 * math.atan2(z, w)
 

@@ -1,4 +1,4 @@
-"""The vector view: many environments of a task at once, in this process or in several."""
+"""The vector view: parallel environments of a task, in this process or in several."""
 
 from __future__ import annotations
 
@@ -29,32 +29,32 @@ Flags = NDArray[np.bool_]
 
 
 class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
-    """Many environments of one task; made by `make_vec`.
+    """Parallel environments of one task; made by `make_vec`.
 
     Observations, actions and rewards are dictionaries by agent, of arrays with a row for each
     environment. Terminations and truncations are plain arrays: all agents of an environment end
     together. Infos are arrays by key, those of `TaskEnv` and "lost": 1.0 where an episode was cut
-    off because the process that ran it was lost. What is returned belongs to the caller.
+    off because its process was lost. Returned arrays are copies and belong to the caller.
 
     Environment i draws the seeds of its episodes like a `TaskEnv` that was reset with its seed and
-    then again and again without one. So what happens depends on the seeds and the actions alone,
-    not on the number of workers.
+    then repeatedly without one. So the results depend on the seeds and the actions only, and not on
+    the number of workers.
 
     When an episode ends (``metadata["autoreset_mode"]``):
 
-    - same step: the next one begins within the step. Observations, `state` and infos are those of
-      its beginning; how the old one ended is in the infos "final_obs" (an array of objects: a
-      dictionary by agent for each environment that ended, else None), "final_state" and
-      "final_info", of which "_final_obs" and so on tell the rows that count.
-    - next step: the next one begins with the next step, whatever that step's actions say, and
-      that step pays nothing.
+    - same step: the environment is reset within the step. Observations, `state` and infos are those
+      after the reset. The end of the old episode is in the infos "final_obs" (an array of objects:
+      a dictionary by agent for each environment that ended, else None), "final_state" and
+      "final_info". "_final_obs" and so on are masks of the valid rows.
+    - next step: the environment is reset by the next step, which ignores its actions and has zero
+      reward.
 
-    A worker that dies or hangs is replaced, with a warning to the log. The episodes of its
-    environments are truncated in that step and pay nothing; the last observation of each is the
-    one that was returned last. Other workers' environments notice nothing.
+    A worker that dies or hangs is replaced, and a warning is logged. The episodes of its
+    environments are truncated in that step with zero reward; their last observation is the one
+    returned before. Environments of other workers are not affected.
 
     Attributes:
-        num_envs: How many environments.
+        num_envs: Number of environments.
     """
 
     def __init__(
@@ -92,10 +92,10 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
 
     @property
     def worker_pids(self) -> tuple[int, ...]:
-        """The processes of the workers, in their order; -1 for one that is not running."""
+        """Process ids of the workers in order; -1 for one that is not running."""
         return self._backend.pids
 
-    # --- time
+    # --- stepping
 
     def reset(
         self,
@@ -103,17 +103,17 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Arrays, dict[str, Any]]:
-        """Begin an episode in every environment.
+        """Reset every environment.
 
         Args:
-            seed: Of the first environment, the next one having seed + 1 and so on; or one for
-                each. Environments without go on with the seeds that they have.
-            options: Unused; there for Gymnasium.
+            seed: Seed of the first environment, with seed + 1 for the next and so on; or a seed for
+                each. Environments without a seed continue their own sequence.
+            options: Not used; required by Gymnasium.
 
         Raises:
-            UsageError: The environment is closed, a seed is no seed, or ``reset_mask`` is asked
-                for: episodes that end are followed by others without being asked.
-            WorkerError: A worker is lost again and again.
+            UsageError: The environment is closed, a seed is invalid, or ``reset_mask`` is given,
+                which autoreset makes unnecessary.
+            WorkerError: A worker is lost repeatedly.
         """
         self._check_open()
         if "reset_mask" in (options or {}):
@@ -135,7 +135,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         return copied(self._seen.observations), self._infos()
 
     def step(self, actions: Arrays) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
-        """Let every agent of every environment act for one control step.
+        """Run one control step in every environment.
 
         Args:
             actions: By agent: (num_envs, n), or with ``flat=False`` dictionaries of such arrays.
@@ -150,16 +150,16 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
             AgentError: An agent's actions are missing, or there is no such agent.
             EpisodeOverError: There was no reset, or not since a step that was interrupted.
             UsageError: The environment is closed.
-            WorkerError: A worker is lost again and again.
+            WorkerError: A worker is lost repeatedly.
         """
         self.step_async(actions)
         return self.step_wait()
 
     def step_async(self, actions: Arrays) -> None:
-        """Begin what `step` does, and let workers do it while the caller does something else.
+        """Start a step without waiting for the workers.
 
         Args:
-            actions: As of `step`.
+            actions: As for `step`.
 
         Raises:
             ActionError: Actions are not finite, or of another shape or kind.
@@ -177,12 +177,12 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         self._under_way = True
 
     def step_wait(self) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
-        """Wait for the end of what `step_async` began; returns what `step` does.
+        """Wait for the step that `step_async` started; returns the same as `step`.
 
         Raises:
-            EpisodeOverError: No step is under way.
+            EpisodeOverError: No step was started.
             UsageError: The environment is closed.
-            WorkerError: A worker is lost again and again.
+            WorkerError: A worker is lost repeatedly.
         """
         self._check_open()
         if not self._under_way:
@@ -208,7 +208,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         )
 
     def state(self) -> NDArray[np.float32]:
-        """What a centralised critic sees: (num_envs, state_dim), of the last reset or step.
+        """The state for centralised critics after the last reset or step: (num_envs, state_dim).
 
         Raises:
             EpisodeOverError: There was no reset, not since a step that was interrupted, or a step
@@ -218,7 +218,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         return self._seen.state.copy()
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Free the environments and end the workers; called by `close`, which can be repeated."""
+        """Close the environments and end the workers; called by `close`, which can be repeated."""
         del kwargs
         self._running = self._under_way = False
         self._finalizer()
@@ -234,12 +234,12 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
             raise EpisodeOverError("no episodes are running; call reset")
 
     def _draw_seeds(self, rows: Flags) -> None:
-        """Draw the seeds of the episodes after those that have begun."""
+        """Draw the seeds of the next episodes."""
         for row in np.flatnonzero(rows):
             self._buffers.seeds[row] = self._generators[row].integers(2**31)
 
     def _write_off(self, lost: Sequence[range]) -> Flags:
-        """Truncate the episodes of lost workers, as they were last seen; tell which they are."""
+        """Truncate the episodes of lost workers at their last observation, and mark them."""
         buffers = self._buffers
         mask = np.zeros(self.num_envs, dtype=np.bool_)
         for rows in lost:
@@ -284,22 +284,22 @@ def make_vec(
     wrap: Wrap = unwrapped,
     **options: Unpack[EnvOptions],
 ) -> TaskVectorEnv:
-    """Make many environments of a task, to be stepped at once.
+    """Make a vector environment of a task.
 
     Args:
-        task: Its name, the path of its YAML file, or the task itself.
-        num_envs: How many environments; each takes about 30 MB.
-        workers: In how many processes they run; 0 for this one.
-        autoreset: What follows an episode's end: Gymnasium's "SameStep" or "NextStep".
+        task: Name or path of the task, or the task itself.
+        num_envs: Number of environments; each takes about 30 MB.
+        workers: Number of processes; 0 to run in this one.
+        autoreset: Gymnasium's autoreset mode, "SameStep" or "NextStep".
         timeout_s: A worker that takes longer for a step of its environments is replaced.
-        retries: How many times in a row a worker is replaced before that is an error.
-        wrap: Puts wrappers around each environment, where it runs; with workers a function of a
-            module, or an object that can be pickled.
+        retries: Maximum number of replacements of a worker in a row.
+        wrap: Wraps each environment in the process where it runs. With workers it must be
+            picklable, such as a function of a module.
         options: See `Options`.
 
     Raises:
         UnknownNameError: There is no such task.
-        FileError: The task is wrong.
+        FileError: The files of the task have errors.
         UsageError: An argument or option does not fit.
         WorkerError: A worker does not start.
     """

@@ -1,9 +1,8 @@
-"""A worker: a process of its own that runs a group of environments.
+"""A worker: a process that runs a group of environments.
 
-Started by `taskbuilder.env.backends` as a fresh interpreter. What it is to run comes on its
-standard input; then every byte that it receives over its socket means `EnvGroup.advance`, and is
-answered by a byte. It never prints: what it says on the way to its death goes to a file that its
-owner reads.
+`taskbuilder.env.backends` starts it as a fresh interpreter. It reads its configuration from
+standard input. Then it calls `EnvGroup.advance` for every byte from its socket, and answers with a
+byte. It never prints; the output of a crash goes to a file that its owner reads.
 """
 
 from __future__ import annotations
@@ -28,14 +27,14 @@ if TYPE_CHECKING:  # imported by main, when a failure to import can already be t
 
 @dataclass(frozen=True)
 class WorkerConfig:
-    """What workers are to run.
+    """The configuration of workers.
 
     Attributes:
         task: The task.
-        options: How it is made into environments.
-        wrap: Put around each of them.
-        signature: What its environments have alike.
-        num_envs: How many there are, with those of other workers.
+        options: The options of the environments.
+        wrap: Wraps each environment.
+        signature: The spaces and keys of the environments.
+        num_envs: Number of environments, including those of other workers.
         same_step: See `EnvGroup`.
     """
 
@@ -47,11 +46,11 @@ class WorkerConfig:
     same_step: bool
 
     def write(self, file: BinaryIO) -> None:
-        """Put the configuration where `read` finds them.
+        """Write the configuration for `read`.
 
         The task's entry goes first: reading it imports the description, under the name by which
         the task then refers to it. That name holds a digest of a description outside packages, so
-        a worker that starts after its file was edited fails instead of paying by other rules.
+        a worker that starts after its file was edited fails, instead of using another reward.
 
         Raises:
             AttributeError, TypeError, pickle.PicklingError: The description is not importable.
@@ -62,7 +61,7 @@ class WorkerConfig:
 
     @classmethod
     def read(cls, file: BinaryIO) -> WorkerConfig:
-        """The configuration that `write` put there."""
+        """Read the configuration that `write` wrote."""
         from taskbuilder.description.load import load_description
 
         load_description(pickle.load(file))  # noqa: S301  # written by the parent process
@@ -79,7 +78,7 @@ class WorkerConfig:
 
 
 def main() -> None:
-    """Run the group that the command line and standard input tell of, until the owner is gone."""
+    """Run the group of the command line and standard input until the owner is gone."""
     connection, lifeline, words, memory, start, stop = map(int, sys.argv[1:])
     last_words = os.fdopen(words, "wb", buffering=0)
     become_child(lifeline, last_words)

@@ -1,4 +1,4 @@
-"""Experts: play the stages of a task file through the environment's own actions.
+"""Experts, which play the stages of a task file through the environment's own actions.
 
     from taskbuilder import parallel_env
     from taskbuilder.expert import Expert
@@ -6,7 +6,7 @@
     expert = Expert(parallel_env("handover"))
     print(expert.play(seed=0).success)
 
-What is here is imported when it is first used.
+Names are imported on first use.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Leaving the expert's way: what comes of it when others play on after one of its stages."""
+"""Probes that leave the expert's script after one of its stages."""
 
 from __future__ import annotations
 
@@ -14,22 +14,25 @@ from taskbuilder.rollout.record import Rollout
 def leave_after_stages(
     env: TaskEnv, whole: Rollout, who: Callable[[int], Mapping[Kind, Policy]]
 ) -> dict[Way, Rollout]:
-    """Play an episode of the expert up to the end of each of its stages, and leave its way there.
+    """Replay an expert episode up to the end of each stage, and continue with other policies.
 
     Args:
-        env: Of the episode's task and variation, with options that it was played with.
+        env: An environment of the episode's task and variation, with the same options.
         whole: The expert's episode.
-        who: Who plays on after a stage, by kind of way, given the stage's number.
+        who: Returns the policies that continue after a stage, by name, given its number.
     """
-    ends = {end: number for number, end in enumerate(whole.stage_ends, start=1)}
+    ends = {
+        end: number for number, end in enumerate(whole.stage_ends, start=1) if end < whole.steps
+    }
     saved: list[tuple[int, int, EnvState]] = []
 
     def save(env: TaskEnv) -> None:
         step = env.episode.steps
-        if step in ends and step < whole.steps:
+        if step in ends:
             saved.append((ends[step], step, env.save_state()))
 
-    replay(env, whole, save)
+    if ends:
+        replay(env, whole.until(max(ends)), save)
     plays: dict[Way, Rollout] = {}
     lost = False
     for number, step, state in saved:
@@ -45,11 +48,14 @@ def leave_after_stages(
 
 
 def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[Way, Rollout]:
-    """The expert's episode up to the end of each stage but the last, then holding still.
+    """Stalls: the expert's episode up to the end of each stage but the last, then holding still.
 
     Args:
         env: As for `leave_after_stages`.
         whole: The expert's episode.
+
+    Returns:
+        The episodes, by the number of the last stage that was played.
     """
     last = len(env.task.file.spec.expert)  # after the last one the expert itself holds still
 

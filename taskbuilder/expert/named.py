@@ -1,4 +1,4 @@
-"""Policies that have names: the expert, and two to compare it with."""
+"""Policies by name: the expert and two baselines."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ POLICIES: Mapping[str, Callable[[TaskEnv], Policy]] = {
     "random": lambda _: RandomActions(),
     "nothing": lambda _: HoldStill(),
 }
-"""What makes each of them for an environment."""
+"""Factories of these policies for an environment."""
 
 
 def policy_named(name: str) -> Callable[[TaskEnv], Policy]:
-    """What makes a policy for an environment.
+    """The factory of a policy by its name.
 
     Raises:
-        UnknownNameError: There is none of that name.
+        UnknownNameError: There is no policy of this name.
     """
     if name not in POLICIES:
         raise UnknownNameError(f'no policy "{name}"; {suggestion(name, POLICIES, what="one of")}')
@@ -32,7 +32,7 @@ def policy_named(name: str) -> Callable[[TaskEnv], Policy]:
 
 
 def has_expert(task: Task) -> bool:
-    """Whether a task has an expert, and one that can be planned for."""
+    """Whether a task has an expert whose action modes can be planned for."""
     spec = task.file.spec
     modes = {robot.action.arm for robot in spec.scene.robots.values()}
     return bool(spec.expert) and "joint_torque" not in modes

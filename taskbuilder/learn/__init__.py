@@ -1,4 +1,4 @@
-"""Learning: train policies, load trained ones, and measure what they achieve.
+"""Learning: train, load and evaluate policies.
 
     from taskbuilder.learn import evaluate, load_policy, train
 
@@ -6,7 +6,7 @@
     print(evaluate(run.policy, episodes=300).success_rate)
     print(evaluate(load_policy("zoo:handover/scratch")).interval)
 
-What is here is imported when it is first used. Only training needs torch; policies play without.
+Names are imported on first use. Only training needs torch; playing a policy does not.
 """
 
 from __future__ import annotations

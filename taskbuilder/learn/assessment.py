@@ -1,4 +1,4 @@
-"""Measuring a policy from Python: where it plays, and what its episodes say together."""
+"""Evaluating a policy from Python."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from taskbuilder.task import Task, load_task
 
 @dataclass(frozen=True)
 class _EnvFactory:
-    """Makes a policy's environment, also in another process."""
+    """Makes the environment of a policy, also in another process."""
 
     task: str
     options: tuple[tuple[str, Any], ...]
@@ -38,22 +38,22 @@ def evaluate(
     jobs: int | None = None,
     **options: Any,
 ) -> evaluation.EvaluationSummary:
-    """Play a policy in episodes that it has never seen, without exploration.
+    """Evaluate a policy without exploration, in episodes that it has never seen.
 
     Args:
         policy: The policy, or its name as for `load_policy`.
-        episodes: How many; seeds follow each other.
-        task: Where it plays; by default what it was trained on.
-        first_seed: Of the first episode.
-        jobs: Processes; by default as many as there are cores.
-        options: Of the environment, in place of those that it was trained with; see `Options`.
+        episodes: Number of episodes, with consecutive seeds.
+        task: The task to play; by default the one it was trained on.
+        first_seed: Seed of the first episode.
+        jobs: Processes; by default one for each core.
+        options: Options of the environment that differ from those of training; see `Options`.
 
     Returns:
-        What the episodes say together: success rate and its interval, returns, stages.
+        The success rate and its interval, returns, and stages.
 
     Raises:
         UsageError: The policy does not fit the task, or there is no such file.
-        UnknownNameError: There is no such policy, or no such task.
+        UnknownNameError: There is no such policy or task.
     """
     named = "the policy"
     if not isinstance(policy, TrainedPolicy):
@@ -62,7 +62,7 @@ def evaluate(
             task = task_of_run(Path(named), Catalogue.discover())
         policy = load_policy(named)
     place = task
-    if place is None:  # a file names its task by a plain name: whoever made it may be a stranger
+    if place is None:  # a file may come from anybody, so its task is only looked up by name
         place = named_task(named, policy.about.get("task"), Catalogue.discover())
     loaded = place if isinstance(place, Task) else load_task(place)
     where = reference_of(loaded) if isinstance(place, Task) else str(place)

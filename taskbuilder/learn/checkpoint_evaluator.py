@@ -1,4 +1,4 @@
-"""Judging policies in the course of training, in episodes that training does not see."""
+"""Evaluating policies during training, in episodes that are not used for training."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from taskbuilder.rollout.play import play
 from taskbuilder.task import Task
 
 SEEDS_FROM = 800_000
-"""Seeds of the episodes that policies are chosen by; claims are made on others."""
+"""First seed of the episodes that policies are chosen by; results are reported on others."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """How a policy did.
+    """The result of evaluating a policy.
 
     Attributes:
-        success: Share of the episodes in which success held at some step.
+        success: Fraction of the episodes that succeeded.
         row: The row for the table of evaluations.
     """
 
@@ -30,12 +30,12 @@ class Evaluation:
 
 
 class CheckpointEvaluator:
-    """Plays policies in the same episodes each time, without exploration.
+    """Evaluates policies in the same episodes each time, without exploration.
 
     Args:
         task: The task.
-        options: Of the environment; see `Options`.
-        episodes: How many.
+        options: Options of the environment; see `Options`.
+        episodes: Number of episodes.
     """
 
     def __init__(self, task: Task, options: Mapping[str, Any], episodes: int) -> None:
@@ -59,5 +59,5 @@ class CheckpointEvaluator:
         return Evaluation(played.success_rate, row)
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the environment."""
         self._env.close()

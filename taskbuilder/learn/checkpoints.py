@@ -1,8 +1,8 @@
-"""Checkpoints: a training run as it stood, on the disk, whatever happens next.
+"""Checkpoints of a training run that survive a crash at any moment.
 
-A checkpoint is one file, written aside, synced and renamed. The transitions of the replay memory
-are in files of their own, each with those that came since the checkpoint before, so that a
-checkpoint costs as much at the end of a run as at its beginning. Each names the files it needs.
+A checkpoint is one file that is written under a temporary name, synced and renamed. Transitions of
+the replay buffer are in separate files, each with those added since the previous checkpoint. So a
+checkpoint is as fast at the end of a run as at its beginning. Each names the files that it needs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from taskbuilder.learn.replay import Replay
 
 FOLDER = "checkpoints"
 KEPT = 2
-"""How many checkpoints are kept: should the last turn out damaged, there is one before it."""
+"""Number of checkpoints to keep; if the last one is damaged, the one before it is used."""
 
 _KIND, _ROWS_KIND = "checkpoint", "transitions"
 _NAME = re.compile(r"step-(\d{9})\.npz")
@@ -26,12 +26,12 @@ _NAME = re.compile(r"step-(\d{9})\.npz")
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What is needed to go on.
+    """The state that a run resumes from.
 
     Attributes:
         step: Control steps so far.
-        arrays: Of the learner.
-        counters: All else: generators' states, lengths of logs, ...
+        arrays: The state of the learner.
+        counters: Everything else: states of generators, lengths of logs, ...
     """
 
     step: int
@@ -52,10 +52,10 @@ class Checkpoints:
         self._needed: list[set[str]] = []  # by the last checkpoints, each
 
     def save(self, checkpoint: Checkpoint, memories: Mapping[str, Replay]) -> None:
-        """Write a checkpoint, and remove what no kept one needs.
+        """Write a checkpoint, and remove files that are no longer needed.
 
         Raises:
-            OSError: It cannot be written; the ones before it are still there.
+            OSError: It cannot be written; earlier checkpoints are still there.
         """
         self._folder.mkdir(exist_ok=True)
         files = {name: self._save_rows(name, memory) for name, memory in memories.items()}
@@ -70,7 +70,7 @@ class Checkpoints:
         self._tidy({str(entry[0]) for parts in files.values() for entry in parts})
 
     def _tidy(self, needed: set[str]) -> None:
-        """Remove what none of the kept checkpoints needs."""
+        """Remove files that no kept checkpoint needs."""
         for _, path in self._found()[KEPT:]:
             path.unlink()
         self._needed = [*self._needed, needed][-KEPT:]
@@ -80,7 +80,7 @@ class Checkpoints:
                     (self._folder / name).unlink(missing_ok=True)
 
     def _save_rows(self, name: str, memory: Replay) -> list[list[Any]]:
-        """Write the rows that are not in a file yet; name all files with rows still in memory."""
+        """Write rows that are in no file yet; return all files whose rows are still in memory."""
         known = [entry for entry in self._files if entry[0].startswith(f"{name}-")]
         done = max((entry[2] for entry in known), default=0)
         if memory.added > done:
@@ -91,13 +91,13 @@ class Checkpoints:
         return [list(entry) for entry in known if entry[2] > memory.added - memory.capacity]
 
     def load(self, memories: Mapping[str, Replay]) -> Checkpoint | None:
-        """Read the newest checkpoint that is whole, and its transitions into the memories.
+        """Read the newest undamaged checkpoint, and its transitions into the memories.
 
         Returns:
-            None where there is none.
+            The checkpoint, or None if there is none.
 
         Raises:
-            StoreError: There are checkpoints, and none of them is whole.
+            StoreError: There are checkpoints, and all of them are damaged.
         """
         troubles = []
         for _, path in self._found():
@@ -124,7 +124,7 @@ class Checkpoints:
         self._files += [(str(name), int(first), int(last)) for name, first, last in files]
 
     def _found(self) -> list[tuple[int, Path]]:
-        """Checkpoints by step, the newest first; those that were not finished do not count."""
+        """Checkpoints by step, the newest first, without unfinished ones."""
         if not self._folder.is_dir():
             return []
         matches = [(_NAME.fullmatch(path.name), path) for path in self._folder.iterdir()]

@@ -1,4 +1,4 @@
-"""Collecting experience: many environments, a training reward, and the episodes that came of it."""
+"""Collecting experience from parallel environments under a training reward."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Finished:
-    """How an episode of training went.
+    """The result of a training episode.
 
     Attributes:
-        steps: Control steps.
+        steps: Length in control steps.
         success: Whether the episode succeeded; see `Episode`.
-        stage: The furthest stage reached, 0 for none.
+        stage: The last stage reached, 0 for none.
         team_return: Sum of the task's team reward.
-        training_return: Sum of the training reward, mean of the agents.
+        training_return: Sum of the training reward, as the mean over the agents.
         terms: Sum of every reward term, by label.
     """
 
@@ -39,7 +39,7 @@ class Finished:
 
 
 class Tally:
-    """Adds up what happens in the episodes of each environment."""
+    """Accumulates rewards and results in the current episode of each environment."""
 
     def __init__(self, num_envs: int) -> None:
         self._sums: dict[str, NDArray[np.float64]] = {}
@@ -48,12 +48,12 @@ class Tally:
         self._success = np.zeros(num_envs, dtype=np.bool_)
 
     def begin(self, rows: NDArray[np.bool_]) -> None:
-        """Episodes begin in these rows."""
+        """Start episodes in these rows."""
         for values in (*self._sums.values(), self._steps, self._stage, self._success):
             values[rows] = 0
 
     def add(self, infos: Mapping[str, Any], rewards: NDArray[np.float64]) -> None:
-        """A step was taken in every environment."""
+        """Add a step of every environment."""
         parts = {"team": infos["team_reward"], "training": rewards.mean(1)}
         parts |= {name: value for name, value in infos.items() if name.startswith("reward/")}
         for name, value in parts.items():
@@ -63,7 +63,7 @@ class Tally:
         self._success |= infos["succeeded"] > 0.0
 
     def finished(self, rows: NDArray[np.bool_]) -> Iterator[Finished]:
-        """The episodes that ended in these rows."""
+        """The results of the episodes that ended in these rows."""
         for row in np.flatnonzero(rows):
             sums = {name: float(values[row]) for name, values in self._sums.items()}
             terms = {n.removeprefix("reward/"): v for n, v in sums.items() if "reward/" in n}
@@ -78,15 +78,15 @@ class Tally:
 
 
 class Collector:
-    """Steps environments, and makes rows for the replay memory.
+    """Steps environments, and makes rows for the replay buffer.
 
     Args:
-        envs: The environments; episodes follow each other within a step.
+        envs: The vector environment, which resets ended episodes within the same step.
         reward: The training reward.
-        shapes: What agents and critics see, the training reward's features included.
+        shapes: The sizes of observations and state, with the training reward's features.
 
     Attributes:
-        observations: What the agents see now: (num_envs, n) each.
+        observations: The current observations: (num_envs, n) each.
     """
 
     def __init__(self, envs: TaskVectorEnv, reward: TrainingReward, shapes: Shapes) -> None:
@@ -97,7 +97,7 @@ class Collector:
         self._actions: Arrays = {}
 
     def begin(self, seed: int) -> None:
-        """Begin an episode everywhere, whatever ran before."""
+        """Reset all environments."""
         self.observations, infos = self._envs.reset(seed=seed)
         everywhere = np.ones(self._envs.num_envs, dtype=np.bool_)
         self._reward.begin(infos, everywhere)
@@ -108,16 +108,16 @@ class Collector:
         return np.concatenate([self._envs.state(), self._reward.critic_features()], 1)
 
     def step_async(self, actions: Arrays) -> None:
-        """Let all act; where workers run the environments, without waiting for them."""
+        """Start a step of all environments, without waiting for workers."""
         self._actions = actions
         self._envs.step_async(dict(actions))
 
     def step_wait(self) -> tuple[Rows, Flags, Sequence[Finished]]:
-        """Wait until all have acted.
+        """Wait for the step to finish.
 
         Returns:
-            A row for each environment's transition, where a worker was lost, so that nobody saw
-            what happened ((num_envs,) bool), and the episodes that ended.
+            A row for each environment's transition; (num_envs,) bool, where the transition was lost
+            with its worker; and the episodes that ended.
         """
         later, rewards, terminated, truncated, infos = self._envs.step_wait()
         ended = terminated | truncated

@@ -1,4 +1,4 @@
-"""Demonstrations: episodes of the expert, recorded, kept, and turned into transitions.
+"""Demonstrations: recording, saving and loading episodes of the expert.
 
 episodes = list(record("handover", 200, {"frame": "base", "rotation": "matrix"}))
 save_rollouts(Path("runs/first") / DEMONSTRATIONS_FILE, episodes)
@@ -30,10 +30,10 @@ from taskbuilder.schema.scene import RobotEntry
 from taskbuilder.task import Task, load_task
 
 DEMONSTRATIONS_FILE = "expert.npz"
-"""The demonstrations of a training run, in its folder."""
+"""File of the demonstrations in the folder of a training run."""
 
 SEEDS_FROM = 500_000
-"""Seeds of demonstrations begin here, apart from those of evaluations."""
+"""First seed of demonstrations, separate from those of evaluations."""
 
 _Options = tuple[tuple[str, Any], ...]
 
@@ -47,19 +47,19 @@ def record(
     jobs: int | None = None,
     catalogue: Catalogue | None = None,
 ) -> Iterator[Rollout]:
-    """Let the expert play episodes, in several processes.
+    """Record episodes of the expert, in several processes.
 
     Args:
-        task: Its name, the path of its YAML file, or the task itself.
-        episodes: How many; seeds follow each other.
-        options: Of the environment; see `Options`.
-        first_seed: Of the first episode.
-        jobs: Processes; by default as many as there are cores.
-        catalogue: Where names are looked up; by default that of this installation.
+        task: Name or path of the task, or the task itself.
+        episodes: Number of episodes, with consecutive seeds.
+        options: Options of the environment; see `Options`.
+        first_seed: Seed of the first episode.
+        jobs: Processes; by default one for each core.
+        catalogue: The catalogue that names are looked up in; by default that of this installation.
 
     Yields:
-        The episodes in the order of their seeds, failed ones too, each as soon as it is played;
-        with binary grippers told at every step what to do.
+        The episodes in the order of their seeds, failed ones included, each as soon as it is
+        played. Commands to binary grippers are repeated at every step.
 
     Raises:
         UsageError: The task has no expert, or an option does not fit.
@@ -73,7 +73,7 @@ def record(
 
 
 def reference_of(task: Task) -> str:
-    """What a task can be loaded by elsewhere: its name in the catalogue, or else its path."""
+    """A reference to load a task by: its name in the catalogue, or else its path."""
     entry = task.file.entry
     return entry.name if entry.module else str(entry.file)
 
@@ -85,19 +85,19 @@ def _play(task: str, catalogue: Catalogue | None, options: _Options, seed: int) 
 
 @lru_cache(maxsize=1)
 def _expert(task: str, catalogue: Catalogue | None, options: _Options) -> Expert:
-    """An expert that is kept from one episode to the next."""
+    """The expert of an environment, cached between episodes."""
     return Expert(parallel_env(load_task(task, catalogue=catalogue), **dict(options)))
 
 
 def with_explicit_grippers(rollout: Rollout, robots: Mapping[str, RobotEntry]) -> Rollout:
-    """The same with binary grippers told at every step what they were told last.
+    """Repeat the last command to binary grippers at every step of an episode.
 
-    An expert says once that it opens or closes, and then leaves it. A network that imitates this
-    says something between the two at each step, which is nothing.
+    An expert commands a gripper once. A network that imitates this would output an average at each
+    step, which commands nothing.
 
     Args:
         rollout: The episode.
-        robots: Those of its scene.
+        robots: The robots of its scene.
     """
     actions = {
         agent: _explicit(done) if robots[agent].action.gripper == "binary" else done
@@ -115,7 +115,7 @@ def _explicit(actions: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def load_demonstrations(folder: Path) -> tuple[Rollout, ...]:
-    """Read the demonstrations of a run; none where it has no such file.
+    """Read the demonstrations of a run; empty if it has no such file.
 
     Raises:
         StoreError: The file is damaged.
@@ -127,10 +127,10 @@ def load_demonstrations(folder: Path) -> tuple[Rollout, ...]:
 def transitions(
     episodes: Sequence[Rollout], env: TaskVectorEnv, reward: TrainingReward, shapes: Shapes
 ) -> NDArray[np.float32]:
-    """What happened in demonstrations, played again: (steps, width) rows, marked as such.
+    """Transitions of demonstrations, which are replayed: (steps, width) rows.
 
     Args:
-        episodes: What the experts did.
+        episodes: The demonstrations.
         env: One environment, with the options and wrappers of the run.
         reward: The training reward, for one environment.
         shapes: What agents and critics observe.
@@ -145,7 +145,7 @@ def transitions(
             collector.step_async(done)
             rows, _, finished = collector.step_wait()
             parts.append(rows)
-            if finished:  # what the expert did afterwards would be of another episode
+            if finished:  # later actions of the expert would belong to another episode
                 break
     rows = np.concatenate(parts)
     rows[:, shapes.layout.demonstrated] = 1.0

@@ -1,8 +1,8 @@
-"""Evaluation: what a policy achieves in episodes that it has never seen.
+"""Evaluating policies in episodes that they have never seen.
 
-Episodes begin where the task begins them, whatever training began with, and nothing is explored.
-Their seeds are apart from those of the expert's episodes and of the evaluations by which policies
-are chosen (see `expertise` and `judging`); training draws its own at random from 31 bits.
+Episodes begin in the task's own initial states, and actions have no exploration noise. The seeds
+are separate from those of demonstrations and of the evaluations that policies are chosen by (see
+`demonstrations` and `checkpoint_evaluator`). Training draws its seeds at random from 31 bits.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
 
 SEED = 2_000_000
-"""First of the episodes that nothing was chosen by."""
+"""First seed of held-out evaluations: no policy is chosen by these episodes."""
 
 EPISODES = 300
-"""That a claim takes."""
+"""Default number of episodes of an evaluation."""
 
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
@@ -38,26 +38,26 @@ _OPTIONS = ("observe", "frame", "rotation", "variation")
 
 @dataclass(frozen=True)
 class EvaluationSummary:
-    """What episodes say together.
+    """The results of an evaluation.
 
     Attributes:
-        episodes: How many there were.
-        successes: In how many success held at some step.
-        interval: Of the success rate: Wilson's, 95 %.
-        mean_return: Of the team.
-        iqm_return: Interquartile mean of the same.
-        steps_to_success: Median of the successful ones, or None if there are none.
-        successes_at_end: In how many success was reached and held after the last control step.
-        interval_at_end: Of the share of those: Wilson's, 95 %.
-        success_held_s: Mean and median of how long success held in the successful ones, in
+        episodes: Number of episodes.
+        successes: Number of episodes in which success held at some step.
+        interval: 95 % Wilson interval of the success rate.
+        mean_return: Mean team return.
+        iqm_return: Interquartile mean of the team return.
+        steps_to_success: Median over the successful episodes, or None if there are none.
+        successes_at_end: Number of successful episodes in which success held at the last step.
+        interval_at_end: 95 % Wilson interval of the success rate at the end.
+        success_held_s: Mean and median time for which success held in the successful episodes, in
             seconds, or None if there are none.
         peak_robot_force: Median and maximum over the episodes of the largest force between two
-            robots, in newtons, or None if it was not metered.
-        stages: Episodes by the number of their furthest stage, none (0) first.
+            robots, in newtons, or None if it was not measured.
+        stages: Number of episodes by the last stage reached, none (0) first.
         terms: Mean sum of every reward term, by label.
-        best: Seed of the best episode: the highest return, success before failure.
-        median: Seed of the one in the middle of that order.
-        failed: Seed of the one in the middle of those that failed, or None.
+        best: Seed of the best episode: success first, then the highest return.
+        median: Seed of the median episode in this order.
+        failed: Seed of the median unsuccessful episode, or None.
     """
 
     episodes: int
@@ -78,12 +78,12 @@ class EvaluationSummary:
 
     @property
     def success_rate(self) -> float:
-        """Share of the episodes in which success held at some step."""
+        """Fraction of the episodes in which success held at some step."""
         return self.successes / self.episodes
 
     @property
     def success_at_end_rate(self) -> float:
-        """Share of the episodes in which success was reached and held at the end."""
+        """Fraction of the episodes that succeeded and in which success held at the end."""
         return self.successes_at_end / self.episodes
 
 
@@ -93,16 +93,16 @@ def evaluate(
     seeds: Iterable[int],
     spread: Spread | None = None,
 ) -> Generator[Rollout, None, None]:
-    """Play episodes, each as soon as it can be, in the order of their seeds.
+    """Play episodes of a policy, and yield them in the order of their seeds.
 
-    Forces between robots are metered, and where success does not hold at the end it is said why.
+    Forces between robots are measured. Each episode without success at its end has the reason.
 
     Args:
-        make_env: Makes the environment, with the policy's options. To be told other processes it
-            must be picklable, and equal to what it is unpickled to.
-        policy: Who plays; `check_fits` says whether it can.
-        seeds: Of the episodes.
-        spread: A `map` over several processes; without it they are played in this one.
+        make_env: Makes the environment, with the policy's options. For several processes it must
+            be picklable, and equal to its unpickled copy.
+        policy: The policy, which must fit the environment; see `check_fits`.
+        seeds: Seeds of the episodes.
+        spread: A `map` over several processes; by default episodes are played in this process.
     """
     if spread is not None:
         yield from spread(partial(_play_elsewhere, make_env, policy), seeds)
@@ -122,16 +122,16 @@ def _played(env: TaskEnv, policy: TrainedPolicy, seed: int) -> Rollout:
 
 @lru_cache(maxsize=1)
 def _made_once(make_env: Callable[[], TaskEnv]) -> TaskEnv:
-    """An environment that is kept for as long as its process lives."""
+    """An environment that is cached for the lifetime of the process."""
     return make_env()
 
 
 def summarise(played: Sequence[Rollout], stages: int) -> EvaluationSummary:
-    """What episodes say together.
+    """Summarise episodes.
 
     Args:
-        played: At least one.
-        stages: How many stages the task has.
+        played: At least one episode.
+        stages: Number of stages of the task.
     """
     returns = [episode.team_return for episode in played]
     to_success = [e.first_success for e in played if e.first_success is not None]
@@ -166,10 +166,10 @@ def _merit(episode: Rollout) -> tuple[bool, float, int]:
 
 
 def options_of(policy: TrainedPolicy) -> dict[str, Any]:
-    """The options of the environment that a policy was trained in, its starts left out.
+    """The options of the environment that a policy was trained in, without its start states.
 
     Raises:
-        UsageError: The policy does not say them.
+        UsageError: The policy does not record them.
     """
     options = policy.about.get("env")
     if not isinstance(options, Mapping):
@@ -178,12 +178,12 @@ def options_of(policy: TrainedPolicy) -> dict[str, Any]:
 
 
 def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") -> None:
-    """Refuse a policy of another task, or of the task as it was.
+    """Check that a policy fits an environment.
 
     Args:
         policy: The policy.
-        env: Where it is to play, with the policy's options.
-        name: What the policy is called.
+        env: The environment, with the policy's options.
+        name: Name of the policy, for messages.
 
     Raises:
         UsageError: It was trained on another task, for other agents, or with spaces of other
@@ -204,7 +204,7 @@ def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") ->
 
 
 def _sizes(network: Network, name: str) -> tuple[int, int]:
-    """How many numbers a network takes and gives."""
+    """The input and output sizes of a network."""
     try:
         takes = len(network.layers[0][0])
         (gives,) = network(np.zeros(takes)).shape
@@ -214,7 +214,7 @@ def _sizes(network: Network, name: str) -> tuple[int, int]:
 
 
 def _numbers(env: TaskEnv, agent: str) -> tuple[int, int]:
-    """How many numbers an agent sees and acts by."""
+    """The sizes of an agent's observation and action."""
     shapes = env.observation_space(agent).shape, env.action_space(agent).shape
     seen, said = (shape[0] if shape else 0 for shape in shapes)
     return seen, said

@@ -1,4 +1,4 @@
-"""What an algorithm is to the rest: a learner, its settings and presets, and how it collects."""
+"""Interfaces of a learning algorithm: the learner, its settings and presets, its collection."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from taskbuilder.learn.shapes import Rows
 
 
 class Learner(Protocol):
-    """Learns to act from transitions: what every learner has, however it collects them."""
+    """The interface of all learners, on-policy and off-policy."""
 
     settings: Any
-    """A frozen dataclass, with at least ``discount``."""
+    """A frozen dataclass that has at least ``discount``."""
 
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, Array]:
-        """What the agents do to explore, after a fraction of the training: (num_envs, n) each."""
+        """Exploratory actions at a fraction of the training: (num_envs, n) each."""
         ...
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
-        """The present policy, to play."""
+        """The current policy, for evaluation."""
         ...
 
     def start_from(self, policy: TrainedPolicy) -> None:
-        """Begin with a trained policy; called before anything is learned.
+        """Start from a trained policy; called before any update.
 
         Raises:
             UsageError: The policy does not fit.
@@ -39,18 +39,18 @@ class Learner(Protocol):
         ...
 
     def arrays(self) -> Arrays:
-        """All that it needs to go on exactly."""
+        """The complete state of the learner, by name."""
         ...
 
     def load(self, arrays: Mapping[str, Any]) -> None:
-        """Go on from what `arrays` gave."""
+        """Restore the state that `arrays` returned."""
         ...
 
 
 class OffPolicyLearner(Learner, Protocol):
-    """Learns from transitions of any policy, drawn from a replay memory.
+    """Learns from transitions of any policy, sampled from a replay buffer.
 
-    Its settings have ``capacity``, ``warm_up`` and ``update_every`` too; see `OffPolicy`.
+    Its settings also have ``capacity``, ``warm_up`` and ``update_every``; see `OffPolicy`.
     """
 
     def begin(self, rows: Rows, rng: np.random.Generator) -> None:
@@ -58,74 +58,74 @@ class OffPolicyLearner(Learner, Protocol):
         ...
 
     def update(self, memory: Memory, rng: np.random.Generator, step: int) -> dict[str, float]:
-        """Learn from a batch, after so many control steps; gives losses for logs."""
+        """Learn from a batch at a control step, and return the losses for the logs."""
         ...
 
 
 class OnPolicyLearner(Learner, Protocol):
-    """Learns from the latest transitions of its own policy, which it then forgets.
+    """Learns from the latest transitions of its own policy, and discards them afterwards.
 
-    Its settings have ``rollout_steps`` too; see `OnPolicy`.
+    Its settings also have ``rollout_steps``; see `OnPolicy`.
     """
 
     def update(
         self, rollout: Rows, lost: Any, rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, float]:
-        """Learn from a rollout; gives losses for logs.
+        """Learn from a rollout, and return the losses for the logs.
 
         Args:
             rollout: (steps, num_envs, width) rows of the layout, in the order of time.
-            lost: (steps, num_envs) bool: what happened there nobody saw, for a worker was lost.
-            rng: Draws the minibatches.
-            progress_fraction: Of the training so far.
+            lost: (steps, num_envs) bool, where a transition was lost with its worker.
+            rng: Generator of the minibatches.
+            progress_fraction: The fraction of the training that is done.
         """
         ...
 
 
 class Collection(Protocol):
-    """Stands between the environments and a learner: what is kept, and when it learns from it."""
+    """Stores transitions of the environments for a learner, and decides when it learns."""
 
     @property
     def memories(self) -> Mapping[str, Replay]:
-        """The replay memories that a checkpoint keeps."""
+        """The replay buffers that a checkpoint saves."""
         ...
 
     @property
     def at_rest(self) -> bool:
-        """Whether a checkpoint may be made now; what has been collected is in `memories`."""
+        """Whether a checkpoint may be made now, with all collected transitions in `memories`."""
         ...
 
     def before_step(self, rng: np.random.Generator, step: int) -> None:
-        """The agents are about to act."""
+        """Called before the agents act."""
         ...
 
     def during_step(self, rng: np.random.Generator, step: int) -> dict[str, float]:
-        """The environments are at work; losses of what was learned meanwhile."""
+        """Called while the environments step; returns the losses of updates made meanwhile."""
         ...
 
     def after_step(
         self, rows: Rows, lost: Any, rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, float]:
-        """All have acted: a row for each environment; losses of what was learned from it."""
+        """Called with a row for each environment after a step; returns the losses of updates."""
         ...
 
     def counters(self) -> dict[str, Any]:
-        """What else a checkpoint keeps."""
+        """Other state that a checkpoint saves."""
         ...
 
     def load(self, counters: Mapping[str, Any]) -> None:
-        """Go on from what `counters` gave."""
+        """Restore the state that `counters` returned."""
         ...
 
 
 @dataclass(frozen=True)
 class Preset:
-    """Settings that go together, under a name.
+    """A named set of settings that belong together.
 
     Attributes:
-        summary: What they are for.
-        settings: Of the algorithm, by name.
-        plan: Of the run, by name; see `Plan`.
+        summary: What the preset is for.
+        settings: Settings of the algorithm, by name.
+        plan: Fields of the run's `Plan`, by name.
     """
 
     summary: str
@@ -135,19 +135,19 @@ class Preset:
 
 @dataclass(frozen=True)
 class Algorithm:
-    """A learner that `train` knows by name; a module of `taskbuilder.learn.algorithms` has one.
+    """An algorithm that `train` finds by name; see `taskbuilder.learn.algorithms`.
 
     Attributes:
-        summary: What it is.
+        summary: One line about the algorithm.
         settings: The frozen dataclass of its settings, each with a default.
-        learner: Makes the learner, of shapes, settings, ``shared_reward`` (whether all agents are
-            always rewarded the same), ``seed`` and ``device``.
-        collection: `OffPolicy` or `OnPolicy`, or a class of one's own like them.
-        presets: By name.
-        default_preset: The preset of a run that names none; takes whether there are
-            demonstrations, and whether it starts from a trained policy. "" for none.
-        cannot: Why it refuses fields of a plan, by name.
-        settings_of: The settings that a trained policy's networks ask for, to start from it.
+        learner: Makes the learner from shapes, settings, ``shared_reward`` (whether all agents
+            always get the same reward), ``seed`` and ``device``.
+        collection: `OffPolicy` or `OnPolicy`, or a class with the same interface.
+        presets: The presets by name.
+        default_preset: The preset of a run that names none; "" for none. It is called with two
+            flags: whether there are demonstrations, and whether the run starts from a policy.
+        cannot: Fields of a plan that the algorithm does not support, with the reason.
+        settings_of: The settings that match the networks of a trained policy to start from.
     """
 
     summary: str

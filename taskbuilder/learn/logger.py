@@ -1,4 +1,4 @@
-"""The journal of a run: tables that grow row by row, and the same for TensorBoard."""
+"""Logging of a run to CSV tables and TensorBoard."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ TABLES = ("episodes", "evaluations", "updates")
 
 
 class RunLogger:
-    """Appends rows to CSV files, each whole as soon as it is written.
+    """Appends rows to CSV files, and flushes each row.
 
     Args:
-        folder: The run's.
-        lengths: Of the tables in bytes, where a run goes on; what is beyond is cut off, for it
-            belongs to steps that are taken again.
-        step: Where the run goes on.
+        folder: Folder of the run.
+        lengths: Lengths of the tables in bytes at the checkpoint of a resumed run. Later rows are
+            cut off, because their steps are repeated.
+        step: Control step at which the run resumes.
     """
 
     def __init__(self, folder: Path, lengths: Mapping[str, int], step: int) -> None:
@@ -31,7 +31,7 @@ class RunLogger:
         self._board = _tensorboard(folder, step)
 
     def add(self, table: str, step: int, row: Mapping[str, float | int | str]) -> None:
-        """Add a row, which has the same keys each time.
+        """Add a row; all rows of a table have the same keys.
 
         Raises:
             OSError: It cannot be written.
@@ -49,7 +49,7 @@ class RunLogger:
                 self._board.add_scalar(f"{table}/{name}", value, step)
 
     def lengths(self) -> dict[str, int]:
-        """Of the tables, in bytes, as they are on the disk now."""
+        """Current lengths of the tables on disk, in bytes."""
         paths = {name: self._folder / f"{name}.csv" for name in TABLES}
         for path in paths.values():
             if path.exists():
@@ -58,7 +58,7 @@ class RunLogger:
         return {name: path.stat().st_size for name, path in paths.items() if path.exists()}
 
     def close(self) -> None:
-        """Finish what TensorBoard reads."""
+        """Flush and close the TensorBoard log."""
         if self._board is not None:
             self._board.close()
 
@@ -68,7 +68,7 @@ def _short(value: float | int | str) -> str:
 
 
 def _tensorboard(folder: Path, step: int) -> Any:
-    """A writer for TensorBoard where that is installed, else None."""
+    """A writer for TensorBoard, or None if it is not installed."""
     try:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError:

@@ -1,4 +1,4 @@
-"""Reading what a training run wrote: its plan and its tables, also while it is under way."""
+"""Reading the plan and tables of a training run, also while it is running."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from taskbuilder.learn.plan import Plan, load_plan
 
 Column = NDArray[np.float64]
 Table = Mapping[str, Column]
-"""Columns by name, all of one length."""
+"""Columns of equal length, by name."""
 
 _NEEDED = {
     "episodes": ("step", "episode", "team_return"),
@@ -31,15 +31,15 @@ class LogError(TaskbuilderError):
 
 @dataclass(frozen=True)
 class RunLog:
-    """A training run, as far as it has come.
+    """The logs of a training run so far.
 
     Attributes:
-        folder: Where it is.
-        plan: What was to be trained and how.
-        stages: Names of the task's stages, in order; () where the run does not say.
-        episodes: A row for each episode of training.
+        folder: Folder of the run.
+        plan: The plan.
+        stages: Names of the task's stages, in order; () if the run does not record them.
+        episodes: A row for each training episode.
         evaluations: A row for each evaluation.
-        updates: A row for each thousand control steps or so.
+        updates: A row for about every thousand control steps.
     """
 
     folder: Path
@@ -54,7 +54,7 @@ def read_run(folder: Path) -> RunLog:
     """Read a training run.
 
     Raises:
-        UsageError: There is no run, or one that this version does not understand.
+        UsageError: There is no run, or its format is not supported.
         LogError: A table is damaged.
         OSError: A file cannot be read.
     """
@@ -64,7 +64,7 @@ def read_run(folder: Path) -> RunLog:
 
 
 def _read(path: Path, needed: tuple[str, ...]) -> Table:
-    """Read a table; one that is not there yet has no rows."""
+    """Read a table; a table that does not exist yet has no rows."""
     if not path.exists():
         return {name: np.zeros(0) for name in needed}
     try:
@@ -72,7 +72,7 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
     except UnicodeDecodeError as error:
         line = path.read_bytes()[: error.start].count(b"\n") + 1
         raise _damaged(path, line, "is no text") from None
-    # A line without an end is still being written, or the last that a killed run wrote.
+    # A line without an end is being written now, or is the last line of a killed run.
     lines = text.split("\n")[:-1]
     rows = csv.reader(lines)
     try:
@@ -101,7 +101,7 @@ def _number(path: Path, line: int, name: str, word: str) -> float:
         value: float | None = float(word)
     except ValueError:
         value = None
-    # The losses of a learner that diverged are none; all else is counted and measured.
+    # Losses may be NaN if the learner diverged; other columns may not.
     if value is None or not (math.isfinite(value) or path.stem == "updates"):
         raise _damaged(path, line, f'{name} is "{word}", which is no number')
     return value

@@ -1,4 +1,4 @@
-"""Networks: actors, and critics that are evaluated many at once."""
+"""Networks of actors and critics, several of one shape evaluated at once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from taskbuilder.learn.policy import (
 )
 
 COLUMNS = 16
-"""A matrix product with fewer columns takes two to three times as long as one with so many."""
+"""Minimum columns of a matrix product; with fewer, it takes two to three times as long."""
 
 
 class Linears(nn.Module):
@@ -31,18 +31,18 @@ class Linears(nn.Module):
 
     def __init__(self, count: int, ins: int, outs: int, generator: torch.Generator) -> None:
         super().__init__()
-        bound = 1.0 / math.sqrt(ins)  # torch's own, and most libraries', for linear layers
+        bound = 1.0 / math.sqrt(ins)  # PyTorch's default for linear layers
         self.weight = nn.Parameter(_uniform((count, ins, outs), bound, generator))
         self.bias = nn.Parameter(_uniform((count, 1, outs), bound, generator))
 
     def forward(self, inputs: Tensor) -> Tensor:
-        """Apply the layers, the first so many, each to its own part of the inputs."""
+        """Apply the first ``first`` layers, each to its own part of the inputs."""
         weight: Tensor = self.weight
         bias: Tensor = self.bias
         if len(inputs) < len(weight):
             weight, bias = weight[: len(inputs)], bias[: len(inputs)]
         outs = weight.shape[2]
-        if outs == 1:  # then a sum takes less time than any product
+        if outs == 1:  # a sum is then faster than a product
             return (inputs * weight.mT).sum(2, keepdim=True).add_(bias)
         if outs < COLUMNS:
             wide = nn.functional.pad(weight, (0, COLUMNS - outs))
@@ -53,16 +53,16 @@ class Linears(nn.Module):
 class Networks(nn.Module):
     """Several multilayer perceptrons of one shape, evaluated at once.
 
-    Linear, layer norm where wanted, ReLU, ..., linear. On a CPU, four small networks one after the
-    other take much longer than all at once. The norms (Ba et al. 2016) have no gain and bias of
-    their own, which the linear layers around them make up for.
+    Linear, optional layer norm, ReLU, ..., linear. On a CPU, evaluating four small networks at once
+    is much faster than one after the other. The layer norms (Ba et al. 2016) have no gain and bias,
+    since the linear layers around them can represent these.
 
     Args:
-        count: How many.
-        sizes: Of the input, the hidden layers and the output.
-        generator: Draws the initial weights.
-        norms: Whether hidden layers are normalised.
-        last: What the initial weights of the last layer are multiplied by.
+        count: Number of networks.
+        sizes: Sizes of the input, the hidden layers and the output.
+        generator: Generator of the initial weights.
+        norms: Whether hidden layers have layer norm.
+        last: Factor on the initial weights of the last layer.
     """
 
     def __init__(
@@ -86,8 +86,8 @@ class Networks(nn.Module):
         """Evaluate the networks.
 
         Args:
-            inputs: (n, ins), the same for each, or (count, n, ins), a part for each.
-            first: Only the first so many networks.
+            inputs: (n, ins), shared by all networks, or (count, n, ins), one for each.
+            first: Evaluate only this many networks.
 
         Returns:
             (count, n, outs)
@@ -104,17 +104,17 @@ class Networks(nn.Module):
 
 
 class SharedNetworks(nn.ModuleList):
-    """A network for each group of agents, told apart by a one-hot of their role in it.
+    """One network per group of agents, with a one-hot input for the agent.
 
     Args:
-        groups: The agents, those together that share a network; inputs and outputs are equally many
-            within a group.
-        ins: Numbers that go in, by agent.
+        groups: The groups of agents that share a network; within a group, inputs and outputs have
+            the same sizes.
+        ins: Size of the input, by agent.
         hidden: Units of each hidden layer.
-        outs: Numbers that come out, by agent; agents are in this order.
-        generator: Draws the initial weights.
-        norms: Whether hidden layers are normalised.
-        last: What the initial weights of the last layer are multiplied by.
+        outs: Size of the output, by agent, in the order of the agents.
+        generator: Generator of the initial weights.
+        norms: Whether hidden layers have layer norm.
+        last: Factor on the initial weights of the last layer.
     """
 
     def __init__(
@@ -147,7 +147,7 @@ class SharedNetworks(nn.ModuleList):
         return zip(self.groups, self, strict=True)
 
     def forward(self, inputs: Mapping[str, Tensor]) -> Tensor:
-        """What comes out for all agents, in their order: (n, outs), from (n, ins) each."""
+        """The outputs of all agents in order: (n, outs), from inputs of (n, ins) each."""
         parts: dict[str, Tensor] = {}
         for group, network in self._pairs():
             stacked = torch.stack([inputs[agent] for agent in group])
@@ -161,12 +161,12 @@ class SharedNetworks(nn.ModuleList):
     def policy(
         self, means: Mapping[str, Array], scales: Mapping[str, Array], *, squash: bool
     ) -> dict[str, Network]:
-        """A network for each agent, that takes what it observes as it is.
+        """A policy with a network for each agent, which takes unnormalised observations.
 
         Args:
-            means: What is subtracted from each agent's observations before they go in.
-            scales: What they are then divided by.
-            squash: Whether a tanh ends them.
+            means: Means of each agent's observations.
+            scales: Scales of each agent's observations.
+            squash: Whether the networks end in a tanh.
         """
         networks = {}
         for group, own in self._pairs():
@@ -182,11 +182,11 @@ class SharedNetworks(nn.ModuleList):
     def take(
         self, policy: TrainedPolicy, means: Mapping[str, Array], scales: Mapping[str, Array]
     ) -> None:
-        """Do what a policy does; undoes `policy`.
+        """Copy the networks of a policy; the inverse of `policy`.
 
         Raises:
-            UsageError: Its networks are of another kind or size, or agents share a network here:
-                what each observes is standardised by itself.
+            UsageError: Its networks are of another kind or size, or agents share a network here,
+                which does not allow a normalisation for each agent.
         """
         for group, own in self._pairs():
             if len(group) > 1:
@@ -209,7 +209,7 @@ def layers_of(network: nn.Module) -> list[Any]:
 
 
 def _roles(group: Sequence[str]) -> int:
-    """Numbers by which the agents of a group are told apart."""
+    """The one-hot inputs of the agents of a group."""
     return len(group) if len(group) > 1 else 0
 
 
@@ -218,7 +218,7 @@ def _key(group: Sequence[str]) -> str:
 
 
 def as_array(tensor: Tensor) -> Array:
-    """A tensor's numbers, in an array of their own."""
+    """A copy of a tensor as an array."""
     array: Array = tensor.detach().cpu().numpy().copy()
     return array
 
@@ -228,30 +228,30 @@ def _uniform(shape: tuple[int, ...], bound: float, generator: torch.Generator) -
 
 
 def follow(target: nn.Module, source: nn.Module, share: float) -> None:
-    """Move a target network towards its source by a share of the way."""
+    """Polyak averaging: move a target network towards its source by a fraction."""
     with torch.no_grad():
         torch._foreach_lerp_(list(target.parameters()), list(source.parameters()), share)
 
 
 def make_adam(modules: Iterable[nn.Module], lr: float) -> torch.optim.Adam:
-    """PyTorch's Adam over the parameters of modules, in one fused call a step."""
+    """PyTorch's fused Adam over the parameters of modules."""
     parameters = [p for module in modules for p in module.parameters()]
     return torch.optim.Adam(parameters, lr=lr, fused=True)
 
 
 def parameters_of(optimizer: torch.optim.Optimizer) -> list[Tensor]:
-    """What an optimiser moves, in order."""
+    """The parameters of an optimiser, in order."""
     return [p for group in optimizer.param_groups for p in group["params"]]
 
 
 def set_lr(optimizer: torch.optim.Optimizer, lr: float) -> None:
-    """The step size from the next step on."""
+    """Set the learning rate."""
     for group in optimizer.param_groups:
         group["lr"] = lr
 
 
 def minimize(optimizer: torch.optim.Optimizer, loss: Tensor) -> None:
-    """Take a step down the gradient of the optimiser's parameters; no others get one."""
+    """Take a gradient step on the optimiser's parameters only."""
     parameters = parameters_of(optimizer)
     gradients = torch.autograd.grad(loss, parameters)
     for parameter, gradient in zip(parameters, gradients, strict=True):
@@ -271,7 +271,7 @@ def optimizer_arrays(optimizer: torch.optim.Optimizer) -> dict[str, NDArray[np.f
 def load_optimizer(
     optimizer: torch.optim.Optimizer, arrays: Mapping[str, NDArray[np.float32]]
 ) -> None:
-    """Take over what `optimizer_arrays` gave, in place of what there is."""
+    """Restore the state that `optimizer_arrays` returned."""
     optimizer.state.clear()
     parameters = parameters_of(optimizer)
     for name, array in arrays.items():
@@ -284,7 +284,7 @@ def load_optimizer(
 def state_arrays(
     modules: Mapping[str, nn.Module], optimizers: Mapping[str, torch.optim.Optimizer]
 ) -> dict[str, NDArray[np.float32]]:
-    """All numbers of modules and optimisers, by name."""
+    """The state of modules and optimisers, by name."""
     arrays = {
         f"{part}/{name}": as_array(value)
         for part, module in modules.items()
@@ -300,7 +300,7 @@ def load_state(
     modules: Mapping[str, nn.Module],
     optimizers: Mapping[str, torch.optim.Optimizer],
 ) -> None:
-    """Take over what `state_arrays` gave.
+    """Restore the state that `state_arrays` returned.
 
     Raises:
         KeyError: Something is missing.

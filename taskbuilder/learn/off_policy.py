@@ -1,4 +1,4 @@
-"""Learning from a replay memory: every transition is kept, and drawn many times."""
+"""Off-policy collection: transitions go to a replay buffer and are sampled many times."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Rows
 
 DEMO_SHARE = 0.5
-"""Of every batch, where there are demonstrations."""
+"""Fraction of demonstrations in every batch, if there are any."""
 
 
 class OffPolicy:
-    """Keeps transitions, and lets its learner draw from them while the environments step.
+    """Stores transitions in a replay buffer, and updates the learner while the environments step.
 
-    Learning begins after the ``warm_up``, or at once where there are demonstrations; then there is
-    an update every ``update_every`` control steps.
+    Learning begins after ``warm_up`` control steps, or at once if there are demonstrations. Then
+    there is an update every ``update_every`` control steps.
 
     Args:
-        learner: Who learns.
-        width: Numbers of a row.
-        envs: Environments that step at once.
+        learner: The learner.
+        width: Numbers in a row.
+        envs: Number of parallel environments.
         demonstrations: Rows of demonstrations, or None.
     """
 
@@ -43,11 +43,11 @@ class OffPolicy:
 
     @property
     def memories(self) -> dict[str, Replay]:
-        """The experience; demonstrations are played again instead."""
+        """The replay buffer; demonstrations are not saved, because they are replayed on loading."""
         return {"experience": self.experience}
 
     def before_step(self, rng: np.random.Generator, step: int) -> None:
-        """Begin to learn, if it is time."""
+        """Prepare the learner once learning is due to begin."""
         if self._begun:
             return
         if self.demonstrations is not None or step >= self._learner.settings.warm_up:
@@ -69,13 +69,13 @@ class OffPolicy:
     def after_step(
         self, rows: Rows, lost: Any, rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, float]:
-        """Keep the transitions."""
+        """Store the transitions."""
         del rng, progress_fraction
         self.experience.add(rows[~lost])
         return {}
 
     def sample(self, count: int, rng: np.random.Generator) -> Rows:
-        """See `Memory`; half are demonstrations, or all until there is experience."""
+        """Draw a batch: half demonstrations, or all of it while there is no experience."""
         if self.demonstrations is None:
             return self.experience.sample(count, rng)
         shown = round(count * DEMO_SHARE) if len(self.experience) else count
@@ -85,9 +85,9 @@ class OffPolicy:
         return np.concatenate(rows)
 
     def counters(self) -> dict[str, Any]:
-        """Updates that are owed, part of one included, and whether learning has begun."""
+        """The number of updates that are due, with fractions, and whether learning has begun."""
         return {"due": self._due, "begun": self._begun}
 
     def load(self, counters: Mapping[str, Any]) -> None:
-        """Go on from what `counters` gave."""
+        """Restore the state that `counters` returned."""
         self._due, self._begun = counters["due"], counters["begun"]

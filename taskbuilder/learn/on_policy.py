@@ -1,4 +1,4 @@
-"""Learning from rollouts: so many steps of every environment, learned from once and let go."""
+"""On-policy collection: rollouts that are learned from once and then discarded."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from taskbuilder.learn.shapes import Rows
 
 
 class OnPolicy:
-    """Collects ``rollout_steps`` steps of every environment, and lets its learner have them.
+    """Collects ``rollout_steps`` steps of every environment, then updates the learner with them.
 
-    Checkpoints are made between rollouts, so that there is nothing of one to be kept.
+    Checkpoints are made between rollouts, so no rollout has to be saved.
 
     Args:
-        learner: Who learns.
-        width: Numbers of a row.
-        envs: Environments that step at once.
-        demonstrations: None; a policy's own transitions are all that it learns from.
+        learner: The learner.
+        width: Numbers in a row.
+        envs: Number of parallel environments.
+        demonstrations: None; on-policy learners use only transitions of their own policy.
     """
 
     memories: Mapping[str, Replay] = {}
@@ -37,21 +37,21 @@ class OnPolicy:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the last rollout has been learned from, and the next not begun."""
+        """Whether no rollout is in progress."""
         return self._filled == 0
 
     def before_step(self, rng: np.random.Generator, step: int) -> None:
-        """Nothing is to be prepared."""
+        """Do nothing; there is nothing to prepare."""
 
     def during_step(self, rng: np.random.Generator, step: int) -> dict[str, float]:
-        """The policy stays as it is while it plays."""
+        """Do nothing; the policy does not change during a rollout."""
         del rng, step
         return {}
 
     def after_step(
         self, rows: Rows, lost: Any, rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, float]:
-        """Add a step to the rollout, and learn from one that is whole."""
+        """Add a step to the rollout, and update the learner when the rollout is complete."""
         self._rows[self._filled], self._lost[self._filled] = rows, lost
         self._filled += 1
         if self._filled < len(self._rows):
@@ -60,8 +60,8 @@ class OnPolicy:
         return self._learner.update(self._rows, self._lost, rng, progress_fraction)
 
     def counters(self) -> dict[str, Any]:
-        """Nothing is left between rollouts."""
+        """No other state; nothing is kept between rollouts."""
         return {}
 
     def load(self, counters: Mapping[str, Any]) -> None:
-        """Go on from what `counters` gave."""
+        """Restore the state that `counters` returned."""

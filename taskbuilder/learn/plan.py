@@ -1,4 +1,4 @@
-"""What to train and how: a plan, checked once, and kept beside its results."""
+"""The plan of a training run: its options and settings, checked once and saved with the run."""
 
 from __future__ import annotations
 
@@ -19,46 +19,46 @@ from taskbuilder.learn.zoo import load_policy
 from taskbuilder.wording import suggestion
 
 FORMAT = 1
-"""Of a run's folder; another one is not understood."""
+"""Version of the format of a run's folder; others are refused."""
 
 RUN_FILE = "run.json"
 
 _LATER = ("preset", "init", "device", "randomize")
-"""Fields of a plan that the files of version 0.1 do not have."""
+"""Fields of a plan that may be missing in files of version 0.1."""
 
 RENAMED_SETTINGS = {
     "cloning": "bc_updates",
     "judging": "critic_warmup_updates",
     "renew": "reset_networks_after",
 }
-"""Settings of maddpg by the names that they had in version 0.1, which still work in this one."""
+"""Old names of settings of maddpg, from version 0.1, and their new ones; the old still work."""
 
 REWARDS = ("team", "local", "shaped", "ratchet")
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to train and how.
+    """The options and settings of a training run.
 
     Attributes:
-        task: Its name or path.
-        algorithm: One of those in `taskbuilder.learn.algorithms`.
-        preset: Of the algorithm, that the settings came from; "" for none.
+        task: Name or path of the task.
+        algorithm: The algorithm, one of those in `taskbuilder.learn.algorithms`.
+        preset: The preset that the settings came from; "" for none.
         reward: The training reward, one of `REWARDS`.
-        steps: Control steps of all environments together.
-        seed: Decides everything that chance decides.
-        envs: Environments that are stepped at once.
-        workers: Processes that run them; 0 for this one. Results do not depend on it.
-        demos: Expert episodes that are mixed into learning.
-        starts: Share of the training episodes that begin in a state of an expert episode.
+        steps: Control steps, summed over all environments.
+        seed: Seed of everything random in the run.
+        envs: Number of parallel environments.
+        workers: Processes for the environments; 0 for this one. Results do not depend on it.
+        demos: Expert episodes to learn from.
+        starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name; "" for none.
-        device: Where networks are trained: ``cpu`` or ``cuda``.
-        observe, frame, rotation, variation, randomize: Of the environments; see `Options`.
+        device: Device of the networks: ``cpu`` or ``cuda``.
+        observe, frame, rotation, variation, randomize: Options of the environments; see `Options`.
         evaluate_every: Control steps between evaluations.
-        evaluate_episodes: Episodes of an evaluation.
+        evaluate_episodes: Episodes per evaluation.
         checkpoint_every: Control steps between checkpoints.
-        stop_at: Stop once this success rate was reached by two evaluations in a row.
-        settings: What is chosen of the algorithm's own, by name.
+        stop_at: Stop when two evaluations in a row reach this success rate.
+        settings: Settings of the algorithm that differ from its defaults, by name.
     """
 
     task: str
@@ -93,15 +93,15 @@ class Plan:
 
     @property
     def track(self) -> str:
-        """What helped: ``demos``, ``resets``, ``finetuned``, or nothing: ``scratch``."""
+        """The track: ``demos``, ``resets`` or ``finetuned``; ``scratch`` for a run without help."""
         helped = {"demos": self.demos, "resets": self.starts, "finetuned": self.init}
         return next((name for name, value in helped.items() if value), "scratch")
 
     def check(self) -> None:
-        """Refuse what cannot be.
+        """Check all values.
 
         Raises:
-            UsageError: A value does not fit.
+            UsageError: A value is invalid.
         """
         check_name(self.algorithm)
         _choice("reward", self.reward, REWARDS)
@@ -132,18 +132,17 @@ def make_plan(
     settings: Mapping[str, Any] | Sequence[str] = (),
     **given: Any,
 ) -> Plan:
-    """A plan, what is not given being its preset's or the default.
+    """Make a plan from the given values, the preset and the defaults.
 
-    A run that starts from a trained policy takes over how that observes and acts, and the sizes
-    of its networks.
+    A run that starts from a trained policy takes over its observation options and network sizes.
 
     Args:
-        task: Its name or path.
-        settings: What is chosen of the algorithm's own: by name, or as on a command line.
-        given: Fields of `Plan`; None stands for what is not given.
+        task: Name or path of the task.
+        settings: Settings of the algorithm, as a mapping or as texts such as ``noise=0.2``.
+        given: Fields of `Plan`; None is the same as not given.
 
     Raises:
-        UsageError: A name is unknown, a value does not fit, or the algorithm cannot do it.
+        UsageError: A name is unknown, a value is invalid, or the algorithm does not support it.
         UnknownNameError: The zoo has no such policy.
     """
     known = {f.name: f.default for f in fields(Plan) if f.name != "settings"}
@@ -176,7 +175,7 @@ def make_plan(
 
 
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
-    """How the environment of a trained policy is observed and acted in."""
+    """The observation options of a trained policy's environment."""
     options = policy.about.get("env", {})
     return {name: options[name] for name in ("observe", "frame", "rotation") if name in options}
 
@@ -186,14 +185,14 @@ def _checked_settings(kind: type[Any], chosen: Mapping[str, Any]) -> dict[str, A
 
 
 def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
-    """Settings as they are written on a command line: ``noise=0.2``, ``hidden=[64,64]``.
+    """Parse settings of a command line: ``noise=0.2``, ``hidden=[64,64]``.
 
     Args:
-        kind: The dataclass that has them.
-        texts: Name, "=", and a value in JSON.
+        kind: The dataclass of the settings.
+        texts: Settings as ``name=value``, with the value in JSON.
 
     Raises:
-        UsageError: There is no such setting, or the value is of another kind.
+        UsageError: There is no such setting, or the value has another type.
     """
     known = {f.name: f.default for f in fields(kind)}
     chosen = {}
@@ -209,7 +208,7 @@ def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
 
 
 def renamed(setting: str) -> str:
-    """A setting's present name; warns where it had another."""
+    """The current name of a setting; warns if an old name is given."""
     name = RENAMED_SETTINGS.get(setting, setting)
     if name != setting:
         warnings.warn(
@@ -239,13 +238,13 @@ def _value(name: str, text: str, default: Any) -> Any:
 
 
 def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
-    """An algorithm's settings, the chosen ones in place of its own."""
+    """An algorithm's settings: the defaults, with the chosen values."""
     tuples = {k: tuple(v) if isinstance(v, list) else v for k, v in chosen.items()}
     return replace(kind(), **tuples)
 
 
 def save_plan(folder: Path, plan: Plan, more: Mapping[str, Any]) -> None:
-    """Write the plan, and more about the run, into its folder.
+    """Write the plan and other information about the run into its folder.
 
     Raises:
         OSError: It cannot be written.
@@ -256,10 +255,10 @@ def save_plan(folder: Path, plan: Plan, more: Mapping[str, Any]) -> None:
 
 
 def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
-    """Read the plan of a run, and what else its file says.
+    """Read the plan of a run, and the other contents of its file.
 
     Raises:
-        UsageError: There is no run, or one that this version does not understand.
+        UsageError: There is no run, or its format is not supported.
     """
     file, name = folder / RUN_FILE, display_path(folder)
     if not file.is_file():
@@ -281,7 +280,7 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
 
 
 def digest(files: Sequence[Path]) -> str:
-    """A short fingerprint of files, to notice that a task is another by now."""
+    """A short digest of files, to detect that a task has changed."""
     sha = hashlib.sha256()
     for file in files:
         sha.update(file.read_bytes())

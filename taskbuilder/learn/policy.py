@@ -1,4 +1,4 @@
-"""Policies that play: one small network an agent, without torch."""
+"""Trained policies: a small network for each agent, evaluated without torch."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from taskbuilder.errors import UsageError
 Array = NDArray[np.float32]
 
 TINY = 1e-5
-"""Added to variances, as torch does."""
+"""Epsilon of the layer norm, as in torch."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Network:
     """A multilayer perceptron with ReLU between its layers.
 
     Attributes:
-        layers: Weight (ins, outs) and bias (outs,) of each.
-        squash: Whether a tanh ends it; what goes beyond -1 to 1 is clipped where not.
-        norms: Whether hidden layers are normalised before the ReLU (Ba et al. 2016), without gain
+        layers: Weight (ins, outs) and bias (outs,) of each layer.
+        squash: Whether the output goes through a tanh; otherwise it is clipped to -1 to 1.
+        norms: Whether hidden layers have layer norm before the ReLU (Ba et al. 2016), without gain
             and bias.
     """
 
@@ -33,7 +33,7 @@ class Network:
     norms: bool = False
 
     def __call__(self, inputs: NDArray[np.floating]) -> Array:
-        """Evaluate it: (..., ins) to (..., outs), from -1 to 1."""
+        """Evaluate the network: (..., ins) to (..., outs), from -1 to 1."""
         hidden = inputs.astype(np.float32)
         for number, (weight, bias) in enumerate(self.layers):
             hidden = hidden @ weight + bias
@@ -50,11 +50,11 @@ def _normalized(hidden: Array) -> Array:
 
 @dataclass(frozen=True)
 class TrainedPolicy:
-    """What the agents of a task do, each by what it alone sees.
+    """A decentralised policy: each agent acts on its own observation.
 
     Attributes:
-        networks: One an agent, by name.
-        about: What it was trained on and how: task, options of the environment, algorithm, ...
+        networks: A network for each agent, by name.
+        about: Metadata of the training: task, options of the environment, algorithm, ...
     """
 
     networks: Mapping[str, Network]
@@ -65,7 +65,7 @@ class TrainedPolicy:
         return {agent: net(observations[agent]) for agent, net in self.networks.items()}
 
     def arrays(self) -> dict[str, Array]:
-        """Its numbers by name, for a file."""
+        """Its arrays by name, for a file."""
         return {
             f"{agent}/{number}/{kind}": array
             for agent, net in self.networks.items()
@@ -77,11 +77,11 @@ class TrainedPolicy:
     def of(
         cls, arrays: Mapping[str, Array], about: Mapping[str, Any], *, squash: bool, norms: bool
     ) -> TrainedPolicy:
-        """Put the numbers of a file together again.
+        """Make a network from the arrays of a file.
 
         Raises:
-            KeyError: Some are missing.
-            ValueError: Some are none of a network's.
+            KeyError: Arrays are missing.
+            ValueError: Arrays do not form a network.
         """
         agents: dict[str, set[int]] = {}
         for name, array in arrays.items():
@@ -105,13 +105,13 @@ def _layers(arrays: Mapping[str, Array], agent: str, count: int) -> tuple[tuple[
 def folded(
     layers: Sequence[tuple[Array, Array]], mean: Array, scale: Array, role: Array
 ) -> tuple[tuple[Array, Array], ...]:
-    """Layers that take what an agent sees as it is.
+    """Fold the standardisation and the one-hot input into the first layer.
 
     Args:
-        layers: Layers that take standardised observations, then a one-hot of the role.
-        mean: Subtracted from observations.
-        scale: What they are then divided by.
-        role: The one-hot; (0,) where there is none.
+        layers: Layers that take standardised observations, then a one-hot of the agent.
+        mean: Mean of the observations.
+        scale: Scale of the observations.
+        role: The one-hot; (0,) if there is none.
     """
     (weight, bias), *rest = layers
     seen, told = weight[: len(mean)], weight[len(mean) :]
@@ -123,23 +123,23 @@ def folded(
 def unfolded(
     layers: Sequence[tuple[Array, Array]], mean: Array, scale: Array
 ) -> tuple[tuple[Array, Array], ...]:
-    """Layers that take standardised observations; undoes `folded` where there is no role."""
+    """Layers that take standardised observations: the inverse of `folded` without a one-hot."""
     (weight, bias), *rest = layers
     first = (weight * scale[:, None]).astype(np.float32)
     return ((first, (bias + mean @ weight).astype(np.float32)), *rest)
 
 
 def check_network(policy: TrainedPolicy, agent: str, sizes: Sequence[int], *, norms: bool) -> None:
-    """Refuse to start from a policy whose network is not like the actor of an agent.
+    """Check that the network of a policy can initialise the actor of an agent.
 
     Args:
         policy: The policy.
         agent: The agent.
-        sizes: Of the actor's input, hidden layers and output.
-        norms: Whether the actor's hidden layers are normalised.
+        sizes: Sizes of the actor's input, hidden layers and output.
+        norms: Whether the actor's hidden layers have layer norm.
 
     Raises:
-        UsageError: They are unlike.
+        UsageError: The architectures differ.
     """
     if agent not in policy.networks:
         has = ", ".join(policy.networks)

@@ -1,4 +1,4 @@
-"""The replay memory: transitions in a ring, one row each."""
+"""The replay buffer: a ring of transitions, one row each."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from taskbuilder.learn.shapes import Rows
 
 
 class Memory(Protocol):
-    """Something that learners draw transitions from."""
+    """A source of transitions for learners."""
 
     def sample(self, count: int, rng: np.random.Generator) -> Rows:
         """Draw transitions, with replacement: (count, width)."""
@@ -18,11 +18,11 @@ class Memory(Protocol):
 
 
 class Replay:
-    """The last so many transitions.
+    """A ring buffer of the latest transitions.
 
     Args:
-        width: Numbers of a row.
-        capacity: How many rows are kept; memory is taken as they come.
+        width: Numbers in a row.
+        capacity: Maximum number of rows; memory is allocated as they come.
     """
 
     def __init__(self, width: int, capacity: int) -> None:
@@ -41,11 +41,11 @@ class Replay:
         self.added += len(rows)
 
     def sample(self, count: int, rng: np.random.Generator) -> Rows:
-        """See `Memory`."""
+        """Draw transitions uniformly, with replacement: (count, width)."""
         return self._rows.take(rng.integers(len(self), size=count), axis=0)
 
     def since(self, added: int) -> Rows:
-        """The rows that came after so many, oldest first; those that are still there."""
+        """The rows added since a given number of additions, oldest first, if still stored."""
         first = max(added, self.added - self.capacity)
         return self._rows[np.arange(first, self.added) % self.capacity]
 

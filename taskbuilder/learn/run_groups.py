@@ -1,6 +1,6 @@
-"""Training runs side by side: those alike as one, with what they have in common and how sure it is.
+"""Comparing training runs: runs that differ only in their seeds form a group.
 
-Runs are alike if they differ in nothing but their seeds.
+A group is plotted as the interquartile mean of its runs, with a bootstrap band.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ from taskbuilder.learn.statistics import bootstrap_band, iqm
 
 Numbers = NDArray[np.float64]
 Line = tuple[Numbers, Numbers]
-"""Environment steps, and a quantity at each."""
+"""Environment steps, and the value of a quantity at each."""
 
 POINTS = 200
-"""Of a smoothed line."""
+"""Points of a smoothed line."""
 
 WINDOW = 1.0 / 40.0
-"""Of the longest run: over so many steps episodes are averaged."""
+"""Width of the moving average, as a fraction of the longest run."""
 
 
 @dataclass(frozen=True)
 class Aggregate:
-    """What runs have in common, as far as all of them have come.
+    """The mean and band of several runs, up to the last step that all have reached.
 
     Attributes:
         steps: (n,) environment steps.
         iqm: (n,) interquartile mean over the runs.
-        low, high: (n,) its 95 % bootstrap band.
+        low, high: (n,) 95 % bootstrap band of the mean.
     """
 
     steps: Numbers
@@ -44,11 +44,11 @@ class Aggregate:
 
 @dataclass(frozen=True)
 class RunGroup:
-    """Runs that differ in nothing but their seeds.
+    """Runs that differ only in their seeds.
 
     Attributes:
-        traits: What they have in common, by name, in words; "" where there is nothing to say.
-        runs: At least one.
+        traits: Their common options, by name, in words; "" for an option at its default.
+        runs: At least one run.
     """
 
     traits: Mapping[str, str]
@@ -59,20 +59,20 @@ class RunGroup:
         return [(r.evaluations["step"], r.evaluations["success_rate"]) for r in self.runs]
 
     def smoothed(self, column: str, longest: float) -> list[Line]:
-        """A quantity of each run's training episodes, averaged over a moving window.
+        """The moving average of a quantity over each run's training episodes.
 
         Args:
-            column: Of the table of episodes; runs that lack it are left out.
-            longest: Steps of the longest run of all that are compared.
+            column: Column of the table of episodes; runs without it are left out.
+            longest: Steps of the longest run in the comparison.
         """
         tables = [run.episodes for run in self.runs if column in run.episodes]
         lines = [smooth(table["step"], table[column], longest) for table in tables]
         return [line for line in lines if len(line[0])]
 
     def stages(self) -> Line:
-        """Mean share of an evaluation's episodes by furthest stage: (n,) and (stages + 1, n).
+        """Mean fraction of evaluation episodes by last stage: (n,) and (stages + 1, n).
 
-        Of the runs that came so far: they stop at different steps, once they succeed.
+        The mean at a step is over the runs that reached it, since runs stop at different steps.
         """
         count = max(_stage_count(run.evaluations) for run in self.runs)
         steps = _known_steps(self.success())
@@ -88,10 +88,10 @@ class RunGroup:
 
 
 def group_runs(runs: Sequence[RunLog]) -> list[RunGroup]:
-    """Put runs that are alike together.
+    """Group runs that differ only in their seeds.
 
     Raises:
-        UsageError: They are of different tasks, or one has no evaluations yet.
+        UsageError: The runs are of different tasks, or one has no evaluations yet.
     """
     first = runs[0]
     for run in runs:
@@ -112,14 +112,14 @@ def group_runs(runs: Sequence[RunLog]) -> list[RunGroup]:
 
 
 def names_of(groups: Sequence[RunGroup]) -> list[str]:
-    """A name for each group: what sets it off from the others, or all where there is one."""
+    """A name for each group: the options that differ between groups, or all for a single one."""
     traits = [group.traits for group in groups]
     telling = [key for key in traits[0] if len({t[key] for t in traits}) > 1]
     if len(traits) == 1:
         telling = [key for key in traits[0] if key not in ("frame", "rotation")]
     names = []
     for own in traits:
-        # Words for what is not there are of use only where others have it.
+        # Words for a missing option are shown only if other groups have the option.
         words = [own[key] or _WITHOUT[key] * (len(traits) > 1) for key in telling]
         names.append(" · ".join(word for word in words if word))
     return names
@@ -135,7 +135,7 @@ _WITHOUT = {
 
 
 def _traits(run: RunLog) -> dict[str, str]:
-    """All that decides how a run goes but its seed, in words."""
+    """All options of a run except its seed, in words."""
     plan = run.plan
     return {
         "algorithm": plan.algorithm,
@@ -151,11 +151,11 @@ def _traits(run: RunLog) -> dict[str, str]:
 
 
 def aggregate(lines: Sequence[Line], rng: np.random.Generator) -> Aggregate | None:
-    """What lines have in common, or None for one line, or where they never run side by side.
+    """Aggregate lines; None for a single line, or if the lines do not overlap.
 
     Args:
-        lines: Of runs that are alike.
-        rng: Draws the bootstrap's runs.
+        lines: Lines of runs in one group.
+        rng: Generator of the bootstrap.
     """
     steps = _common_steps(lines) if len(lines) > 1 else np.zeros(0)
     if not len(steps):
@@ -166,26 +166,26 @@ def aggregate(lines: Sequence[Line], rng: np.random.Generator) -> Aggregate | No
 
 
 def _common_steps(lines: Sequence[Line]) -> Numbers:
-    """Every step at which one of the lines has a point, as far as all of them reach."""
+    """All steps with a point of some line, up to the end of the shortest line."""
     known = _known_steps(lines)
     common: Numbers = known[known <= min(steps[-1] for steps, _ in lines)]
     return common
 
 
 def _known_steps(lines: Sequence[Line]) -> Numbers:
-    """Every step at which one of the lines has a point, from where all of them have begun."""
+    """All steps with a point of some line, from the step at which all lines have begun."""
     known = np.unique(np.concatenate([steps for steps, _ in lines]))
     begun: Numbers = known[known >= max(steps[0] for steps, _ in lines)]
     return begun
 
 
 def smooth(steps: Numbers, values: Numbers, longest: float) -> Line:
-    """The mean over a moving window, at even steps.
+    """The moving average at evenly spaced steps.
 
     Args:
-        steps: (n,) at which there is a value, rising.
-        values: (n,) each.
-        longest: Steps by which points and window are laid out, the same for all runs.
+        steps: (n,) increasing steps.
+        values: (n,) values at these steps.
+        longest: Steps of the longest run, which set the spacing and the window for all runs.
     """
     half = WINDOW * longest / 2.0
     points = np.linspace(0.0, longest, POINTS + 1)
@@ -200,9 +200,9 @@ def smooth(steps: Numbers, values: Numbers, longest: float) -> Line:
 
 
 def episodes_at(runs: Sequence[RunLog]) -> Callable[[Numbers], Numbers]:
-    """How many training episodes had ended after so many steps: the mean of the runs.
+    """The mean number of training episodes that had ended at given steps.
 
-    Beyond its end a run is taken to go on at its own mean pace.
+    Beyond its end, a run is extrapolated at its own mean rate.
     """
 
     def count(steps: Numbers) -> Numbers:
@@ -226,7 +226,7 @@ def labels_of(runs: Sequence[RunLog]) -> list[str]:
 
 
 def _stage_count(table: Table) -> int:
-    """How many columns there are, from ``stage/0`` on."""
+    """The number of columns ``stage/0``, ``stage/1``, ..."""
     count = 0
     while f"stage/{count}" in table:
         count += 1

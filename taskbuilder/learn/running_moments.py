@@ -1,4 +1,4 @@
-"""Mean and spread of what is measured as it comes."""
+"""Running mean and standard deviation."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEAST_SCALE = 1e-2
-"""What hardly moves is not blown up by normalising."""
+"""Minimum scale, so that quantities that hardly vary are not amplified."""
 
 
 class RunningMoments:
-    """Mean and spread of all that has been added (Chan et al. 1979); 0 and 1 until then.
+    """Mean and standard deviation of all added rows (Chan et al. 1979); 0 and 1 at first.
 
     Args:
-        width: Quantities that are measured.
+        width: Number of quantities.
     """
 
     def __init__(self, width: int) -> None:
@@ -32,7 +32,7 @@ class RunningMoments:
         return np.maximum(spread, LEAST_SCALE)
 
     def add(self, rows: NDArray[np.floating]) -> None:
-        """Add measurements: (n, width)."""
+        """Add rows: (n, width)."""
         if not len(rows):
             return
         values = rows.astype(np.float64)
@@ -43,11 +43,11 @@ class RunningMoments:
         self._count = count
 
     def arrays(self) -> dict[str, NDArray[np.float64]]:
-        """All that it knows."""
+        """The statistics, by name."""
         parts = {"count": np.array([self._count]), "mean": self.mean, "square": self._square}
         return {name: array.copy() for name, array in parts.items()}
 
     def load(self, arrays: Mapping[str, NDArray[np.float64]]) -> None:
-        """Take over what `arrays` gave."""
+        """Restore what `arrays` returned."""
         self._count = float(arrays["count"][0])
         self.mean, self._square = arrays["mean"].copy(), arrays["square"].copy()

@@ -1,4 +1,4 @@
-"""Training runs in their folders: begun, gone on with, and kept from other processes meanwhile."""
+"""Training runs in their folders: starting, resuming and locking them."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.task import Task, load_task
 
 START_EPISODES = 50
-"""Expert episodes to begin in, where none are asked for as demonstrations."""
+"""Expert episodes for start states, if the run has no demonstrations."""
 
 Watch = Callable[[Any], None]
-"""Told how a run stands, a `TrainingStatus`, after each step of all environments."""
+"""Called with a `TrainingStatus` after each step of all environments."""
 
 Track = Callable[[Iterable[Rollout], int], Iterable[Rollout]]
-"""Sees demonstrations pass as they are recorded, so many in all."""
+"""Wraps the demonstrations as they are recorded, given their total number."""
 
 
 @dataclass(frozen=True)
 class TrainedRun:
-    """A training run that has ended.
+    """A finished training run.
 
     Attributes:
-        folder: Where it is, with its tables.
-        plan: What was trained and how.
-        policy: The policy that did best in its evaluations.
+        folder: Folder of the run, with its tables.
+        plan: The plan.
+        policy: The policy with the best evaluation.
     """
 
     folder: Path
@@ -58,15 +58,15 @@ def train(
     """Train a policy for each robot of a task.
 
     Args:
-        task: Its name, the path of its YAML file, or the task itself.
+        task: Name or path of the task, or the task itself.
         out: Folder of the run; by default ``runs/TASK-TRACK-SEED``.
-        settings: Of the algorithm, by name.
-        watch: Told how the run stands, after each step of all environments.
-        plan: All else of `Plan`, such as ``algorithm``, ``steps``, ``seed``, ``demos``.
+        settings: Settings of the algorithm, by name.
+        watch: Called with the status of the run after each step of all environments.
+        plan: Other fields of `Plan`, such as ``algorithm``, ``steps``, ``seed``, ``demos``.
 
     Raises:
-        UsageError: Something does not fit, there is a run in the folder, or no PyTorch.
-        FileError: The task is wrong.
+        UsageError: An option is invalid, the folder already has a run, or PyTorch is missing.
+        FileError: The files of the task have errors.
     """
     check_torch()
     loaded = task if isinstance(task, Task) else load_task(task)
@@ -80,14 +80,14 @@ def train(
 
 
 def resume(folder: str | Path, *, watch: Watch = lambda _: None) -> TrainedRun:
-    """Go on with a training run, from its newest checkpoint and as it began.
+    """Resume a training run from its newest checkpoint.
 
     Args:
-        folder: Its folder.
-        watch: Told how the run stands, after each step of all environments.
+        folder: Folder of the run.
+        watch: Called with the status of the run after each step of all environments.
 
     Raises:
-        UsageError: There is no run, its task has changed, or it is being trained in already.
+        UsageError: There is no run, its task has changed, or another process is training in it.
     """
     check_torch()
     path = Path(folder)
@@ -98,7 +98,7 @@ def resume(folder: str | Path, *, watch: Watch = lambda _: None) -> TrainedRun:
 
 
 def check_torch() -> None:
-    """Refuse to train without PyTorch.
+    """Check that PyTorch is installed.
 
     Raises:
         UsageError: It is not installed.
@@ -108,10 +108,10 @@ def check_torch() -> None:
 
 
 def check_task(plan: Plan, task: Task) -> None:
-    """Refuse a plan that needs what its task does not have.
+    """Check that the task has what the plan needs.
 
     Raises:
-        UsageError: An expert or progress is missing.
+        UsageError: The task lacks an expert or progress.
     """
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
@@ -122,16 +122,16 @@ def check_task(plan: Plan, task: Task) -> None:
 
 
 def default_folder(plan: Plan, task: Task) -> Path:
-    """Where a run goes that was given no folder."""
+    """The default folder of a run."""
     return Path("runs") / f"{task.name}-{plan.track}-{plan.seed}"
 
 
 @contextmanager
 def locked(folder: Path, *, new: bool) -> Iterator[None]:
-    """Keep other processes from training in the same folder.
+    """Lock a folder against training by other processes.
 
     Raises:
-        UsageError: One does, or a new run is to be made where one is already.
+        UsageError: The folder is locked, or a new run would replace an existing one.
     """
     import fcntl
 
@@ -157,15 +157,15 @@ def create(
     catalogue: Catalogue | None = None,
     track: Track = lambda episodes, _: episodes,
 ) -> None:
-    """Record demonstrations where any are needed, then write down what the run is.
+    """Record demonstrations if the plan needs any, then write the plan.
 
     Args:
-        folder: The run's.
-        plan: What to train and how.
-        task: The plan's.
-        command: That asked for it.
-        catalogue: Where the task is looked up by other processes.
-        track: Sees the demonstrations pass.
+        folder: Folder of the run.
+        plan: The plan.
+        task: The task of the plan.
+        command: The command that started the run.
+        catalogue: The catalogue in which other processes look up the task.
+        track: Wraps the demonstrations as they are recorded.
     """
     from taskbuilder.learn.training import INIT_FILE
 
@@ -189,7 +189,7 @@ def create(
 
 
 def find(folder: Path, catalogue: Catalogue | None = None) -> tuple[Plan, Task]:
-    """The plan of a run, and its task if that is still the same.
+    """The plan of a run, and its task if it has not changed.
 
     Raises:
         UsageError: There is no run, or the task's files have changed.
@@ -205,18 +205,18 @@ def find(folder: Path, catalogue: Catalogue | None = None) -> tuple[Plan, Task]:
 
 
 def task_of_run(folder: Path, catalogue: Catalogue) -> Path:
-    """The file of the task that is trained in a run's folder; nothing is imported to find it.
+    """Find the file of the task of a run, without importing anything.
 
-    Whoever names the folder says by it that they trained there, so the path of the task that
-    training wrote down holds. One that leads into the folder does not, nor one from wherever the
-    command happens to be called: a folder from somebody else would bring its own code with it.
+    A user who names the folder has trained there, so the recorded path of the task is trusted.
+    Paths into the folder itself and paths relative to the working directory are not trusted,
+    because a folder from somebody else could bring its own code.
 
     Args:
-        folder: Of the run.
-        catalogue: Where its task is looked up by name, and by the name of its file.
+        folder: Folder of the run.
+        catalogue: The catalogue in which the task is looked up by name, and by its file name.
 
     Raises:
-        UsageError: It is nowhere that the user has named.
+        UsageError: The task is not in a place that the user has named.
     """
     task = load_plan(folder)[0].task
     if task not in catalogue.tasks:
@@ -230,15 +230,15 @@ def task_of_run(folder: Path, catalogue: Catalogue) -> Path:
 
 
 def named_task(name: str, task: object, catalogue: Catalogue) -> Path:
-    """The file of a task that something names by a plain name of the catalogue.
+    """The file of a task that is given by a plain name of the catalogue.
 
     Args:
-        name: Of what names it.
-        task: What it says.
-        catalogue: Where it is looked up.
+        name: Name of the policy or run that refers to the task, for messages.
+        task: Name of the task.
+        catalogue: The catalogue to look it up in.
 
     Raises:
-        UsageError: The catalogue has none of that name.
+        UsageError: The catalogue has no such task.
     """
     try:
         return catalogue.named_task(task).file
@@ -248,7 +248,7 @@ def named_task(name: str, task: object, catalogue: Catalogue) -> Path:
 
 
 def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -> None:
-    """Train from the newest checkpoint, or from the beginning; see `training.train`."""
+    """Train from the newest checkpoint, or from the start; see `training.train`."""
     from taskbuilder.learn import training
 
     about = {

@@ -1,4 +1,4 @@
-"""The sizes that learners go by, and where they lie in a row of the replay memory."""
+"""Sizes of observations and actions, and their layout in a row of the replay buffer."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Rows = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Shapes:
-    """How many numbers observations and actions have.
+    """The sizes of observations, actions and state.
 
     Attributes:
-        observations: Numbers that each agent sees, by agent, in the order of the agents.
-        actions: Numbers of each agent's action, by agent.
-        state: Numbers that centralised critics see besides the observations.
+        observations: Size of each agent's observation, in the order of the agents.
+        actions: Size of each agent's action.
+        state: Size of the state that centralised critics observe besides the observations.
     """
 
     observations: Mapping[str, int]
@@ -34,16 +34,16 @@ class Shapes:
 
     @property
     def critic_input(self) -> int:
-        """Numbers that centralised critics see."""
+        """Size of the input of centralised critics."""
         return sum(self.observations.values()) + self.state
 
     @property
     def joint_action(self) -> int:
-        """Numbers of all agents' actions together."""
+        """Size of the joint action of all agents."""
         return sum(self.actions.values())
 
     def same_spaces(self) -> tuple[tuple[str, ...], ...]:
-        """The agents, those whose observations and actions have the same sizes together."""
+        """The agents, grouped by the sizes of their observations and actions."""
         groups: dict[tuple[int, int], list[str]] = {}
         for agent in self.agents:
             key = (self.observations[agent], self.actions[agent])
@@ -52,27 +52,27 @@ class Shapes:
 
     @cached_property
     def layout(self) -> Layout:
-        """Where a transition's parts lie in a row of the replay memory."""
+        """The layout of a transition in a row of the replay buffer."""
         return Layout.of(self)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the parts of a transition lie in a row of numbers.
+    """The slices of a row that hold the parts of a transition.
 
     Attributes:
-        observations: By agent.
-        state: What critics see besides.
-        critic_input: All observations and the state: what critics see.
-        actions: Of all agents, in order; `action` has each one's.
-        rewards: A number an agent.
-        ended: 1.0 where the episode ended with this step, by whatever.
-        terminated: 1.0 where it ended by success or failure, not by its length.
-        demonstrated: 1.0 where an expert acted.
-        next_observations: By agent, after the step.
-        next_state: After the step.
-        next_critic_input: After the step.
-        width: Numbers of a row.
+        observations: Observations by agent.
+        state: The state.
+        critic_input: The inputs of centralised critics: all observations and the state.
+        actions: All agents' actions in order; `action` has them by agent.
+        rewards: One reward per agent.
+        ended: 1.0 if the episode ended with this step, for any reason.
+        terminated: 1.0 if it ended by success or failure, and not by the time limit.
+        demonstrated: 1.0 if the expert acted.
+        next_observations: Observations by agent after the step.
+        next_state: The state after the step.
+        next_critic_input: The inputs of centralised critics after the step.
+        width: Numbers in a row.
     """
 
     observations: Mapping[str, slice]
@@ -91,7 +91,7 @@ class Layout:
 
     @classmethod
     def of(cls, shapes: Shapes) -> Layout:
-        """Lay the parts out one after the other."""
+        """The layout for given sizes, with the parts one after the other."""
         cut = _Cut()
         observations = {agent: cut(size) for agent, size in shapes.observations.items()}
         state = cut(shapes.state)
@@ -121,7 +121,7 @@ class Layout:
         )
 
     def observed(self, batch: Any) -> dict[str, Any]:
-        """What the agents observe in rows: (n, ...) each."""
+        """The observations by agent in rows: (n, ...) each."""
         return {agent: batch[:, part] for agent, part in self.observations.items()}
 
     def rows(
@@ -137,7 +137,7 @@ class Layout:
         *,
         demonstrated: bool = False,
     ) -> Rows:
-        """Lay transitions out: (n, width). Arguments have a row for each; rewards (n, agents)."""
+        """Make rows of transitions: (n, width). Arguments have n rows; rewards are (n, agents)."""
         rows = np.empty((len(state), self.width), dtype=np.float32)
         for agent in self.observations:
             rows[:, self.observations[agent]] = observations[agent]
@@ -153,7 +153,7 @@ class Layout:
 
 
 class _Cut:
-    """Cuts slices off, one after the other."""
+    """Makes consecutive slices."""
 
     def __init__(self) -> None:
         self.end = 0
@@ -164,5 +164,5 @@ class _Cut:
 
 
 def joined(parts: Mapping[str, NDArray[np.floating]], order: Sequence[str]) -> Rows:
-    """Arrays by agent as one, the agents in order along the last axis."""
+    """Concatenate arrays by agent along the last axis, in the order of the agents."""
     return np.concatenate([parts[agent] for agent in order], axis=-1).astype(np.float32)

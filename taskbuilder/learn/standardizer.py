@@ -1,4 +1,4 @@
-"""Standardising what is seen by what was met first."""
+"""Standardisation of observations and state with fixed statistics."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from taskbuilder.learn.policy import Array
 from taskbuilder.learn.shapes import Layout, Rows
 
 LEAST_SCALE = 0.3
-"""What hardly moves while it is measured is not blown up by standardising."""
+"""Minimum scale, so that inputs that hardly vary are not amplified."""
 
 
 class Standardizer:
-    """Rows of the replay memory less their mean, over their spread; observations and state alone.
+    """Standardises observations and state in rows of the replay buffer, and leaves the rest.
 
     Args:
-        layout: Where they lie in a row.
-        device: Where the networks are that see them.
+        layout: The layout of a row.
+        device: Device of the networks.
     """
 
     def __init__(self, layout: Layout, device: torch.device) -> None:
@@ -30,7 +30,7 @@ class Standardizer:
         self._scale = torch.ones(layout.width, device=device)
 
     def measure(self, rows: Rows) -> None:
-        """Standardise by these rows from now on."""
+        """Set the statistics to those of these rows."""
         layout = self._layout
         pairs = [(layout.observations[a], layout.next_observations[a]) for a in layout.observations]
         for now, later in (*pairs, (layout.state, layout.next_state)):
@@ -44,7 +44,7 @@ class Standardizer:
         return rows.sub_(self._mean).div_(self._scale)
 
     def observations(self, observations: Mapping[str, Array]) -> dict[str, Tensor]:
-        """What the agents observe, standardised."""
+        """Standardised observations of the agents."""
         parts = self._layout.observations
         return {
             agent: (torch.from_numpy(observations[agent]).to(self._device) - self._mean[part])
@@ -53,16 +53,16 @@ class Standardizer:
         }
 
     def by_agent(self) -> tuple[dict[str, Array], dict[str, Array]]:
-        """What is subtracted from each agent's observations, and what they are divided by."""
+        """Mean and scale of each agent's observations."""
         parts = self._layout.observations
         mean, scale = as_array(self._mean), as_array(self._scale)
         return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
 
     def arrays(self) -> dict[str, Array]:
-        """All that it knows."""
+        """The statistics, by name."""
         return {"mean": as_array(self._mean), "scale": as_array(self._scale)}
 
     def load(self, arrays: Mapping[str, Array]) -> None:
-        """Take over what `arrays` gave."""
+        """Restore what `arrays` returned."""
         self._mean.copy_(torch.from_numpy(arrays["mean"]))
         self._scale.copy_(torch.from_numpy(arrays["scale"]))

@@ -1,4 +1,4 @@
-"""Statistics of what was measured: what several episodes or runs say together.
+"""Statistics over several episodes or runs.
 
 Learning curves follow Agarwal et al. 2021 ("Deep reinforcement learning at the edge of the
 statistical precipice"): the interquartile mean over runs, with a stratified bootstrap band.
@@ -16,17 +16,17 @@ from taskbuilder.intervals import LEVEL
 Numbers = NDArray[np.float64]
 
 RESAMPLES = 2000
-"""Of a bootstrap."""
+"""Resamples of a bootstrap."""
 
 
 def iqm(scores: ArrayLike, axis: int = 0) -> Numbers:
-    """The interquartile mean: of the middle half, a quarter being left out at either end.
+    """The interquartile mean: the mean of the middle half.
 
-    Of n scores, n // 4 are left out at either end; fewer than four are all taken.
+    Of n scores, n // 4 are left out at either end; if there are fewer than four, all are used.
 
     Args:
-        scores: Any array; along the axis there is at least one.
-        axis: Along which the mean is taken.
+        scores: Any array with at least one score along the axis.
+        axis: Axis of the mean.
 
     Raises:
         ValueError: There are no scores.
@@ -47,17 +47,17 @@ def bootstrap_band(
     level: float = LEVEL,
     resamples: int = RESAMPLES,
 ) -> tuple[Numbers, Numbers]:
-    """The stratified bootstrap's band of a statistic over runs (percentiles).
+    """The stratified bootstrap band of a statistic over runs (percentiles).
 
-    Runs are drawn again, with replacement, within each stratum, a whole run at a time, so that
-    neither how many runs a task has nor what happens along a curve is left to chance.
+    Whole runs are resampled with replacement within each stratum. So the number of runs of each
+    task is kept, and each curve stays whole.
 
     Args:
-        strata: The runs of each task: (runs, …) scores each, alike but for the number of runs.
-        rng: Draws.
-        statistic: Of all runs together, given an array and the axis of the runs.
-        level: How sure the band is.
-        resamples: How often runs are drawn.
+        strata: The runs of each task: (runs, …) scores each, alike except for the number of runs.
+        rng: Generator of the resamples.
+        statistic: The statistic of all runs, called with an array and the axis of the runs.
+        level: Confidence level of the band.
+        resamples: Number of resamples.
 
     Returns:
         Low and high, each of the shape of one run's scores.
@@ -74,10 +74,10 @@ def bootstrap_band(
 
 
 def normalised(scores: ArrayLike, *, random: float, expert: float) -> Numbers:
-    """Scores on a scale on which random actions have 0 and the expert has 1.
+    """Normalised scores: 0 for random actions and 1 for the expert.
 
     Raises:
-        ValueError: The expert scores as random actions do, so that there is no scale.
+        ValueError: The expert and random actions have the same score, so there is no scale.
     """
     if expert == random:
         raise ValueError(f"random actions and the expert both score {expert}")

@@ -1,8 +1,8 @@
-"""Training: collect, learn, evaluate, keep; and go on exactly after whatever ended it.
+"""The training loop: collect, learn, evaluate and save, with exact resuming.
 
-A run is cut into stretches by its checkpoints. At each cut all environments begin new episodes,
-from seeds that follow from the run's own and the step. So nothing of the physics has to be kept,
-and a run that goes on from a checkpoint is the same, to the bit, as one that was never stopped.
+Checkpoints divide a run into stretches. At each checkpoint all environments are reset, with seeds
+that depend on the run's seed and the step. So no physics state has to be saved, and a run that is
+resumed from a checkpoint is the same, to the bit, as one that was never stopped.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ from taskbuilder.learn.zoo import POLICY_FILE, load_policy, save_policy
 from taskbuilder.task import Task
 
 INIT_FILE = "init.npz"
-"""In a run's folder, the trained policy that it starts from."""
+"""File of the policy that a run starts from, in its folder."""
 
 LOG_EVERY = 1_000
-"""Control steps between rows about updates."""
+"""Control steps between rows of the table of updates."""
 
 
 @dataclass(frozen=True)
 class TrainingStatus:
-    """How a run stands, for whoever watches it.
+    """The status of a run, for progress displays.
 
     Attributes:
         step: Control steps so far.
-        steps_per_second: Of this sitting.
-        evaluation: The latest one, if it was made just now.
+        steps_per_second: Speed since the run was started or resumed.
+        evaluation: The latest evaluation, if it was made at this step.
     """
 
     step: int
@@ -70,22 +70,22 @@ def train(
     about: Mapping[str, Any],
     watch: Watch = lambda _: None,
 ) -> None:
-    """Train as planned, from the newest checkpoint in the run's folder if there is one.
+    """Train from the newest checkpoint in the run's folder, or from the start.
 
     Args:
-        plan: What to train and how.
-        task: The plan's.
-        folder: The run's; demonstrations and the policy to start from, if any, are there already.
-        evaluate: Plays a policy in episodes of its own.
-        about: What the policies' files say of themselves.
-        watch: Told how the run stands, after each step of all environments.
+        plan: The plan.
+        task: The task of the plan.
+        folder: Folder of the run, with the demonstrations and the initial policy if there are any.
+        evaluate: Evaluates a policy in episodes of its own.
+        about: Metadata for the files of policies.
+        watch: Called with the status of the run after each step of all environments.
 
     Raises:
-        StoreError: Checkpoints are damaged, all of them.
-        OSError: Something cannot be written; the newest checkpoint is still there.
+        StoreError: All checkpoints are damaged.
+        OSError: A file cannot be written; the newest checkpoint is still there.
         UsageError: An option does not fit the task.
     """
-    torch.set_num_threads(1)  # small networks gain nothing by more, and results would depend on it
+    torch.set_num_threads(1)  # more are no faster here, and results would depend on them
     with ExitStack() as stack:
         run = Trainer.prepare(plan, task, folder, stack)
         while not run.finished:
@@ -100,14 +100,14 @@ def train(
 
 @dataclass
 class Counters:
-    """Where a run stands, beside what its learner has learned.
+    """Counters of a run.
 
     Attributes:
-        step: Control steps of all environments so far.
-        episode: Episodes that have ended.
-        best: Success rate of the policy that was kept.
-        reached: Evaluations in a row that reached the rate to stop at.
-        seconds: Of all sittings, evaluations included.
+        step: Control steps so far, summed over all environments.
+        episode: Number of finished episodes.
+        best: Success rate of the saved policy.
+        reached: Latest evaluations in a row that reached the success rate to stop at.
+        seconds: Total time, evaluations included.
     """
 
     step: int = 0
@@ -118,7 +118,7 @@ class Counters:
 
 
 class Trainer:
-    """A training run under way; see `train`. Made by `prepare`."""
+    """The state of a running training; `prepare` makes one."""
 
     def __init__(
         self,
@@ -149,13 +149,13 @@ class Trainer:
 
     @classmethod
     def prepare(cls, plan: Plan, task: Task, folder: Path, stack: ExitStack) -> Trainer:
-        """Make all that a run needs, as it was at its newest checkpoint.
+        """Make a trainer in the state of the newest checkpoint.
 
         Args:
-            plan: What to train and how.
-            task: The plan's.
-            folder: The run's.
-            stack: Frees it again.
+            plan: The plan.
+            task: The task of the plan.
+            folder: Folder of the run.
+            stack: Closes the trainer's resources.
 
         Raises:
             UsageError: There is no such device.
@@ -191,39 +191,39 @@ class Trainer:
         stack.callback(trainer.close)
         return trainer
 
-    # --- where it stands
+    # --- status
 
     @property
     def finished(self) -> bool:
-        """Whether all steps are taken, or success is as sure as was asked for."""
+        """Whether all steps are done, or the success rate to stop at is reached."""
         return self._counters.step >= self._plan.steps or self._counters.reached >= 2
 
     @property
     def at_evaluation(self) -> bool:
-        """Whether the policy is to be evaluated now."""
+        """Whether an evaluation is due."""
         every = self._plan.evaluate_every
         return self._passed(every) or self._counters.step >= self._plan.steps
 
     def _passed(self, every: int) -> bool:
-        """Whether the last step of all environments reached or passed a multiple of a number."""
+        """Whether the last step reached or passed a multiple of a number."""
         return self._counters.step % every < self._plan.envs
 
     def status(self, evaluation: Evaluation | None = None) -> TrainingStatus:
-        """How the run stands."""
+        """The status of the run."""
         started, first = self._since
         rate = (self._counters.step - first) / max(time.perf_counter() - started, 1e-9)
         return TrainingStatus(self._counters.step, rate, evaluation)
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
-        """The present policy."""
+        """The current policy."""
         return self._learner.policy({**about, "step": self._counters.step})
 
-    # --- what it does
+    # --- training
 
     def stretch(self) -> Iterator[TrainingStatus]:
-        """Go on until a checkpoint is to be made, a step of all environments at a time.
+        """Train until the next checkpoint is due, and yield after each step of all environments.
 
-        New episodes begin everywhere, from seeds that follow from the run's and the step.
+        All environments are reset first, with seeds that depend on the run's seed and the step.
         """
         entropy = np.random.SeedSequence((self._plan.seed, self._counters.step))
         self._collector.begin(int(entropy.generate_state(1)[0]))
@@ -235,7 +235,7 @@ class Trainer:
             due = self._counters.step // self._plan.checkpoint_every > number
 
     def _step(self) -> None:
-        """Let all environments take a step, and learn meanwhile or from it."""
+        """Step all environments, and update the learner."""
         counters, plan, collection = self._counters, self._plan, self._collection
         collection.before_step(self._rng, counters.step)
         actions = self._learner.act(
@@ -261,7 +261,7 @@ class Trainer:
 
     @property
     def _progress_fraction(self) -> float:
-        """Of the training that has been done."""
+        """The fraction of the training that is done."""
         return min(self._counters.step / self._plan.steps, 1.0)
 
     def _log(self, finished: Sequence[Finished]) -> None:
@@ -287,7 +287,7 @@ class Trainer:
         return self._counters.seconds + time.perf_counter() - self._since[0]
 
     def note(self, evaluation: Evaluation, policy: TrainedPolicy) -> None:
-        """Keep the result of an evaluation, and the policy if none before did better."""
+        """Log an evaluation, and save the policy if no earlier one was better."""
         counters, plan = self._counters, self._plan
         row = {"episode": counters.episode, **evaluation.row}
         self.logger.add("evaluations", counters.step, row)
@@ -312,16 +312,16 @@ class Trainer:
         self._checkpoints.save(checkpoint, self._collection.memories)
 
     def close(self) -> None:
-        """Finish the logs."""
+        """Close the logs."""
         self.logger.close()
 
 
 def shapes_of(envs: TaskVectorEnv, features: int) -> Shapes:
-    """The sizes of what agents and critics observe, and of actions.
+    """The sizes of observations, state and actions.
 
     Args:
         envs: The environments.
-        features: Numbers that a training reward shows the critics besides.
+        features: Number of features that the training reward adds for the critics.
     """
     observed: Any = envs.single_observation_space
     acted: Any = envs.single_action_space

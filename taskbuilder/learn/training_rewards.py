@@ -1,7 +1,8 @@
-"""Training rewards: what learners learn from, beside the task's reward that is always reported.
+"""Training rewards: the rewards that learners are trained on.
 
-A training reward stands between a vector of environments and a learner. It reads the infos, which
-the policies never see, and may show the critics features of its own.
+The task's own reward is always reported as well. A training reward stands between a vector
+environment and a learner. It reads the infos, which policies never observe, and may give the
+critics features of its own.
 """
 
 from __future__ import annotations
@@ -20,24 +21,29 @@ Flags = NDArray[np.bool_]
 
 
 class TrainingReward(Protocol):
-    """Rewards learners.
+    """The interface of a training reward.
 
-    Its class says: ``sharing``, the option `reward` of the environments that it builds upon;
-    ``shared``, whether all agents of an environment are always rewarded the same;
-    ``end_on_setback`` and ``no_progress_timeout_s``, the training wrappers of those names; and
-    ``feature_count``, the numbers that it shows the critics.
+    Class attributes: ``sharing``, the option `reward` of the environments that it needs;
+    ``shared``, whether all agents of an environment always get the same reward;
+    ``end_on_setback`` and ``no_progress_timeout_s``, the settings of the training wrappers; and
+    ``feature_count``, the number of features for the critics.
     """
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """Episodes have begun in these rows."""
+        """Start new episodes in these rows."""
         ...
 
     def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
-        """The agents' rewards of a step: (num_envs, agents), from the environments' own."""
+        """The agents' training rewards of a step: (num_envs, agents).
+
+        Args:
+            rewards: The environments' own rewards: (num_envs, agents).
+            infos: The infos of the step, by key: (num_envs,) each.
+        """
         ...
 
     def critic_features(self) -> NDArray[np.float32]:
-        """What critics see of it: (num_envs, feature_count)."""
+        """The features that critics observe in addition: (num_envs, feature_count)."""
         ...
 
 
@@ -55,30 +61,30 @@ class Unchanged:
         self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """See `TrainingReward`."""
+        """Start new episodes in these rows."""
 
     def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
-        """See `TrainingReward`."""
+        """The agents' training rewards of a step: (num_envs, agents)."""
         del infos
         return rewards
 
     def critic_features(self) -> NDArray[np.float32]:
-        """See `TrainingReward`."""
+        """The features that critics observe in addition: (num_envs, feature_count)."""
         return self._nothing
 
 
 class Local(Unchanged):
-    """Every agent's own terms and an even share of the common ones."""
+    """Each agent's own terms and an equal share of the common ones."""
 
     sharing = "local"
     shared = False
 
 
 class Shaped:
-    """The team's reward and the discounted gain in progress.
+    """The team reward plus potential-based shaping by progress.
 
-    Potential-based shaping (Ng, Harada and Russell 1999): r + w (γ Φ(s') - Φ(s)), which leaves
-    the best policies as they are.
+    r + w (γ Φ(s') - Φ(s)), where Φ is the progress. The optimal policies stay optimal (Ng, Harada
+    and Russell 1999).
     """
 
     sharing = "team"
@@ -94,11 +100,11 @@ class Shaped:
         self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """See `TrainingReward`."""
+        """Start new episodes in these rows."""
         self._before[rows] = infos["progress"][rows]
 
     def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
-        """See `TrainingReward`."""
+        """The agents' training rewards of a step: (num_envs, agents)."""
         now = infos["progress"]
         gain = self._discount * now - self._before
         self._before = now.copy()
@@ -106,18 +112,18 @@ class Shaped:
         return shaped
 
     def critic_features(self) -> NDArray[np.float32]:
-        """See `TrainingReward`."""
+        """The features that critics observe in addition: (num_envs, feature_count)."""
         return self._nothing
 
 
 class Ratchet:
-    """Rewards progress beyond the best of the episode so far, and takes nothing for losing it.
+    """A reward for each new best progress of the episode, without a penalty for losing it.
 
-    10 max(0, Φ - best Φ so far) + 2 while there is success - 2 for failure or a setback, which ends
-    the episode, times 0.3. The best so far is shown to the critics; policies do not see it. It is
-    not the task's reward: what waits, holds or stays near earns nothing here. So a learner that has
-    gone astray has no reason to come back, and an episode ends when progress has not risen for a
-    while; how long it has not is shown to the critics too.
+    0.3 (10 max(0, Φ - best Φ so far) + 2 while success holds - 2 on failure or a setback), where a
+    setback ends the episode. The task's own reward is not used: waiting, holding or staying near
+    something earns nothing. A learner that has lost its object gains nothing by going back for it,
+    so episodes also end when the progress has not risen for a while. Critics observe the best
+    progress so far and the steps without progress; policies do not.
     """
 
     sharing = "team"
@@ -133,12 +139,12 @@ class Ratchet:
         self._stalled = np.zeros(num_envs)
 
     def begin(self, infos: Infos, rows: Flags) -> None:
-        """See `TrainingReward`."""
+        """Start new episodes in these rows."""
         self._best[rows] = infos["progress"][rows]
         self._stalled[rows] = infos[STEPS_WITHOUT_PROGRESS][rows]
 
     def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
-        """See `TrainingReward`."""
+        """The agents' training rewards of a step: (num_envs, agents)."""
         gained = np.maximum(infos["progress"] - self._best, 0.0)
         self._best = np.maximum(self._best, infos["progress"])
         self._stalled = infos[STEPS_WITHOUT_PROGRESS].copy()
@@ -147,7 +153,7 @@ class Ratchet:
         return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
 
     def critic_features(self) -> NDArray[np.float32]:
-        """See `TrainingReward`; progress in tens, as large as other things that critics see."""
+        """The features that critics observe in addition: (num_envs, feature_count)."""
         return np.stack([self._best / 10.0, self._stalled], 1).astype(np.float32)
 
 
@@ -157,4 +163,4 @@ TRAINING_REWARDS: Mapping[str, type[Unchanged] | type[Shaped] | type[Ratchet]] =
     "shaped": Shaped,
     "ratchet": Ratchet,
 }
-"""Training rewards by name, made for so many environments and a discount."""
+"""The classes of the training rewards by name; each takes ``num_envs`` and ``discount``."""

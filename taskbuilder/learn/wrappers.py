@@ -1,7 +1,7 @@
-"""Wrappers that learners put around an environment: episodes that end early, or begin midway.
+"""Training wrappers: episodes that end early, or begin in the middle of recorded ones.
 
-A wrapper changes which episodes a learner trains on, and never the task: evaluations do without.
-`TrainingWrappers` puts several around an environment, also where `make_vec` runs it in a worker:
+Wrappers change the episodes that a learner trains on, and not the task: evaluations do not use
+them. `TrainingWrappers` applies several of them, also to environments in workers of `make_vec`:
 
     wrappers = TrainingWrappers(end_on_setback=True, no_progress_timeout_s=1.5)
     envs = taskbuilder.make_vec("handover", 8, workers=2, wrap=wrappers)
@@ -24,41 +24,41 @@ from taskbuilder.world.randomness import EpisodeRandomness
 
 Infos = dict[str, dict[str, float]]
 Returned = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], Infos]
-"""What a step returns: observations, rewards, terminations, truncations and infos."""
+"""The result of a step: observations, rewards, terminations, truncations and infos."""
 
 LEAST_RISE = 0.05
-"""What progress must rise by, above where it last did, for the time without progress to restart."""
+"""The minimum rise of progress that restarts the time without progress."""
 
 STEPS_WITHOUT_PROGRESS = "steps_without_progress"
-"""The info that `NoProgressTimeout` adds."""
+"""Key of the info that `NoProgressTimeout` adds."""
 
 
 class EpisodeWrapper(BaseParallelWrapper):  # type: ignore[misc]  # pettingzoo ships no types
-    """Stands around a `TaskEnv` or another wrapper, and has all that it has.
+    """The base class of wrappers around a `TaskEnv` or another wrapper.
 
-    Subclasses that keep something of their own between steps give it to `save` and `load`, so that
-    `save_state` and `load_state` go back to the whole of a moment.
+    Subclasses with state of their own override `save` and `load`, so that `save_state` and
+    `load_state` include it.
     """
 
     def save(self) -> Any:
-        """What it keeps between steps."""
+        """The state of the wrapper itself."""
         return None
 
     def load(self, kept: Any) -> None:
-        """Take back what `save` gave."""
+        """Restore the state that `save` returned."""
 
     def save_state(self) -> tuple[Any, Any]:
-        """This moment; see `TaskEnv.save_state`."""
+        """Save the state of the environment and of the wrapper; see `TaskEnv.save_state`."""
         return self.env.save_state(), self.save()
 
     def load_state(self, state: tuple[Any, Any]) -> Any:
-        """Go back to a moment of this environment; see `TaskEnv.load_state`."""
+        """Restore a saved state of this environment; see `TaskEnv.load_state`."""
         inner, kept = state
         self.load(kept)
         return self.env.load_state(inner)
 
     def end_episode(self) -> None:
-        """Let no further step be taken before a reset."""
+        """End the episode, so that the next call must be a reset."""
         self.unwrapped.agents = []
 
 
@@ -66,7 +66,7 @@ class EndOnSetback(EpisodeWrapper):
     """Terminates episodes on the description's ``setback``."""
 
     def step(self, actions: Mapping[str, Any]) -> Returned:
-        """Let every agent act; see `TaskEnv.step`."""
+        """Step the environment; see `TaskEnv.step`."""
         observations, rewards, terminations, truncations, infos = self.env.step(actions)
         if next(iter(infos.values()))["condition/setback"]:
             terminations = dict.fromkeys(terminations, True)
@@ -76,16 +76,17 @@ class EndOnSetback(EpisodeWrapper):
 
 
 class NoProgressTimeout(EpisodeWrapper):
-    """Truncates episodes in which progress has not risen by 0.05 for a while.
+    """Truncates episodes in which the progress has not risen by 0.05 for some time.
 
-    Not while there is success. Infos have ``steps_without_progress``, in control steps.
+    The time does not run while success holds. Infos have ``steps_without_progress``, in control
+    steps.
 
     Args:
         env: The environment, wrapped or not.
-        seconds: How long progress may fail to rise.
+        seconds: Maximum time without progress, in episode time.
 
     Raises:
-        UsageError: That is no length of time.
+        UsageError: The time is not positive.
     """
 
     def __init__(self, env: Any, seconds: float) -> None:
@@ -97,19 +98,19 @@ class NoProgressTimeout(EpisodeWrapper):
 
     @property
     def info_keys(self) -> tuple[str, ...]:
-        """Names of the numbers in every agent's info."""
+        """Keys of every agent's info."""
         return (*self.env.info_keys, STEPS_WITHOUT_PROGRESS)
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], Infos]:
-        """Begin an episode."""
+        """Reset the environment."""
         observations, infos = self.env.reset(seed=seed, options=options)
         self._highest, self._steps = next(iter(infos.values()))["progress"], 0
         return observations, self._with_steps(infos)
 
     def step(self, actions: Mapping[str, Any]) -> Returned:
-        """Let every agent act; see `TaskEnv.step`."""
+        """Step the environment; see `TaskEnv.step`."""
         observations, rewards, terminations, truncations, infos = self.env.step(actions)
         info = next(iter(infos.values()))
         if not info["exploded"]:
@@ -130,21 +131,21 @@ class NoProgressTimeout(EpisodeWrapper):
         return {agent: {**info, STEPS_WITHOUT_PROGRESS: steps} for agent, info in infos.items()}
 
     def save(self) -> tuple[float, int]:
-        """The highest progress, and the control steps since then."""
+        """The highest progress, and the control steps since it was reached."""
         return self._highest, self._steps
 
     def load(self, kept: tuple[float, int]) -> None:
-        """Take back what `save` gave."""
+        """Restore the state that `save` returned."""
         self._highest, self._steps = kept
 
 
 @dataclass(frozen=True)
 class StartPrefix:
-    """The first steps of a recorded episode, from any of which another may go on.
+    """The first steps of a recorded episode, after any of which a training episode may begin.
 
     Attributes:
-        seed: Of its reset.
-        actions: What every agent did: (steps, n) each, as the environment takes them.
+        seed: Seed of the recorded episode.
+        actions: Recorded actions of every agent: (steps, n) each.
     """
 
     seed: int
@@ -152,7 +153,7 @@ class StartPrefix:
 
     @property
     def steps(self) -> int:
-        """Its control steps."""
+        """Its length in control steps."""
         return min(len(actions) for actions in self.actions.values())
 
     @classmethod
@@ -164,15 +165,15 @@ class StartPrefix:
 
 
 class StartPrefixes(EpisodeWrapper):
-    """Begins a share of the episodes in the middle of recorded ones, with the time then left.
+    """Begins a fraction of the episodes in the middle of recorded ones, with the remaining time.
 
     Args:
-        env: The environment, wrapped or not, of the variation that was recorded.
-        prefixes: Recorded beginnings; an episode goes on from a step of one that is drawn.
-        share: Of the episodes that do, from 0 to 1.
+        env: The environment, wrapped or not, in the variation of the recording.
+        prefixes: Recorded prefixes; an episode begins after a random step of a random one.
+        share: Fraction of the episodes that do, from 0 to 1.
 
     Raises:
-        UsageError: The share is none, or the environment draws its variation.
+        UsageError: The share is not in this range, or the environment draws its variation.
     """
 
     def __init__(self, env: Any, prefixes: Sequence[StartPrefix], share: float) -> None:
@@ -187,7 +188,7 @@ class StartPrefixes(EpisodeWrapper):
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], Infos]:
-        """Begin an episode, perhaps in the middle of a recorded one; the seed decides."""
+        """Reset the environment, or begin in the middle of a recorded episode; the seed decides."""
         if seed is not None:
             self._seeds = np.random.default_rng(seed)
         own = seed if seed is not None else int(self._seeds.integers(2**31))
@@ -203,35 +204,35 @@ class StartPrefixes(EpisodeWrapper):
     def _play(
         self, prefix: StartPrefix, steps: int, seed: int
     ) -> tuple[dict[str, Any], Infos] | None:
-        """Play the first steps of a recorded episode; None where that ends the episode."""
+        """Play the first steps of a recorded episode; None if the episode ends with them."""
         _, infos = self.env.reset(seed=prefix.seed)
         for step in range(steps):
             actions = {agent: values[step] for agent, values in prefix.actions.items()}
             *_, infos = self.env.step(actions)
-            if not self.env.agents:  # it was recorded elsewhere, or to its very end
+            if not self.env.agents:  # recorded with other options, or up to its last step
                 return None
         env: TaskEnv = self.unwrapped
-        env.episode.noise_rng = EpisodeRandomness(seed).noise()  # its own, each time another
+        env.episode.noise_rng = EpisodeRandomness(seed).noise()  # noise differs between episodes
         return env.observe(), infos
 
     def save(self) -> Any:
-        """The generator of seeds."""
+        """The state of the generator of seeds."""
         return self._seeds.bit_generator.state
 
     def load(self, kept: Any) -> None:
-        """Take back what `save` gave."""
+        """Restore the state that `save` returned."""
         self._seeds.bit_generator.state = kept
 
 
 @dataclass(frozen=True)
 class TrainingWrappers:
-    """The wrappers of a training run, put around an environment by a call.
+    """The wrappers of a training run; calling this applies them to an environment.
 
     Attributes:
         end_on_setback: Terminate episodes on a setback.
-        no_progress_timeout_s: Truncate episodes after so long without progress; None for never.
-        start_prefixes: Recorded beginnings that episodes may go on from.
-        start_share: Of the episodes that do.
+        no_progress_timeout_s: Truncate episodes after this time without progress; None for never.
+        start_prefixes: Recorded prefixes that episodes may begin after.
+        start_share: Fraction of the episodes that do.
     """
 
     end_on_setback: bool = False
@@ -240,7 +241,7 @@ class TrainingWrappers:
     start_share: float = 0.0
 
     def __call__(self, env: TaskEnv) -> Any:
-        """The environment with the wrappers around it."""
+        """Wrap an environment."""
         wrapped: Any = env
         if self.end_on_setback:
             wrapped = EndOnSetback(wrapped)

@@ -1,4 +1,4 @@
-"""Policies in files: of a training run, by path, or of the zoo that comes with the package."""
+"""Saving and loading policies: of a training run, by path, or of the zoo in the package."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.wording import suggestion
 
 ZOO = Path(__file__).parent / "models"
-"""A folder for each task, with a file for each policy."""
+"""Folder of the pretrained policies: a folder for each task, a file for each policy."""
 
 POLICY_FILE = "policy.npz"
-"""The policy of a training run, in its folder."""
+"""File of the policy in the folder of a training run."""
 
 LARGEST = 64 << 20
-"""Bytes that a policy's file may have: hundreds of times what those of the zoo have."""
+"""Maximum size of a policy's file in bytes, hundreds of times the size of those in the zoo."""
 
 _KIND = "policy"
 _PREFIX = "zoo:"
@@ -36,15 +36,15 @@ def save_policy(path: Path, policy: TrainedPolicy) -> None:
 
 
 def load_policy(name: str) -> TrainedPolicy:
-    """Find a policy and read it.
+    """Load a policy.
 
     Args:
         name: ``zoo:handover/scratch``, the folder of a training run, or a policy's file.
 
     Raises:
-        UnknownNameError: The zoo has none of that name.
+        UnknownNameError: The zoo has no policy of this name.
         UsageError: There is no such folder or file, or no policy in it yet.
-        StoreError: The file is damaged or none of a policy, or holds what is no number.
+        StoreError: The file is damaged, is not a policy, or has numbers that are not finite.
     """
     path = policy_file(name)
     arrays, about = read_arrays(path, _KIND, largest=LARGEST)
@@ -59,17 +59,17 @@ def load_policy(name: str) -> TrainedPolicy:
 
 
 def policy_file(name: str) -> Path:
-    """Where a policy is read from; see `load_policy`.
+    """The file of a policy; see `load_policy`.
 
     Raises:
-        UnknownNameError: The zoo has none of that name.
+        UnknownNameError: The zoo has no policy of this name.
         UsageError: There is no such folder or file, or no policy in it yet.
     """
     return _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
 
 
 def zoo_names() -> tuple[str, ...]:
-    """The policies that come with the package, such as ``zoo:handover/scratch``."""
+    """Names of the pretrained policies, such as ``zoo:handover/scratch``."""
     files = sorted(ZOO.glob("*/*.npz"))
     return tuple(f"{_PREFIX}{file.parent.name}/{file.stem}" for file in files)
 

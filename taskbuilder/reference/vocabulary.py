@@ -1,4 +1,4 @@
-"""What descriptions and observations are written in: conditions, measures, terms, channels."""
+"""Tables of conditions, measures, reward terms and observation channels, for the pages."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ _CHANNELS: Mapping[str, str] = {
     "tcp": "pose of the tool centre point",
     "tcp_velocity": "its linear and angular velocity",
     "gripper": "how far the gripper is open, 0 to 1",
-    "holding": "whether it holds something",
-    "force": "what each finger presses with, N",
-    "previous_action": "the action of the control step before",
+    "holding": "1 while it holds an object, else 0",
+    "force": "contact force of each finger, N",
+    "previous_action": "action of the previous control step",
     "pose": "position and orientation",
     "position": "position, m",
     "orientation": "orientation",
     "velocity": "linear and angular velocity",
     "rgb": "colour image",
     "depth": "depth image",
-    "mask": "which thing each pixel shows",
+    "mask": "number of the body that each pixel shows",
     "points": "point cloud",
-    "time_left": "share of the episode that is left",
+    "time_left": "remaining fraction of the episode",
 }
 
 
 def nodes(base: str) -> str:
-    """The public subclasses of Condition, Measure or Term: how they are called, what they are.
+    """A table of the public subclasses of Condition, Measure or Term: signature and meaning.
 
     Raises:
         ValueError: There are none.
@@ -64,7 +64,7 @@ def nodes(base: str) -> str:
 
 
 def kinds(_: str) -> str:
-    """The annotations that mark names, and what each stands for."""
+    """A table of the annotations for names, and what each stands for."""
     rows = []
     for name, thing in _public():
         if get_origin(thing) is Annotated:
@@ -74,7 +74,7 @@ def kinds(_: str) -> str:
 
 
 def view(_: str) -> str:
-    """What a custom condition may ask the world."""
+    """A table of what a custom condition can read from the world."""
     rows = []
     for name, member in vars(WorldView).items():
         if name.startswith("_"):
@@ -86,7 +86,7 @@ def view(_: str) -> str:
 
 
 def channels(_: str) -> str:
-    """The observation channels.
+    """A table of the observation channels.
 
     Raises:
         LookupError: One has no explanation.

@@ -1,4 +1,4 @@
-"""Episodes that were played: the record of one, and how to play, resume and replay it.
+"""Playing, resuming and replaying episodes, and the record of an episode.
 
 env = taskbuilder.parallel_env("handover")
 rollout = play(env, RandomActions(), seed=0)

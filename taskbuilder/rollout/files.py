@@ -1,4 +1,4 @@
-"""Rollouts in files: one file of numbers for as many as like."""
+"""Saving and loading rollouts, several in one file."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.rollout.record import BY_STATE, BY_STEP, ON_REQUEST, Rollout, ScriptLog, Trouble
 
 FORMAT = 1
-"""Of the files; another one is not understood."""
+"""Version of the file format; others are refused."""
 
 _KIND = "rollouts"
 _ARRAYS = (*BY_STEP, *BY_STATE, *ON_REQUEST)
 
 
 def save_rollouts(path: Path, rollouts: Sequence[Rollout]) -> None:
-    """Write rollouts to a file, which is there whole or not at all.
+    """Write rollouts to a file, atomically.
 
     Args:
-        path: Of the file.
-        rollouts: In the order in which `load_rollouts` gives them back.
+        path: Path of the file.
+        rollouts: The rollouts; `load_rollouts` returns them in this order.
 
     Raises:
         OSError: It cannot be written.
@@ -42,7 +42,7 @@ def load_rollouts(path: Path) -> tuple[Rollout, ...]:
     """Read the rollouts of a file.
 
     Raises:
-        StoreError: It is damaged, of another kind, or of another version.
+        StoreError: It is damaged, of another kind, or of an unsupported version.
         OSError: It cannot be read.
     """
     arrays, about = read_arrays(path, _KIND)
@@ -61,14 +61,14 @@ def load_rollouts(path: Path) -> tuple[Rollout, ...]:
 
 
 def _leaves(name: str, value: Any) -> Sequence[tuple[str, Any]]:
-    """Every array, by the names that lead to it."""
+    """All arrays, by their path of names."""
     if not isinstance(value, Mapping):
         return [(name, value)]
     return [leaf for key, part in value.items() for leaf in _leaves(f"{name}/{key}", part)]
 
 
 def _put(parts: dict[str, Any], name: str, array: Any) -> None:
-    """Put an array where `_leaves` found it; only observations are nested twice."""
+    """Insert an array at its path; only observations are nested twice."""
     field, _, key = name.partition("/")
     if not key:
         parts[field] = array
@@ -82,7 +82,7 @@ def _put(parts: dict[str, Any], name: str, array: Any) -> None:
 
 
 def _about(rollout: Rollout) -> dict[str, Any]:
-    """What of a rollout is no array."""
+    """The fields of a rollout that are not arrays."""
     told = {
         f.name: getattr(rollout, f.name)
         for f in fields(Rollout)

@@ -1,4 +1,4 @@
-"""Playing episodes: the one loop that steps an environment, and the record it leaves."""
+"""Playing episodes and recording them: the only loop that steps an environment."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ Act = Callable[[Mapping[str, Any]], Mapping[str, NDArray[np.floating]] | None]
 """Every agent's action, given every agent's observation; None to stop playing."""
 
 Watch = Callable[[TaskEnv], None]
-"""Looks at an environment after its reset and after each control step."""
+"""Called with the environment after its reset and after each control step."""
 
 
 class Policy(Protocol):
     """Chooses the actions of all agents; deterministic in the seed of the episode."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        """Prepare for an episode, which the environment has just begun from this seed."""
+        """Prepare for an episode; called after the environment was reset with this seed."""
 
     def act(self, observations: Mapping[str, Any], /) -> Actions | None:
         """Every agent's action, given every agent's observation; None to stop playing."""
@@ -36,14 +36,14 @@ class Policy(Protocol):
 
 @runtime_checkable
 class Scripted(Protocol):
-    """A policy that plays the stages of a script."""
+    """A policy that follows the stages of a script."""
 
     def log(self) -> ScriptLog:
-        """How the stages went; asked for once the episode has been played."""
+        """The log of the stages; called after the episode."""
 
 
 class Step(NamedTuple):
-    """What the environment returned: of its reset, where there are no rewards yet, or of a step."""
+    """The result of a reset, without rewards, or of a step."""
 
     observations: Mapping[str, Any]
     rewards: Mapping[str, float]
@@ -69,16 +69,16 @@ def play(
     Args:
         env: The environment.
         policy: A `Policy`, or a function from observations to actions.
-        seed: Of the reset; it decides all that chance decides.
-        observations: Keep what every agent observes.
-        cameras: Keep pictures of these cameras of the scene.
-        size: Width and height of the pictures; by default each camera's own.
-        forces: Keep the force between robots, metered whether or not the task asks for it.
-        explain: Say why where success does not hold at the end.
+        seed: Seed of the reset, which determines everything random.
+        observations: Record the observations of every agent.
+        cameras: Record images of these cameras of the scene.
+        size: Width and height of the images; by default each camera's own.
+        forces: Record the force between robots, also if the task does not use it.
+        explain: Record why success does not hold at the end.
         watch: Called after reset and after each control step.
 
     Returns:
-        The record of the episode, up to its end or to where the policy stopped.
+        The record of the episode, up to its end or until the policy stopped.
 
     Raises:
         UnknownNameError: The scene has no such camera.
@@ -103,13 +103,13 @@ def resume(
     *,
     watch: Watch | None = None,
 ) -> Rollout:
-    """Play on from the middle of an episode.
+    """Continue an episode from the middle.
 
     Args:
-        env: The environment, as it stood at the end of ``before``.
-        policy: Who plays on; as for `play`.
-        before: The record so far; observations and pictures that it has are left behind.
-        observations: What every agent observes now, for policies that look at it.
+        env: The environment, in the state at the end of ``before``.
+        policy: The policy that continues; as for `play`.
+        before: The record so far; its observations and pictures are not kept.
+        observations: The current observations, for policies that use them.
         watch: Called after each control step.
 
     Returns:
@@ -126,15 +126,15 @@ def resume(
 
 
 def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollout:
-    """Play the actions of a record again; the episode goes as it went, to the bit.
+    """Replay the actions of a record; the episode repeats bit for bit.
 
     Args:
-        env: Of the record's task and variation, with options that it was played with.
-        rollout: What to play.
+        env: An environment of the record's task and variation, with the same options.
+        rollout: The record to replay.
         watch: Called after reset and after each control step.
 
     Returns:
-        The record of the episode as it went this time, with the log of the script as it was.
+        The record of the replayed episode, with the log of the original script.
 
     Raises:
         UsageError: The environment is of another task.
@@ -152,14 +152,14 @@ def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollou
 
 
 def replaying(env: TaskEnv, rollout: Rollout) -> Iterator[Step]:
-    """Play the actions of a record again, step by step.
+    """Replay the actions of a record, step by step.
 
     Args:
         env: As for `replay`.
-        rollout: What to play.
+        rollout: The record to replay.
 
     Yields:
-        What the environment returned: first of its reset, then of each control step.
+        The result of the reset, then of each control step.
 
     Raises:
         UsageError: The environment is of another task.
@@ -169,7 +169,7 @@ def replaying(env: TaskEnv, rollout: Rollout) -> Iterator[Step]:
 
 
 def as_policy(policy: Policy | Act) -> Policy:
-    """A policy as it is; a function as the policy that asks it at every step."""
+    """Convert a function of observations to a policy; a policy is returned unchanged."""
     return Function(policy) if callable(policy) else policy
 
 
@@ -183,7 +183,7 @@ def _from_reset(recorder: Recorder, policy: Policy, seed: int) -> Iterator[Step]
 
 
 def _go_on(recorder: Recorder, policy: Policy) -> Iterator[Step]:
-    """Step the environment by what the policy chooses, until either ends it."""
+    """Step the environment with the policy until the episode ends or the policy stops."""
     env = recorder.env
     while env.agents:
         actions = policy.act(recorder.latest)

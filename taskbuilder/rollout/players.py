@@ -1,4 +1,4 @@
-"""Policies that take no plan: holding still, random actions, recorded actions, any function."""
+"""Simple policies: holding still, random actions, recorded actions, any function."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from taskbuilder.env.parallel import TaskEnv
 
 
 class HoldStill:
-    """Every robot stays where it is commanded to be, grippers included."""
+    """Repeats the last commands of all arms and grippers."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Begin an episode; actions must be flat."""
@@ -25,16 +25,16 @@ class HoldStill:
 
 
 class RandomActions:
-    """Draws every number of every action uniformly within its bounds; actions must be flat."""
+    """Draws actions uniformly within their bounds; actions must be flat."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        """Begin an episode; the seed decides what is drawn."""
+        """Begin an episode; the seed determines the actions."""
         self._env = env
         # Apart from the generators of the episode, which are made of the seed alone.
         self._rng = np.random.default_rng([seed, 2])
 
     def act(self, observations: Mapping[str, Any]) -> Actions:
-        """The next draw."""
+        """The next random actions."""
         drawn = {}
         for agent, modes in self._env.episode.actions.items():
             numbers = self._rng.uniform(-1.0, 1.0, modes.size).tolist()
@@ -45,7 +45,7 @@ class RandomActions:
 
 
 class RecordedActions:
-    """Repeats recorded actions, then stops playing.
+    """Plays recorded actions, then stops.
 
     Args:
         actions: (steps, n) by agent.
@@ -68,11 +68,10 @@ class RecordedActions:
 
 
 class Function:
-    """Asks a function of the observations; what it remembers between steps is its own affair.
+    """Calls a function of the observations at each step.
 
     Args:
-        function: Every agent's action, as the environment takes it, given every agent's
-            observation; None to stop playing.
+        function: Returns the actions of all agents, given their observations; None to stop.
     """
 
     def __init__(
@@ -81,10 +80,10 @@ class Function:
         self._function = function
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        """Nothing needs to be prepared."""
+        """Do nothing; there is nothing to prepare."""
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
-        """What the function says, in the precision in which actions are recorded."""
+        """The function's actions, in the precision of recorded actions."""
         chosen = self._function(observations)
         if chosen is None:
             return None

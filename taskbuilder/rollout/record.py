@@ -19,11 +19,11 @@ class Trouble:
 
     Attributes:
         stage: Number of the stage, from 1, in the order of the task file.
-        order: What was to be done, as ``right: grasp stick.right_end``.
-        robot: Who could not do it; "" where it was none in particular.
+        order: The order, such as ``right: grasp stick.right_end``.
+        robot: The robot that could not do it; "" for none in particular.
         cause: One of `CAUSES`.
-        message: Which robot, which pose and why, in a sentence.
-        step: Control steps that had passed.
+        message: The robot, the pose and the reason, in a sentence.
+        step: Control steps before it.
     """
 
     stage: int
@@ -46,17 +46,17 @@ CAUSES = (
     "no time left",
     "physics diverged",
 )
-"""What keeps experts from doing a stage."""
+"""The causes for which an expert cannot do a stage."""
 
 
 @dataclass(frozen=True)
 class ScriptLog:
-    """How the stages of an expert's script went.
+    """The log of an expert's stages.
 
     Attributes:
-        stage_ends: Control steps that had passed when each stage was done.
+        stage_ends: Control step at the end of each completed stage.
         trouble: The first stage that could not be done, or None.
-        planning_s: Wall time that planning took, in seconds.
+        planning_s: Wall time of the planning, in seconds.
     """
 
     stage_ends: tuple[int, ...] = ()
@@ -71,41 +71,40 @@ BY_STATE = ("conditions", "stage", "progress", "succeeded")
 """Fields with a row for every state: after reset, and after each control step."""
 
 ON_REQUEST = ("observations", "pictures", "robot_force")
-"""Fields with a row for every state, kept only where they are asked for."""
+"""Fields with a row for every state that are recorded only on request."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """A played episode: what was done, what it earned, and how the task stood throughout.
+    """The record of an episode: actions, rewards, conditions and progress.
 
     Some arrays have a row for every control step (``steps``), others for every state (``steps`` +
-    1): the one after reset, and the one after each control step. Where the physics diverged, the
-    last state repeats the one before.
+    1): the one after reset, and the one after each control step. If the physics diverged, the last
+    state repeats the one before.
 
     Attributes:
         task: The task's name.
-        seed: Of the reset.
-        variation: Which scene of the task was played, 0 being the plain one.
-        options: Of the environment.
+        seed: Seed of the reset.
+        variation: Number of the variation, 0 being the task as written.
+        options: Options of the environment.
         control_hz: Control steps a second.
-        horizon: Control steps of a whole episode.
+        horizon: Length of a whole episode in control steps.
         stages: The description's stages, in order.
         actions: (steps, n) float32 by agent, as `TaskEnv.step` takes them.
-        rewards: (steps,) the team's reward.
-        agent_rewards: (steps,) by agent: what the environment rewarded it with.
-        terms: (steps,) by label: each term of the reward.
+        rewards: (steps,) the team reward.
+        agent_rewards: (steps,) by agent: the rewards that the environment returned.
+        terms: (steps,) by label: each reward term.
         conditions: (steps + 1,) bool by name: success, failure, stages and all others.
-        stage: (steps + 1,) number of the furthest stage reached so far; 0 for none.
+        stage: (steps + 1,) number of the last stage reached so far; 0 for none.
         progress: (steps + 1,) the description's progress.
         succeeded: (steps + 1,) bool: success has been reached, and failure had not been before.
         exploded: The physics diverged, which ended the episode.
-        observations: (steps + 1, ...) by agent, or by agent and channel; empty unless asked for.
-        pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless asked for.
+        observations: (steps + 1, ...) by agent, or by agent and channel; empty unless requested.
+        pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless requested.
         robot_force: (steps + 1,) the largest force between two robots in each control step, in
-            newtons, after reset 0; empty unless asked for.
-        why: What kept the episode from success at its end; empty where success holds there, or
-            unless asked for.
-        log: How the stages of the expert went, or None if no expert played.
+            newtons, and 0 after reset; empty unless requested.
+        why: Why success does not hold at the end; empty if it holds, or unless requested.
+        log: The log of the expert's stages, or None if no expert played.
     """
 
     task: str
@@ -132,7 +131,7 @@ class Rollout:
 
     @property
     def steps(self) -> int:
-        """Control steps of the episode."""
+        """Length of the episode in control steps."""
         return len(self.rewards)
 
     def seconds(self, step: int) -> float:
@@ -143,42 +142,42 @@ class Rollout:
 
     @property
     def success(self) -> bool:
-        """Success was reached at some control step, and failure had not been before."""
+        """Whether success was reached at some control step, before any failure."""
         return bool(self.succeeded[-1])
 
     @property
     def first_success(self) -> int | None:
-        """The control step, counted from 1, with which success was reached, or None."""
+        """The control step at which success was reached, counted from 1, or None."""
         return int(np.argmax(self.succeeded)) if self.success else None
 
     @property
     def success_at_end(self) -> bool:
-        """Success was reached and holds after the last control step."""
+        """Whether success was reached and holds after the last control step."""
         return self.success and not self.exploded and bool(self.conditions["success"][-1])
 
     @property
     def success_held_s(self) -> float:
-        """Seconds, from the control step that reached success on, in which it held."""
+        """Total time for which success held, from the step that reached it on, in seconds."""
         if self.first_success is None:
             return 0.0
         return float(self.conditions["success"][self.first_success :].sum()) / self.control_hz
 
     @property
     def failed_at(self) -> int | None:
-        """The control step with which failure first held, 0 for the state after reset, or None."""
+        """The control step at which failure first held, 0 for the state after reset, or None."""
         failed = self.conditions["failure"]
         return int(np.argmax(failed)) if failed.any() else None
 
     @property
     def peak_robot_force(self) -> float | None:
-        """The largest force between two robots (N), or None if it was not asked for."""
+        """The largest force between two robots (N), or None if it was not recorded."""
         return float(self.robot_force.max()) if len(self.robot_force) else None
 
     # --- stages
 
     @property
     def reached(self) -> Mapping[str, int]:
-        """Control steps that had passed when each stage was first passed, in order of stages."""
+        """The control step at which each stage was first reached, in the order of stages."""
         return {
             name: int(np.argmax(self.stage >= number))
             for number, name in enumerate(self.stages, start=1)
@@ -187,12 +186,12 @@ class Rollout:
 
     @property
     def furthest_stage(self) -> str:
-        """The last of the description's stages that was reached, or ""."""
+        """The last stage of the description that was reached, or ""."""
         return self.stages[self.stage[-1] - 1] if self.stage[-1] else ""
 
     @property
     def stage_ends(self) -> tuple[int, ...]:
-        """Control steps that had passed when each stage of the expert was done."""
+        """The control step at the end of each completed stage of the expert."""
         return self.log.stage_ends if self.log else ()
 
     @property
@@ -204,22 +203,22 @@ class Rollout:
 
     @property
     def team_return(self) -> float:
-        """The sum of the team's rewards."""
+        """The undiscounted team return."""
         return float(self.rewards.sum())
 
     def discounted(self, discount: float) -> float:
-        """The team's return, each reward weighted by the discount to the power of its step."""
+        """The discounted team return."""
         return float(self.rewards @ discount ** np.arange(self.steps))
 
     @property
     def term_returns(self) -> Mapping[str, float]:
-        """The sum of each term of the reward, by label."""
+        """The sum of each reward term, by label."""
         return {label: float(values.sum()) for label, values in self.terms.items()}
 
     # --- comparison and parts
 
     def equals(self, other: Rollout) -> bool:
-        """Whether two records are equal to the bit, but for the time that planning took."""
+        """Whether two records are equal bit for bit, except for the planning time."""
 
         def same(one: Any, two: Any) -> bool:
             if isinstance(one, Mapping):
@@ -233,7 +232,7 @@ class Rollout:
         return all(same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
 
     def until(self, step: int) -> Rollout:
-        """The first control steps of the episode, as a record of their own."""
+        """The record of the first control steps of the episode."""
 
         def cut(values: Any, rows: int) -> Any:
             if isinstance(values, Mapping):

@@ -17,18 +17,18 @@ from taskbuilder.sim.cameras import STUDIO, capture
 
 
 class Recorder:
-    """Keeps what happens in an episode of an environment that others step.
+    """Records an episode of an environment while other code steps it.
 
     Args:
         env: The environment.
-        observations: Keep what every agent observes.
-        cameras: Cameras of the scene whose pictures are kept.
-        size: Width and height of the pictures; by default each camera's own.
-        forces: Keep the force between robots.
+        observations: Record the observations of every agent.
+        cameras: Cameras of the scene to record images of.
+        size: Width and height of the images; by default each camera's own.
+        forces: Record the force between robots.
 
     Attributes:
         env: The environment.
-        latest: What every agent observes now.
+        latest: The current observations.
 
     Raises:
         UsageError: Its actions are dictionaries.
@@ -63,12 +63,12 @@ class Recorder:
         self._forces: list[float] = []
 
     def begin(self, seed: int, observations: Mapping[str, Any]) -> None:
-        """Note the state after reset."""
+        """Record the state after reset."""
         self._seed = seed
         self._note_state(observations)
 
     def take_over(self, before: Rollout, observations: Mapping[str, Any]) -> None:
-        """Go on with the record of an episode whose end the environment stands at."""
+        """Continue the record of an episode from its end."""
         self._before = before
         self.begin(before.seed, observations)
 
@@ -78,7 +78,7 @@ class Recorder:
         observations: Mapping[str, Any],
         rewards: Mapping[str, float],
     ) -> None:
-        """Note a control step and the state after it."""
+        """Record a control step and the state after it."""
         self._actions.append(actions)
         self._rewards.append(rewards)
         self._team.append(self.env.team_reward())
@@ -107,12 +107,12 @@ class Recorder:
         """The record of the episode so far.
 
         Args:
-            log: How the stages of the expert went, if one played.
+            log: The log of the expert's stages, if one played.
         """
         env, task = self.env, self.env.task
         episode = env.episode
         outcomes = self._outcomes
-        if episode.exploded:  # which rewards nothing, and leaves nothing to judge
+        if episode.exploded:  # then there is no reward and no new state
             outcomes = [*outcomes[:-1], _without_rewards(outcomes[-1])]
         after = outcomes[1:]
         found = Rollout(
@@ -159,7 +159,7 @@ def _without_rewards(outcome: Outcome) -> Outcome:
 
 
 def _stacked(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """One array of many, for every key; keys may lead to more keys."""
+    """Stack the arrays of every key; mappings may be nested."""
     if not parts:
         return {}
     return {
@@ -171,7 +171,7 @@ def _stacked(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _joined(before: Rollout, rest: Rollout) -> Rollout:
-    """An episode of its beginning and of what followed, whose first state ends the beginning."""
+    """Join two parts of an episode; the second begins with the last state of the first."""
 
     def join(one: Any, other: Any, first: int) -> Any:
         if isinstance(one, Mapping):

@@ -1,4 +1,4 @@
-"""Looking on while an episode is played, to say afterwards why it was no success."""
+"""Watching an episode, to explain afterwards why it did not succeed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from taskbuilder.rollout.record import Rollout
 
 
 class Witness:
-    """Remembers how every part of the description stood; it asks nothing while all goes well.
+    """Records the values of all parts of the description during an episode.
 
     Call it after reset and after each control step of one episode.
     """
@@ -21,7 +21,7 @@ class Witness:
         self._failure: tuple[Reason, ...] = ()
 
     def __call__(self, env: TaskEnv) -> None:
-        """Note how the description was judged."""
+        """Record the values of the current step."""
         episode = env.episode
         if episode.exploded:
             return
@@ -33,10 +33,10 @@ class Witness:
             self._failure = tuple(Reason("failure", r.part, r.says, step) for r in found)
 
     def reasons(self, env: TaskEnv, rollout: Rollout) -> tuple[Reason, ...]:
-        """Why success does not hold at the end of the episode; nothing where it does.
+        """The reasons why success does not hold at the end; empty if it does.
 
         Args:
-            env: As it stands there.
+            env: The environment at the end of the episode.
             rollout: The record of the episode.
         """
         if rollout.success_at_end:

@@ -1,4 +1,4 @@
-"""The catalogue: which task and robot files there are, by name.
+"""The catalogue: task and robot files by name.
 
 Files come from the library itself, from folders named by ``--task-path`` or TASKBUILDER_PATH, and
 from installed packages that declare the entry-point groups ``taskbuilder.tasks`` and
@@ -31,7 +31,7 @@ class CatalogueEntry:
 
     Attributes:
         name: Its id: ``handover``, or ``namespace/name`` from another package.
-        file: The YAML file, absolute.
+        file: Absolute path of the YAML file.
         module: Dotted name of the Python module beside a packaged task file, or "".
         trusted: Part of an installed package, so its assets need no probe.
     """
@@ -54,13 +54,13 @@ class CatalogueEntry:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Task and robot files by name; ``folders`` are searched besides the installed ones."""
+    """Task and robot files by name; ``folders`` are searched in addition to installed packages."""
 
     folders: tuple[Path, ...] = ()
 
     @classmethod
     def discover(cls, folders: Iterable[Path | str] = ()) -> Catalogue:
-        """The catalogue of this installation, TASKBUILDER_PATH and the given folders.
+        """Make the catalogue of this installation, TASKBUILDER_PATH and the given folders.
 
         Raises:
             UnknownNameError: A folder does not exist.
@@ -74,37 +74,37 @@ class Catalogue:
 
     @cached_property
     def tasks(self) -> Mapping[str, CatalogueEntry]:
-        """Every task by its id.
+        """All tasks by their ids.
 
         Raises:
-            FileError: Two tasks have one id.
+            FileError: Two tasks have the same id.
         """
         return _unique("task", self._entries("task"))
 
     @cached_property
     def robots(self) -> Mapping[str, CatalogueEntry]:
-        """Every robot by its id.
+        """All robots by their ids.
 
         Raises:
-            FileError: Two robots have one id.
+            FileError: Two robots have the same id.
         """
         return _unique("robot", self._entries("robot"))
 
     def task(self, reference: str) -> CatalogueEntry:
-        """The task of a name, or of the path of its YAML file.
+        """Look up a task by its name, or by the path of its YAML file.
 
         Raises:
-            UnknownNameError: There is none of that name, or no file at that path.
-            FileError: Two tasks have one id.
+            UnknownNameError: There is no such task or file.
+            FileError: Two tasks have the same id.
         """
         return self._find("task", reference, Path())
 
     def named_task(self, name: object) -> CatalogueEntry:
-        """The task of a name, which is never taken for a path: for names that others wrote.
+        """Look up a task by its name only, never by a path; for names from untrusted files.
 
         Raises:
-            UnknownNameError: There is none of that name.
-            FileError: Two tasks have one id.
+            UnknownNameError: There is no such task.
+            FileError: Two tasks have the same id.
         """
         if isinstance(name, str) and name in self.tasks:
             return self.tasks[name]
@@ -112,11 +112,11 @@ class Catalogue:
         raise UnknownNameError(f'no task "{name}"; {help_}')
 
     def robot(self, reference: str, folder: Path) -> CatalogueEntry:
-        """The robot of a name, or of the path of its robot.yaml, relative to a folder.
+        """Look up a robot by its name, or by the path of its robot.yaml relative to a folder.
 
         Raises:
-            UnknownNameError: There is none of that name, or no file at that path.
-            FileError: Two robots have the name.
+            UnknownNameError: There is no such robot or file.
+            FileError: Two robots have the same name.
         """
         return self._find("robot", reference, folder)
 

@@ -45,18 +45,20 @@ Condition = Annotated[str, Field(min_length=1, max_length=100)]
 # What all motions can say of how they go.
 Above = Annotated[Coordinate, Field(description="Metres above the named frame.")]
 Offset = Annotated[Position, Field(description="Beside the named frame, along its own axes.")]
-Straight = Annotated[bool, Field(description="Along a straight line or not at all.")]
+Straight = Annotated[bool, Field(description="Allow only the straight path.")]
 Touching = Annotated[
     tuple[ObjectName, ...],
-    Field(description="Objects that may be touched on the way: to push them, or to press them."),
+    Field(description="Objects that may be touched on the way, to push or press them."),
 ]
 Speed = Annotated[
     float,
-    Field(gt=0.0, le=1.0, description="Share of the speed that the action mode allows."),
+    Field(gt=0.0, le=1.0, description="Fraction of the speed that the action mode allows."),
 ]
 Tolerance = Annotated[
     Length | None,
-    Field(description="How near is near enough, in metres: by default 0.01, and 0.02 to bring."),
+    Field(
+        description="Tolerance of the end position in metres: by default 0.01, and 0.02 to bring."
+    ),
 ]
 
 
@@ -85,23 +87,26 @@ class Order(Model):
     )
     reach: FrameName | None = Field(None, description="Grasp point or frame to go to.")
     bring: ObjectName | None = Field(
-        None, description="Held object, or one that lies on it, to bring somewhere."
+        None, description="Object to move: the held one, or one that lies on it."
     )
-    retreat: Extent | None = Field(None, description="Metres to back off against the approach.")
+    retreat: Extent | None = Field(
+        None, description="Metres to move back, against the direction of the tool."
+    )
     release: Literal[True] | None = Field(None, description="Open the gripper.")
     close: Annotated[Reference, Refers("object", besides=NOTHING)] | None = Field(
         None, description="Close the gripper on an object until it is held, or on nothing."
     )
-    to: FrameName | None = Field(None, description="Frame that the brought object goes to.")
+    to: FrameName | None = Field(None, description="Frame to bring the object to.")
     above: Above = 0.0
     offset: Offset = (0.0, 0.0, 0.0)
     approach: Extent | None = Field(
-        None, description="Metres of straight way in: by default 0.08 to grasp, none to reach."
+        None,
+        description="Metres of straight path at the end: by default 0.08 to grasp, none to reach.",
     )
     rpy_deg: RpyDeg | None = Field(
-        None, description="How the tool is turned when it reaches a frame, in the world."
+        None, description="Orientation of the tool at the frame, in the world."
     )
-    align: bool = Field(False, description="Turn the brought object as the frame is turned.")
+    align: bool = Field(False, description="Turn the object to the orientation of the frame.")
     straight: Straight = False
     touching: Touching = ()
     speed: Speed = 1.0
@@ -190,8 +195,8 @@ class Together(Model):
     together: Annotated[tuple[RobotName, ...], Field(min_length=2), AfterValidator(_different)] = (
         Field(description="The robots that hold the load.")
     )
-    bring: ObjectName = Field(description="The load, or something on it.")
-    to: FrameName = Field(description="Frame that it goes to.")
+    bring: ObjectName = Field(description="The load, or an object on it.")
+    to: FrameName = Field(description="Frame to bring it to.")
     above: Above = 0.0
     offset: Offset = (0.0, 0.0, 0.0)
     straight: Straight = False
@@ -209,7 +214,7 @@ class Wait(Model):
     until: Condition = Field(
         description="Success, failure, a stage or another condition of the description."
     )
-    within: Seconds = Field(2.0, description="Seconds after which it is given up.")
+    within: Seconds = Field(2.0, description="Timeout in seconds, after which the stage fails.")
 
     def __str__(self) -> str:
         return f"until {self.until}"
@@ -218,12 +223,12 @@ class Wait(Model):
 class Repeat(Model):
     """Some stages several times over."""
 
-    repeat: Annotated[int, Field(ge=1, le=1000)] = Field(description="How many times at most.")
+    repeat: Annotated[int, Field(ge=1, le=1000)] = Field(description="Maximum number of rounds.")
     stages: Annotated[tuple[ExpertStage, ...], Field(min_length=1)] = Field(
-        description="What is repeated."
+        description="The stages to repeat."
     )
     unless: Condition | None = Field(
-        None, description="No more once this condition of the description holds."
+        None, description="Stop once this condition of the description holds."
     )
 
     def __str__(self) -> str:

@@ -1,7 +1,7 @@
-"""How the joints of articulated objects start, move and are held, as task files say it.
+"""Joints of articulated objects in task files: start, limits, spring, damping, friction, lock.
 
-Metres where a joint slides, degrees where it turns, in keys that end in ``_deg``. What resists a
-motion is in newtons and newton metres; what grows with it is for each metre, or each radian.
+Positions of prismatic joints are in metres; those of revolute joints are in degrees, in keys that
+end in ``_deg``. Stiffness and damping of revolute joints are per radian.
 """
 
 from __future__ import annotations
@@ -19,15 +19,17 @@ Resistance = Annotated[float, Field(ge=0.0, le=1e4)]
 
 
 class Spring(Model):
-    """A spring that pulls a joint to where it rests."""
+    """A spring that pulls a joint to its rest position."""
 
     stiffness: Annotated[float, Field(gt=0.0, le=1e5)] = Field(
-        description="In N/m where the joint slides, N m/rad where it turns."
+        description="In N/m, or N m/rad for a revolute joint."
     )
     rest: Coordinate | None = Field(
-        None, description="Position at which it does not pull, in metres; 0 by default."
+        None, description="Rest position of a prismatic joint, in metres; 0 by default."
     )
-    rest_deg: float | None = Field(None, description="The same of a joint that turns.")
+    rest_deg: float | None = Field(
+        None, description="Rest position of a revolute joint, in degrees; 0 by default."
+    )
 
     @model_validator(mode="after")
     def _one_unit(self) -> Spring:
@@ -36,15 +38,15 @@ class Spring(Model):
 
     @property
     def at(self) -> float:
-        """Where it does not pull, in rad or m."""
+        """The rest position, in rad or m."""
         return _si(self.rest, self.rest_deg) or 0.0
 
 
 class Lock(Model):
-    """What holds a joint where it is."""
+    """Holds a joint at its position."""
 
     unless: Condition = Field(
-        description="Condition of the description: while it holds, the joint is free."
+        description="Condition of the description; the joint is free while it holds."
     )
 
 
@@ -52,23 +54,26 @@ class JointSpec(Model):
     """One joint of an articulated object."""
 
     start: Coordinate | None = Field(
-        None, description="Position when the episode begins, in metres; 0 by default."
+        None, description="Initial position of a prismatic joint, in metres; 0 by default."
     )
-    start_deg: float | None = Field(None, description="The same of a joint that turns.")
+    start_deg: float | None = Field(
+        None, description="Initial position of a revolute joint, in degrees; 0 by default."
+    )
     limits: tuple[Coordinate, Coordinate] | None = Field(
-        None, description="Least and greatest position, within those of the URDF, in metres."
+        None, description="Least and greatest position, within the limits of the URDF, in metres."
     )
     limits_deg: tuple[float, float] | None = Field(
-        None, description="The same of a joint that turns."
+        None, description="The same for a revolute joint, in degrees."
     )
-    spring: Spring | None = Field(None, description="What pulls it back.")
+    spring: Spring | None = Field(None, description="A spring that pulls it to a rest position.")
     damping: Resistance | None = Field(
-        None, description="In N s/m or N m s/rad; the URDF's own where not given."
+        None,
+        description="In N s/m, or N m s/rad for a revolute joint; by default that of the URDF.",
     )
-    friction: Resistance = Field(
-        0.5, description="What it takes to move it, in N or N m: keeps a drawer where it was left."
+    friction: Resistance = Field(0.5, description="Force that it takes to move it, in N or N m.")
+    lock: Lock | None = Field(
+        None, description="Holds it at its position until a condition frees it."
     )
-    lock: Lock | None = Field(None, description="What holds it where it is.")
 
     @model_validator(mode="after")
     def _whole(self) -> JointSpec:
@@ -84,19 +89,19 @@ class JointSpec(Model):
 
     @property
     def begin(self) -> float | None:
-        """Where it starts, in rad or m, if that is said."""
+        """The initial position in rad or m; None if not given."""
         return _si(self.start, self.start_deg)
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """Its limits, in rad or m, if they are said."""
+        """The limits in rad or m; None if not given."""
         if self.limits_deg is not None:
             return math.radians(self.limits_deg[0]), math.radians(self.limits_deg[1])
         return self.limits
 
     @classmethod
     def of(cls, written: JointSpec | float, *, turns: bool) -> JointSpec:
-        """What a file says of a joint; a number is where it starts, in degrees if it turns."""
+        """The joint as written; a number is its start, in degrees for a revolute joint."""
         if isinstance(written, JointSpec):
             return written
         return (
@@ -105,7 +110,7 @@ class JointSpec(Model):
 
 
 UNITS = {"start": "start_deg", "limits": "limits_deg", "rest": "rest_deg"}
-"""Key of a joint that slides -> that of one that turns."""
+"""Key of a prismatic joint -> key of a revolute joint."""
 
 
 def _si(metres: float | None, degrees: float | None) -> float | None:
@@ -116,6 +121,6 @@ def _at_most_one(model: Model, key: str) -> None:
     if getattr(model, key) is not None and getattr(model, UNITS[key]) is not None:
         raise PydanticCustomError(
             "choice",
-            "{key} is for a joint that slides and {turning} for one that turns; give one",
+            "{key} is for a prismatic joint and {turning} for a revolute one; give one of them",
             {"key": key, "turning": UNITS[key]},
         )

@@ -48,10 +48,16 @@ class GripperSpec(Model):
     joints: Annotated[Mapping[LinkName, GripperJoint], Field(min_length=1), AfterValidator(frozen)]
     fingers: Annotated[
         tuple[Annotated[tuple[LinkName, ...], Field(min_length=1)], ...],
-        Field(min_length=2, max_length=5, description="The links that hold, a list a finger."),
+        Field(
+            min_length=2,
+            max_length=5,
+            description="The links that touch held objects, as one list per finger.",
+        ),
     ]
     stroke: Positive = Field(description="Opening between the pads when open, in metres.")
-    force: Positive = Field(20.0, description="Newtons a finger (N m where its joint turns).")
+    force: Positive = Field(
+        20.0, description="Force of each finger in newtons (N m for a revolute joint)."
+    )
     friction: Friction = Field(1.2, description="Lateral friction of the finger links.")
 
 
@@ -60,12 +66,12 @@ class RobotSpec(Model):
 
     robot: Name = Field(description="The name of its folder.")
     summary: Text
-    urdf: Text = Field(description="Relative to this file, or package://pybullet_data/….")
+    urdf: Text = Field(description="Path relative to this file, or package://pybullet_data/….")
     arm: Annotated[tuple[LinkName, ...], Field(min_length=1, max_length=16)] = Field(
         description="The arm's joints, base to wrist."
     )
     tcp: Tcp = Field(description="The tool centre point, such as {link: tool}.")
     home_deg: tuple[float, ...] = Field(
-        description="An arm joint each: degrees, or metres where it slides."
+        description="One value per arm joint: degrees, or metres for a prismatic joint."
     )
     gripper: GripperSpec = Field(description="Its joints, fingers, stroke and force.")

@@ -83,7 +83,7 @@ class PartSpec(Model):
     capsule: Cylinder | None = None
     at: Position = (0.0, 0.0, 0.0)
     rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
-    color: Color | None = Field(None, description="The body's colour where not given.")
+    color: Color | None = Field(None, description="Colour; by default that of the body.")
 
     @property
     def kind(self) -> str:
@@ -109,11 +109,12 @@ class Grasp(Model):
 
     at: Position = Field((0.0, 0.0, 0.0), description="Point in the body's frame, or the link's.")
     link: Reference | None = Field(
-        None, description="Link of a URDF that it is fixed to; the base where not given."
+        None, description="Link of a URDF that the point is fixed to; by default the base."
     )
     approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
         "down",
-        description="Direction in which the tool comes: world's down or an axis of that frame.",
+        description="Direction in which the tool approaches: down in the world, or an axis of that "
+        "frame.",
     )
     across: Literal["x", "y", "z"] = Field(
         "y", description="Axis of that frame along which the fingers close."
@@ -124,13 +125,13 @@ class Place(Model):
     """A region to be placed in at random: on a surface (x, y) or in the air (x, y, z)."""
 
     surface: Annotated[Reference, Refers("surface")] | None = Field(
-        None, description="Object, or part of one, on whose top the body is put."
+        None, description="Object or part on whose top the object is placed."
     )
     frame: FrameOrWorld = Field("world", alias="in", description="Frame of center and size.")
     center: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
     size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
-    yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Least and greatest yaw.")
-    rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation before the yaw.")
+    yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Minimum and maximum yaw.")
+    rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation, before the yaw is added.")
 
     @model_validator(mode="after")
     def _fits(self) -> Place:
@@ -178,8 +179,8 @@ class ObjectSpec(_Placed):
 
     shape: Shape | None = None
     parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
-    fixed: bool = Field(False, description="Bolted to the world.")
-    mass: Mass | None = Field(None, description="Kilograms; a URDF has its own.")
+    fixed: bool = Field(False, description="Whether it is fixed to the world.")
+    mass: Mass | None = Field(None, description="Mass in kilograms; a URDF has its own.")
     friction: Friction = 0.8
     rolling_friction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
@@ -191,7 +192,7 @@ class ObjectSpec(_Placed):
         Mapping[Reference, Annotated[JointSpec | float, OrNumber()]], AfterValidator(frozen)
     ] = Field(
         default_factory=lambda: frozen({}),
-        description="How joints of a URDF start, move and are held.",
+        description="Start, limits, spring, damping, friction and lock of joints of a URDF.",
     )
 
     def joint(self, name: str, *, turns: bool) -> JointSpec:
@@ -240,7 +241,9 @@ class SiteSpec(_Placed):
 class CameraSpec(Model):
     """A camera that stands in the world or is mounted on a frame."""
 
-    mount: FrameName | None = Field(None, description="Frame to ride on, such as left.tcp.")
+    mount: FrameName | None = Field(
+        None, description="Frame that it is attached to, such as left.tcp."
+    )
     position: Position | None = None
     look_at: Position | None = None
     fov_deg: Annotated[float, Field(ge=5.0, le=150.0)] = 50.0
@@ -294,7 +297,7 @@ class Home(Model):
 
     tcp: TcpPose | None = None
     joints_deg: tuple[float, ...] | None = Field(
-        None, description="One value an arm joint: degrees, or metres where it slides."
+        None, description="One value per arm joint: degrees, or metres for a prismatic joint."
     )
 
     @model_validator(mode="after")
@@ -328,8 +331,8 @@ class RobotEntry(Model):
     """A robot of the scene: an agent."""
 
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
-    base: Base = Field(description="Where it stands, such as {position: [0, 0, 0.4]}.")
-    home: Home | None = Field(None, description="The model's own home where not given.")
+    base: Base = Field(description="Pose of its base, such as {position: [0, 0, 0.4]}.")
+    home: Home | None = Field(None, description="Start configuration; by default the model's own.")
     action: ActionSpec = ActionSpec()
 
 

@@ -25,15 +25,17 @@ from taskbuilder.schema.values import (
 class Timing(Model):
     """Rates and length of an episode."""
 
-    control_hz: Annotated[int, Field(ge=1, le=1000)] = Field(10, description="Actions a second.")
+    control_hz: Annotated[int, Field(ge=1, le=1000)] = Field(
+        10, description="Control steps (actions) a second."
+    )
     physics_hz: Annotated[int, Field(ge=20, le=10_000)] = Field(
         120, description="Physics steps a second, a multiple of control_hz."
     )
     episode_steps: Annotated[int, Field(ge=1, le=100_000)] = Field(
-        50, description="Control steps of an episode."
+        50, description="Length of an episode in control steps."
     )
     ends_on: tuple[Literal["success", "failure"], ...] = Field(
-        (), description="What ends an episode before its last step."
+        (), description="Conditions that terminate an episode early."
     )
 
     @property
@@ -56,15 +58,21 @@ class Timing(Model):
 class Noise(Model):
     """Gaussian noise on an observation channel."""
 
-    std: Extent | None = Field(None, description="Of every number, in the channel's unit.")
-    position_std: Extent | None = Field(None, description="Of positions, in metres.")
-    angle_std_deg: Extent | None = Field(None, description="Of orientations, in degrees.")
+    std: Extent | None = Field(
+        None, description="Standard deviation of every number, in the channel's unit."
+    )
+    position_std: Extent | None = Field(
+        None, description="Standard deviation of positions, in metres."
+    )
+    angle_std_deg: Extent | None = Field(
+        None, description="Standard deviation of orientations, in degrees."
+    )
 
 
 class Distribution(Model):
     """What a randomised quantity is drawn from."""
 
-    uniform: tuple[float, float] | None = Field(None, description="Least and greatest value.")
+    uniform: tuple[float, float] | None = Field(None, description="Minimum and maximum value.")
     choice: Annotated[tuple[Any, ...], Field(min_length=1), AfterValidator(frozen)] | None = None
 
     @model_validator(mode="after")
@@ -79,31 +87,35 @@ class Distribution(Model):
 class TaskSpec(Model):
     """A task file."""
 
-    task: Name = Field(description="The file's own name without .yaml.")
+    task: Name = Field(description="Name of the task: the file name without .yaml.")
     summary: Text = Field(description="One sentence: who does what.")
     instructions: tuple[Text, ...] = Field(
-        (), description="In words, for language-conditioned policies; {stick.color} is filled in."
+        (),
+        description="Instructions for language-conditioned policies; {stick.color} is filled in.",
     )
     cooperation: Literal["required", "optional"] = Field(
-        "required", description="Whether one robot alone must not be able to succeed."
+        "required",
+        description="required: one robot alone must not be able to succeed; optional: it may.",
     )
     timing: Timing = Timing()
-    scene: SceneSpec = Field(description="What is there: robots, objects, sites, cameras.")
+    scene: SceneSpec = Field(description="The robots, objects, sites and cameras.")
     observe: Annotated[Mapping[RobotName, tuple[Reference, ...]], AfterValidator(frozen)] | None = (
-        Field(None, description="Channels of each agent; where not given, all of the scene.")
+        Field(None, description="Channels that each agent observes; by default the whole scene.")
     )
     observation_noise: Annotated[
         Mapping[RobotName, Mapping[Reference, Noise]], AfterValidator(frozen)
     ] = Field(default_factory=lambda: frozen({}))
     state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
-        ("all",), description="Channels that a centralised critic sees, or all."
+        ("all",), description="Channels that a centralised critic observes, or all."
     )
     expert: tuple[ExpertStage, ...] = ()
     variations: tuple[
         Annotated[Mapping[Reference, Any], Field(min_length=1), AfterValidator(frozen)], ...
     ] = Field(
-        (), description="Changes to the scene, such as {stick.color: green}; 0 is the plain task."
+        (),
+        description="Changed values, such as {stick.color: green}; 0 is the task as written.",
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
-        default_factory=lambda: frozen({}), description="Drawn anew each episode where asked for."
+        default_factory=lambda: frozen({}),
+        description="Quantities to draw in each episode, on request.",
     )

@@ -88,7 +88,6 @@ class DifferentialIK:
         positions: Sequence[float],
         target: Pose,
         longest: Sequence[float],
-        frames: LinkFrames | None = None,
     ) -> tuple[float, ...]:
         """Joint positions that bring the tool near a pose that is a step away.
 
@@ -100,9 +99,20 @@ class DifferentialIK:
             positions: Where the joints are, rad or m.
             target: Of the tool, in the base link's frame.
             longest: How far each joint may move, rad or m.
-            frames: Those of the positions, where they are known already.
         """
-        here = frames or self.frames(positions)
+        return self._known_steps(tuple(positions), target, tuple(longest))
+
+    @cached_property
+    def _known_steps(
+        self,
+    ) -> Callable[[tuple[float, ...], Pose, tuple[float, ...]], tuple[float, ...]]:
+        """`step`, kept for a while: arms that hold still take the same one again and again."""
+        return lru_cache(maxsize=64)(self._step)
+
+    def _step(
+        self, positions: tuple[float, ...], target: Pose, longest: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        here = self.frames(positions)
         inverse = self._damped_inverse(here)
         first = (inverse @ _error(here.tool, target)).tolist()
         halfway = [q + d for q, d in zip(positions, first, strict=True)]

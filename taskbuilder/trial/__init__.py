@@ -1,6 +1,6 @@
-"""Trials: what a player achieves to the end of its episodes, beside others, and a proof of it.
+"""Trials: evaluations of a policy against baselines, and certificates of them.
 
-`arms` plays a policy, the expert, random play, holding still and stalling from the same seeds;
-`results` says what they achieved; `certificate` writes that to a file that `verification` plays
-again and compares to the bit.
+`arms` plays a policy, the expert, random actions, holding still and stalling from the same seeds.
+`results` computes the metrics. `certificate` writes them to a file, which `verification` plays
+again and compares bit for bit.
 """

@@ -1,4 +1,4 @@
-"""Playing trials: who is measured, and beside it those that it is compared with."""
+"""Playing the episodes of a trial: the evaluated policy and its baselines."""
 
 from __future__ import annotations
 
@@ -19,70 +19,70 @@ from taskbuilder.rollout.play import Policy, as_policy, play
 from taskbuilder.rollout.record import Rollout
 
 SUBJECT = Way(Kind.POLICY)
-"""The arm that is measured."""
+"""The arm of the evaluated policy."""
 
 CONTROLS = (EXPERT, RANDOM, NOTHING)
-"""Whom it is compared with, besides stalling."""
+"""The arms of the baselines, other than stalling."""
 
 Episodes = dict[Way, Rollout]
-"""What was played from one seed, by arm."""
+"""The episodes from one seed, by arm."""
 
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
 
 @dataclass(frozen=True, eq=False)
-class Arena:
-    """Who plays where, in a form that other processes can be told.
+class TrialConfig:
+    """The players and environments of a trial, picklable for other processes.
 
     Attributes:
-        player: A trained policy, or the name of another.
-        place: Makes the environment that it plays in; options given to it come on top.
-        controls: The same for those that it is compared with.
-        token: By which an arena knows itself again where it was sent more than once.
+        player: A trained policy, or the name of another policy.
+        make_env: Makes the environment of the policy; it takes further options.
+        make_control_env: Makes the environment of the baselines.
+        token: Identifies the config in processes that receive it more than once.
     """
 
     player: TrainedPolicy | str
-    place: Callable[..., TaskEnv]
-    controls: Callable[..., TaskEnv]
+    make_env: Callable[..., TaskEnv]
+    make_control_env: Callable[..., TaskEnv]
     token: str = field(default_factory=lambda: token_hex(8))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Arena) and self.token == other.token
+        return isinstance(other, TrialConfig) and self.token == other.token
 
     def __hash__(self) -> int:
         return hash(self.token)
 
 
 class Job(NamedTuple):
-    """An episode to be played.
+    """An episode to play.
 
     Attributes:
-        seed: Of its reset.
-        compared: Whether all arms play, or only the one that is measured.
+        seed: Seed of the reset.
+        compared: Whether the baselines play too.
     """
 
     seed: int
     compared: bool
 
 
-class Stage:
-    """Plays the episodes of an arena in this process; environments and experts are made once."""
+class TrialPlayer:
+    """Plays the episodes of an trial in this process, and reuses environments and experts."""
 
-    def __init__(self, arena: Arena) -> None:
-        self._arena = arena
+    def __init__(self, config: TrialConfig) -> None:
+        self._config = config
         self._stack = ExitStack()
-        self._env = self._stack.enter_context(closing(arena.place()))
-        self._policy = self._hire(arena.player, self._env)
+        self._env = self._stack.enter_context(closing(config.make_env()))
+        self._policy = self._make_policy(config.player, self._env)
         self._envs: dict[int, TaskEnv] = {}
-        self._hired: dict[tuple[Way, int], Policy] = {}
+        self._policies: dict[tuple[Way, int], Policy] = {}
 
     def close(self) -> None:
-        """Free all physics."""
+        """Close all environments."""
         self._stack.close()
 
     def play(self, job: Job) -> Episodes:
-        """Play from a seed."""
+        """Play the arms of a job from its seed."""
         subject = play(self._env, self._policy, job.seed, forces=True, explain=True)
         episodes = {SUBJECT: subject}
         if not job.compared:
@@ -92,7 +92,7 @@ class Stage:
         for way in CONTROLS:
             if way == EXPERT and not has_expert(env.task):
                 continue
-            if self._arena.player == way.kind.value:  # it has been played
+            if self._config.player == way.kind.value:  # it has been played
                 episodes[way] = subject
                 continue
             policy = self._control(way, variation)
@@ -103,17 +103,17 @@ class Stage:
 
     def _control_env(self, variation: int) -> TaskEnv:
         if variation not in self._envs:
-            made = self._arena.controls(variation=variation)
+            made = self._config.make_control_env(variation=variation)
             self._envs[variation] = self._stack.enter_context(closing(made))
         return self._envs[variation]
 
     def _control(self, way: Way, variation: int) -> Policy:
         key = (way, variation)
-        if key not in self._hired:
-            self._hired[key] = self._hire(way.kind.value, self._control_env(variation))
-        return self._hired[key]
+        if key not in self._policies:
+            self._policies[key] = self._make_policy(way.kind.value, self._control_env(variation))
+        return self._policies[key]
 
-    def _hire(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
+    def _make_policy(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
         if not isinstance(player, str):
             return as_policy(player.act)
         made = policy_named(player)(env)
@@ -123,38 +123,38 @@ class Stage:
 
 
 def play_all(
-    arena: Arena, jobs: Iterable[Job], spread: Spread | None = None
+    config: TrialConfig, jobs: Iterable[Job], spread: Spread | None = None
 ) -> Generator[Episodes, None, None]:
-    """Play episodes, each as soon as it can be, in order.
+    """Play episodes, and yield them in order.
 
     Args:
-        arena: Who plays where.
-        jobs: What to play.
-        spread: A `map` over several processes; without it they are played in this one.
+        config: The players and environments.
+        jobs: The episodes to play.
+        spread: A `map` over several processes; by default episodes are played in this process.
     """
     if spread is not None:
-        yield from spread(partial(_play_elsewhere, arena), jobs)
+        yield from spread(partial(_play_elsewhere, config), jobs)
         return
-    with closing(Stage(arena)) as stage:
-        yield from map(stage.play, jobs)
+    with closing(TrialPlayer(config)) as player:
+        yield from map(player.play, jobs)
 
 
-def _play_elsewhere(arena: Arena, job: Job) -> Episodes:
-    return _opened_once(arena).play(job)
+def _play_elsewhere(config: TrialConfig, job: Job) -> Episodes:
+    return _player_made_once(config).play(job)
 
 
 @lru_cache(maxsize=1)
-def _opened_once(arena: Arena) -> Stage:
-    """A stage that is kept for as long as its process lives."""
-    return Stage(arena)
+def _player_made_once(config: TrialConfig) -> TrialPlayer:
+    """A player that is cached for the lifetime of the process."""
+    return TrialPlayer(config)
 
 
 def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
     """The episodes of a trial.
 
     Args:
-        seeds: Of all.
-        compared: From how many of them, the first ones, all arms play.
+        seeds: All seeds.
+        compared: Number of first seeds that the baselines play too.
     """
     return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
 

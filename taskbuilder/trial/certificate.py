@@ -1,4 +1,4 @@
-"""Certificates: what a trial found, with all that it takes to play it again elsewhere."""
+"""Certificates: the results of a trial, with everything needed to play it again."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ LIBRARY = Path(__file__).resolve().parents[1]
 """The folder of taskbuilder itself."""
 
 NOT_LIBRARY = ("tasks", "robots")
-"""Where tasks and robots lie within it, where they do: theirs are digests of their own."""
+"""Folders of tasks and robots in it; these have digests of their own."""
 
 MOST_BYTES = 256 * 2**20
-"""Of a certificate that is read."""
+"""Maximum size of a certificate in bytes."""
 
 _SECTIONS = (
     *("task", "policy", "options", "seeds", "controls_seeds", "digests"),
     *("versions", "processor", "system", "results", "episodes"),
 )
-"""What is sealed, each by itself, so that what was edited can be named."""
+"""The sections with a seal each, so that an edited section can be named."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What a certificate is about.
+    """The trial of a certificate.
 
     Attributes:
         task: The task.
-        policy: What the player is called, as a command line would name it.
-        policy_file: Where it was read from, or None for one that is no file.
-        options: Of the environment, by name.
-        seeds: Of all episodes.
-        compared: From how many of them, the first ones, all arms played.
+        policy: Name of the policy, as on a command line.
+        policy_file: File of the policy, or None.
+        options: Options of the environment, by name.
+        seeds: Seeds of all episodes.
+        compared: Number of first seeds that the baselines played too.
     """
 
     task: Task
@@ -63,9 +63,9 @@ def certificate(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
     """The certificate of a trial, as data.
 
     Args:
-        trial: What was played.
-        arms: How it went.
-        command: By which it was made.
+        trial: The trial.
+        arms: Its episodes.
+        command: The command that made it.
     """
     stages = ("", *trial.task.description.stages)
     told = {
@@ -90,7 +90,7 @@ def certificate(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
 
 
 def sources(trial: Trial) -> dict[str, Digests]:
-    """Digests of the files that decide how a trial goes: library, task and policy."""
+    """Digests of the files that determine a trial: library, task and policy."""
     file = trial.policy_file
     return {
         "library": digests_of_folder(LIBRARY, NOT_LIBRARY),
@@ -114,7 +114,7 @@ def _files(task: Task) -> Iterator[Path]:
     entry = task.file.entry
     yield entry.file
     yield entry.description_file
-    # What else a description imports from its folder: any of them may be, so all count.
+    # A description may import any Python file of its folder, so all of them count.
     if not entry.module:
         yield from entry.root.glob("*.py")
     for model in task.file.robots.values():
@@ -131,12 +131,12 @@ def _files_of(asset: Mesh | Urdf) -> Iterator[Path]:
 
 
 def seals(data: Mapping[str, Any]) -> dict[str, str]:
-    """A digest of each section of a certificate, by which an edited one is known."""
+    """A digest of each section of a certificate, to detect edits."""
     return {name: digest_of(data[name]) for name in _SECTIONS}
 
 
 def write_certificate(path: Path, data: Mapping[str, Any]) -> None:
-    """Write a certificate, whole or not at all.
+    """Write a certificate atomically.
 
     Raises:
         OSError: It cannot be written.
@@ -145,10 +145,10 @@ def write_certificate(path: Path, data: Mapping[str, Any]) -> None:
 
 
 def read_certificate(path: Path) -> dict[str, Any]:
-    """Read a certificate; nothing in it is believed yet.
+    """Read a certificate, without trusting its contents.
 
     Raises:
-        UsageError: It is damaged, none, or of another version.
+        UsageError: It is damaged, not a certificate, or of another version.
         OSError: It cannot be read.
     """
     name = display_path(path)
@@ -169,7 +169,7 @@ def read_certificate(path: Path) -> dict[str, Any]:
 
 
 def _misshapen(data: Mapping[str, Any]) -> Iterator[str]:
-    """What a certificate lacks to be compared."""
+    """What is missing or malformed in a certificate."""
     shapes = {
         **dict.fromkeys(("task", "policy", "made"), str),
         **dict.fromkeys(("options", "digests", "versions", "processor", "system"), dict),

@@ -1,4 +1,4 @@
-"""What a trial says: to the end of its episodes, and beside those it is compared with."""
+"""The results of a trial: metrics of the policy and comparison with the baselines."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from taskbuilder.rollout.record import Rollout
 from taskbuilder.trial.arms import CONTROLS, SUBJECT
 
 Arms = Mapping[Way, Sequence[Rollout]]
-"""Episodes by arm; those of the controls are from the first seeds of the subject's."""
+"""Episodes by arm; the baselines play the first seeds of the policy."""
 
 
 @dataclass(frozen=True)
 class Beside:
-    """An arm beside the one that is measured, on the seeds that both played.
+    """A baseline compared with the policy, on the seeds that both played.
 
     Attributes:
-        arm: Which.
-        episodes: How many seeds there are.
-        success_rate: Of the arm: success at some step.
-        success_at_end_rate: Of the arm: success at the last step.
-        mean_return: Of the arm.
-        policy_return: Of the measured one, on the same seeds.
+        arm: The arm of the baseline.
+        episodes: Number of common seeds.
+        success_rate: Success rate of the baseline at some step.
+        success_at_end_rate: Success rate of the baseline at the last step.
+        mean_return: Mean return of the baseline.
+        policy_return: Mean return of the policy, on the same seeds.
     """
 
     arm: Way
@@ -42,12 +42,11 @@ class Beside:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The arms beside the one that is measured.
+    """The comparison of a policy with its baselines.
 
     Attributes:
-        controls: Expert, random play and holding still, as far as they played.
-        best_stall: Of the ways to leave the expert's way and hold still, the one that earns most
-            where it does not succeed, or None.
+        controls: The expert, random actions and holding still, if they played.
+        best_stall: The stall with the highest return in episodes without success, or None.
     """
 
     controls: tuple[Beside, ...]
@@ -55,7 +54,7 @@ class Comparison:
 
     @property
     def normalized_return(self) -> float | None:
-        """Where the return stands between random play (0) and the expert (1)."""
+        """The return on a scale from random actions (0) to the expert (1)."""
         found = {beside.arm: beside for beside in self.controls}
         if EXPERT not in found or RANDOM not in found:
             return None
@@ -66,7 +65,7 @@ class Comparison:
 
 
 def compare(arms: Arms) -> Comparison:
-    """The arms of a trial beside the one that is measured."""
+    """Compare the policy of a trial with its baselines."""
     own = {rollout.seed: rollout for rollout in arms[SUBJECT]}
     controls = tuple(_beside(way, arms[way], own) for way in CONTROLS if arms.get(way))
     stalls = []
@@ -93,7 +92,7 @@ def _beside(way: Way, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> 
 
 
 def record(rollout: Rollout) -> dict[str, Any]:
-    """An episode as data; its digest stands for all that was done and all that came of it."""
+    """The data of an episode, with a digest of its actions, rewards and conditions."""
     return {
         "seed": rollout.seed,
         "variation": rollout.variation,
@@ -112,7 +111,7 @@ def record(rollout: Rollout) -> dict[str, Any]:
 
 
 def digest_of_rollout(rollout: Rollout) -> str:
-    """A digest of an episode, to the bit: its actions, its rewards and all its conditions."""
+    """A digest of an episode: its actions, its rewards and all its conditions, bit for bit."""
     parts = [f"{rollout.task} {rollout.seed} {rollout.variation} {rollout.exploded}".encode()]
     for values in (rollout.actions, rollout.agent_rewards, rollout.terms, rollout.conditions):
         for name in sorted(values):
@@ -123,7 +122,7 @@ def digest_of_rollout(rollout: Rollout) -> str:
 
 
 def as_data(arms: Arms, stages: Sequence[str]) -> dict[str, Any]:
-    """The results of a trial as data, its episodes left out.
+    """The results of a trial as data, without its episodes.
 
     Args:
         arms: All episodes.
@@ -171,5 +170,5 @@ def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
 
 
 def roles(summary: EvaluationSummary) -> dict[str, int | None]:
-    """Seeds of the episodes that are worth being looked at, by what they are shown for."""
+    """Seeds of the best, the median and a failed episode."""
     return {"best": summary.best, "median": summary.median, "failed": summary.failed}

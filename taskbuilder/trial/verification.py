@@ -1,4 +1,4 @@
-"""Verifying a certificate: what differs here from where it was made, and playing it again."""
+"""Verifying a certificate: comparing files and versions, and playing its episodes again."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from taskbuilder.machine import processor, system, versions
 from taskbuilder.trial.certificate import seals
 
 MOST_NAMED = 5
-"""Files and episodes that are named; how many more there are is said."""
+"""Maximum number of files and episodes that are named; the rest is counted."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """Something that was compared.
+    """One comparison of a verification.
 
     Attributes:
-        about: What: ``policy``, ``task``, ``library``, ``seeds``, ``certificate``, ``versions``,
-            ``processor``, ``system`` or ``episodes``.
-        differs: How it differs, in words; nothing if it is the same.
+        about: The subject: ``policy``, ``task``, ``library``, ``seeds``, ``certificate``,
+            ``versions``, ``processor``, ``system`` or ``episodes``.
+        differs: The differences, in words; empty if there are none.
         decides: Whether a difference means that the certificate is not verified. Another machine
-            may do the same to the bit.
+            may still give the same episodes bit for bit.
     """
 
     about: str
@@ -32,7 +32,7 @@ class Point:
 
     @property
     def same(self) -> bool:
-        """Whether it is as it was."""
+        """Whether there is no difference."""
         return not self.differs
 
     def __str__(self) -> str:
@@ -44,11 +44,11 @@ class Point:
 
 
 def compare_files(data: Mapping[str, Any], here: Mapping[str, Any]) -> tuple[Point, ...]:
-    """Policy, task and library, file by file.
+    """Compare policy, task and library, file by file.
 
     Args:
         data: The certificate.
-        here: `sources` of the same trial as they are here; what could not be found is missing.
+        here: `sources` of the same trial on this machine; files that were not found are missing.
     """
     return tuple(
         Point(about, differences(data["digests"][about], here[about]))
@@ -58,7 +58,7 @@ def compare_files(data: Mapping[str, Any], here: Mapping[str, Any]) -> tuple[Poi
 
 
 def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
-    """What was edited in the certificate after it was made, the seeds apart."""
+    """Compare the seals, to find edits of the certificate; seeds are a point of their own."""
     now = seals(data)
     edited = [name for name, seal in now.items() if data["seals"].get(name) != seal]
     seeds = ["are not those that the certificate was made with"] if "seeds" in edited else []
@@ -70,7 +70,7 @@ def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
 
 
 def compare_machines(data: Mapping[str, Any]) -> tuple[Point, ...]:
-    """Versions, processor and system; they decide nothing as long as the episodes are the same."""
+    """Compare versions, processor and system, which only matter if the episodes differ."""
     here = {"versions": versions(), "processor": processor(), "system": system()}
     return tuple(
         Point(about, tuple(_changes(data[about], found)), decides=False)
@@ -86,11 +86,11 @@ def _changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
 
 
 def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple[Point, ...]:
-    """What was played again beside what the certificate says, to the bit.
+    """Compare the replayed episodes with the certificate, bit for bit.
 
     Args:
         data: The certificate.
-        again: A certificate of the same trial as it was played here.
+        again: A certificate of the same trial, played on this machine.
     """
     told = list(_episodes(data["episodes"], again["episodes"]))
     there, here = dict(_flat(data["results"])), dict(_flat(again["results"]))
@@ -120,7 +120,7 @@ def _episodes(
 
 
 def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Every value by the names that lead to it: ``controls.expert.return``."""
+    """All values by their path of names: ``controls.expert.return``."""
     for name, value in data.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{name}.")
@@ -134,4 +134,4 @@ def _short(value: Any) -> str:
 
 
 MOST_SHOWN = 40
-"""Characters of a value that are shown."""
+"""Maximum number of characters of a value that are shown."""

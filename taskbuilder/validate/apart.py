@@ -1,7 +1,7 @@
-"""A validation in a process of its own, which a description can end or hold up without harm.
+"""Validation in a child process, which protects the caller from the description.
 
-The owner never imports the description. It is told of each result as soon as there is one; where
-the process is killed or stopped from outside, another one goes on from there.
+The owner never imports the description. It receives each result as soon as there is one. If the
+child process is killed or stopped from outside, another one continues from there.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
+from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
-from taskbuilder.validate.static import static_failure
 
 Level = Literal["static", "build", "full"]
 
 START_LIMIT_S = 120.0
-"""How long the process may take to load what it needs."""
+"""Time limit for the process to load its modules, in seconds."""
 
 IMPORT, CHECK = "import", "check"
 """The parts of a validation before its families."""
@@ -33,12 +33,12 @@ IMPORT, CHECK = "import", "check"
 
 @dataclass(frozen=True)
 class Limits:
-    """How long things may take.
+    """Time limits, in seconds.
 
     Attributes:
-        import_s: The import of a description; and then looking it over.
-        piece_s: A piece of work,
-        step_s: and so much more for each control step that an episode has.
+        import_s: For the import of a description, and again for its inspection.
+        piece_s: For a unit of work,
+        step_s: plus this for each control step of an episode.
     """
 
     import_s: float = 30.0
@@ -46,7 +46,7 @@ class Limits:
     step_s: float = 0.8
 
     def piece(self, steps: int) -> float:
-        """How long a piece of work may take where an episode has so many control steps."""
+        """Time limit of a unit of work, for episodes of a given number of control steps."""
         return self.piece_s + self.step_s * steps
 
 
@@ -55,11 +55,11 @@ LIMITS = Limits()
 
 @dataclass(frozen=True)
 class Kept:
-    """What a validation has come to so far.
+    """The intermediate result of a validation.
 
     Attributes:
-        report: Of the families that are done.
-        state: What they leave for those that are yet to come.
+        report: The report on the finished families.
+        state: Their state, for the families that follow.
     """
 
     report: TaskReport
@@ -67,18 +67,18 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Orders:
-    """What is to be validated.
+class ValidationConfig:
+    """The arguments of a validation.
 
     Attributes:
-        reference: The task's name in the catalogue, or its path.
-        level: How far.
-        seeds: How many episodes to sample where chance is involved.
-        catalogue: Where names are looked up.
-        jobs: How many processes play.
-        only: Names of the families that are wanted; None for all.
-        limits: How long things may take.
-        kept: What another process came to before it was lost.
+        reference: Name or path of the task.
+        level: The level of the validation.
+        seeds: Number of seeds per variation.
+        catalogue: The catalogue that names are looked up in.
+        jobs: Number of processes that play episodes.
+        only: Names of the families to run; None for all.
+        limits: The time limits.
+        kept: Intermediate result of a process that was lost.
     """
 
     reference: str
@@ -92,29 +92,29 @@ class Orders:
 
 
 class Listener(Protocol):
-    """Is told how a validation goes."""
+    """Receives events of a validation."""
 
     def begin(self, part: str, limit_s: float, rest: tuple[str, ...] = ()) -> None:
-        """A part begins: a family, or what comes before them.
+        """Report that a part has begun: a family, the import or the inspection.
 
         Args:
             part: Its name.
-            limit_s: How long a piece of it may take.
+            limit_s: Time limit of a unit of its work.
             rest: The families after it.
         """
 
     def alive(self) -> None:
-        """The validation goes on."""
+        """Report that the work goes on."""
 
     def done(self, kept: Kept) -> None:
-        """A part is done."""
+        """Report that a part is done."""
 
     def progress(self, seeds: Iterable[int], label: str) -> Iterable[int]:
-        """See `Progress`."""
+        """Report the progress over seeds, with a label."""
 
 
 class Nobody:
-    """Is told nothing: the validation runs in the process that asked for it.
+    """Ignores events, for a validation in the calling process.
 
     Args:
         progress: See `Progress`.
@@ -124,16 +124,16 @@ class Nobody:
         self._progress = progress
 
     def begin(self, part: str, limit_s: float, rest: tuple[str, ...] = ()) -> None:
-        """See `Listener.begin`."""
+        """Report that a part has begun."""
 
     def alive(self) -> None:
-        """See `Listener.alive`."""
+        """Report that the work goes on."""
 
     def done(self, kept: Kept) -> None:
-        """See `Listener.done`."""
+        """Report that a part is done."""
 
     def progress(self, seeds: Iterable[int], label: str) -> Iterable[int]:
-        """See `Progress`."""
+        """Report the progress over seeds, with a label."""
         return self._progress(seeds, label)
 
 
@@ -159,22 +159,22 @@ class _Alive:
 
 
 class Owner:
-    """Hands on to this process's owner what it is told."""
+    """Sends events to the owner of this process."""
 
     def begin(self, part: str, limit_s: float, rest: tuple[str, ...] = ()) -> None:
-        """See `Listener.begin`."""
+        """Report that a part has begun."""
         say(_Begun(part, limit_s, rest))
 
     def alive(self) -> None:
-        """See `Listener.alive`."""
+        """Report that the work goes on."""
         say(_Alive())
 
     def done(self, kept: Kept) -> None:
-        """See `Listener.done`."""
+        """Report that a part is done."""
         say(kept)
 
     def progress(self, seeds: Iterable[int], label: str) -> Iterable[int]:
-        """See `Progress`."""
+        """Report the progress over seeds, with a label."""
         listed = tuple(seeds)
         say(_Shown(listed, label))
         for seed in listed:
@@ -187,30 +187,33 @@ class Owner:
 
 
 def watch(
-    function: Callable[[Orders], TaskReport], orders: Orders, progress: Progress
+    function: Callable[[ValidationConfig], TaskReport], config: ValidationConfig, progress: Progress
 ) -> TaskReport:
-    """Have a validation done by another process.
+    """Run a validation in a child process.
 
     Args:
-        function: Of a module; carries out orders, and tells an `Owner`.
-        orders: What is to be validated.
+        function: A function of a module that runs the validation and reports to an `Owner`.
+        config: The arguments of the validation.
         progress: Wraps the seeds of a family to show progress.
 
     Raises:
         LostError: The process does not start.
     """
-    with closing(_Watch(function, orders, progress)) as watched:
+    with closing(_Watch(function, config, progress)) as watched:
         return watched.report()
 
 
 class _Watch:
-    """What is known of a validation elsewhere."""
+    """The owner's view of a validation in a child process."""
 
     def __init__(
-        self, function: Callable[[Orders], TaskReport], orders: Orders, progress: Progress
+        self,
+        function: Callable[[ValidationConfig], TaskReport],
+        config: ValidationConfig,
+        progress: Progress,
     ) -> None:
         self._function = function
-        self._orders = orders
+        self._orders = config
         self._progress = progress
         self._worker = Worker({}, prepared=function.__module__)
         self._losses: dict[str, int] = {}
@@ -221,7 +224,7 @@ class _Watch:
         self._worker.end()
 
     def report(self) -> TaskReport:
-        """What it comes to, whatever happens to the process."""
+        """The report, also if the process is lost."""
         while True:
             try:
                 for kind, value in self._heard():
@@ -262,7 +265,7 @@ class _Watch:
             next(self._shown, None)
 
     def _without(self, lost: LostError) -> TaskReport:
-        """The report where the process was lost for good."""
+        """The report if the process was lost repeatedly."""
         reference, kept = self._orders.reference, self._orders.kept
         part = self._begun.part
         if not part:
@@ -281,7 +284,7 @@ class _Watch:
         )
 
     def _refused(self, fault: Fault, part: str) -> tuple[Finding, ...]:
-        """All that can be said of a task whose description does not come back."""
+        """The report on a task whose description does not return from its import."""
         entry = self._orders.catalogue.task(self._orders.reference)
         found = refused_import(fault, entry, looked_over=part == CHECK)
         try:

@@ -1,4 +1,4 @@
-"""Any environment, checked from Python: one of ours, one that wraps ours, or somebody's own."""
+"""Checking any environment from Python: of taskbuilder, wrapped, or of another package."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from taskbuilder.validate.observing import (
 from taskbuilder.validate.report import Check, Result
 
 MOST_STEPS = 10_000
-"""Control steps after which an episode is taken for endless whose length is not known."""
+"""Control steps after which an episode of unknown length counts as endless."""
 
 RESETS = 20
 KEPT_BYTES = 100_000
@@ -46,10 +46,10 @@ CYCLES = 60
 
 
 class ContractError(TaskbuilderError):
-    """An environment does not keep what learning libraries rely on.
+    """An environment violates what learning libraries rely on.
 
     Attributes:
-        findings: What is wrong with it.
+        findings: The problems.
     """
 
     def __init__(self, findings: Sequence[Finding]) -> None:
@@ -60,25 +60,25 @@ class ContractError(TaskbuilderError):
 def check_env(
     env: Any, *, seeds: Sequence[int] = (0, 1), max_steps: int | None = None, raises: bool = True
 ) -> tuple[Finding, ...]:
-    """Check that an environment keeps what learning libraries rely on.
+    """Check that an environment has the properties that learning libraries rely on.
 
-    It may be one of taskbuilder's, a subclass, one in wrappers of PettingZoo, SuperSuit or
-    Gymnasium, or one that has nothing to do with taskbuilder. It is played by random actions, and
-    is to be reset before it is used again; PettingZoo's and Gymnasium's own tests come last.
+    The environment may be one of taskbuilder, a subclass, one in wrappers of PettingZoo, SuperSuit
+    or Gymnasium, or one of another package. It is played with random actions, and then with
+    PettingZoo's and Gymnasium's own tests. Reset it before you use it again.
 
     Args:
         env: A PettingZoo ParallelEnv, or a gymnasium.Env.
-        seeds: Of the episodes that are played.
-        max_steps: Control steps after which an episode must have ended; by default its length
-            where it is known, else 10,000.
-        raises: Raise what is found; else give it back.
+        seeds: Seeds of the episodes.
+        max_steps: Control steps after which an episode must have ended; by default its length if
+            that is known, else 10,000.
+        raises: Raise an error for findings instead of returning them.
 
     Returns:
-        What was found.
+        The findings.
 
     Raises:
-        ContractError: Something was found.
-        UsageError: It is neither sort of environment.
+        ContractError: There are findings.
+        UsageError: The environment is of another kind.
     """
     stage = _as_parallel(env)
     results = list(_checked(env, stage, tuple(dict.fromkeys(seeds)), max_steps))
@@ -116,12 +116,12 @@ def _checked(env: Any, stage: Any, seeds: Sequence[int], max_steps: int | None) 
 
 
 def _unplaced(code: str, message: str, *path: str | int) -> Finding:
-    """A finding about an environment, which is in no file."""
+    """A finding about an environment, without a place in a file."""
     return Finding(code, message, dotted(path[1:]))
 
 
 def _played(stage: Any, seed: int, most: int) -> Iterator[Actions]:
-    """Random actions, from a seed to the end of the episode or as far as it is watched."""
+    """Random actions from a seed, up to the end of the episode or a maximum length."""
     stage.reset(seed=seed)
     for number, agent in enumerate(stage.possible_agents):
         stage.action_space(agent).seed(seed + number)
@@ -134,12 +134,12 @@ def _played(stage: Any, seed: int, most: int) -> Iterator[Actions]:
 
 
 def check_ended(find: Find, env: Any, steps: int) -> Result:
-    """The episode is over.
+    """The episode has ended.
 
     Args:
         find: Makes findings.
-        env: The environment, as it was played.
-        steps: How many control steps it was played.
+        env: The environment after the episode.
+        steps: Number of control steps that were played.
     """
     found = []
     if env.agents:
@@ -149,7 +149,7 @@ def check_ended(find: Find, env: Any, steps: int) -> Result:
 
 
 def check_picture(find: Find, picture: Any) -> Result:
-    """What `render` gives is a picture of something."""
+    """`render` returns a picture that is not blank."""
     found = []
     wrong = _wrong_with(picture)
     if wrong:
@@ -169,12 +169,12 @@ def _wrong_with(picture: Any) -> str:
 
 
 def check_kept(find: Find, env: Any) -> Result:
-    """A reset keeps nothing that the next one does not give back."""
+    """Resets do not accumulate states or memory."""
     resets = [lambda seed=seed: env.reset(seed=seed) for seed in range(RESETS)]
-    _grown(env, resets[:5])  # memory that is taken once
+    _grown(env, resets[:5])  # one-time allocations
     states, taken = _grown(env, resets)
     if not states and taken > KEPT_BYTES:
-        states, taken = _grown(env, resets)  # it may have been chance
+        states, taken = _grown(env, resets)  # the first measurement may have been a coincidence
     found = []
     if states or taken > KEPT_BYTES:
         what = f"{states:g} saved states" if states else f"{taken / 1000:,.0f} KB"
@@ -184,7 +184,7 @@ def check_kept(find: Find, env: Any) -> Result:
 
 
 def _grown(env: Any, resets: Sequence[Callable[[], Any]]) -> tuple[float, float]:
-    """How many states and bytes each of several resets kept."""
+    """Number of states and bytes that each of several resets keeps."""
     states, taken = _states(env), _memory()
     for reset in resets:
         reset()
@@ -193,13 +193,13 @@ def _grown(env: Any, resets: Sequence[Callable[[], Any]]) -> tuple[float, float]
 
 
 def _states(env: Any) -> int:
-    """How many saved states an environment of ours holds."""
+    """Number of saved states of a taskbuilder environment."""
     episode = episode_of(env)
     return episode.world.client.snapshots if episode else 0
 
 
 def _memory() -> int:
-    """How much memory this process has taken."""
+    """Memory use of this process in bytes."""
     pages = Path("/proc/self/statm")
     if pages.exists():
         return int(pages.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -208,18 +208,18 @@ def _memory() -> int:
 
 
 def places_anew(episode: Episode) -> bool:
-    """Whether things stand elsewhere in every episode."""
+    """Whether initial positions differ between episodes."""
     return regions(episode.world.scene)
 
 
 def regions(scene: SceneSpec) -> bool:
-    """Whether a scene places anything by chance, over more than a hair's breadth."""
+    """Whether a scene places anything at random, in a region of noticeable size."""
     things = {**scene.objects, **scene.sites}.values()
     return any(thing.place and max(thing.place.size) > 1e-3 for thing in things)
 
 
 def _passes(env: Any, steps: int) -> Result:
-    """The tests of PettingZoo, or of Gymnasium, pass."""
+    """The tests of PettingZoo or Gymnasium pass."""
     parallel = not isinstance(env, gymnasium.Env)
     code, name = ("TB521", "parallel_api_test") if parallel else ("TB523", "check_env")
     found = []
@@ -238,8 +238,8 @@ def _passes(env: Any, steps: int) -> Result:
 # --- one agent's environments
 
 
-class _Alone:
-    """A Gymnasium environment as one of several agents, of which there is one."""
+class _SingleAgent:
+    """A Gymnasium environment as a multi-agent environment with one agent."""
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         self.unwrapped = env.unwrapped
@@ -267,7 +267,7 @@ class _Alone:
 
 def _as_parallel(env: Any) -> Any:
     if isinstance(env, gymnasium.Env):
-        return _Alone(env)
+        return _SingleAgent(env)
     needed = ("possible_agents", "reset", "step", "observation_space", "action_space")
     if all(hasattr(env, name) for name in needed) and not hasattr(env, "agent_iter"):
         return env

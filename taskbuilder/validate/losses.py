@@ -1,4 +1,4 @@
-"""What to say of a process that was lost while it played a task."""
+"""Findings about processes that were lost while they played a task."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ONLY_DECLARES = "a description only declares"
 
 
 def finding_of_loss(fault: Fault, entry: CatalogueEntry) -> Finding:
-    """A finding for a process that was lost, at the line of the description that it was at."""
+    """A finding for a lost process, at the line of the description that was running."""
     place = _place(fault, entry.description_file)
     if place and not fault.outside:
         said = f"{_done(fault.cause)}; {_ONLY_LOOKS}"
@@ -28,12 +28,12 @@ def finding_of_loss(fault: Fault, entry: CatalogueEntry) -> Finding:
 
 
 def refused_import(fault: Fault, entry: CatalogueEntry, *, looked_over: bool) -> Finding:
-    """A finding for a description that does not come back from its import.
+    """A finding for a description that does not return from its import.
 
     Args:
         fault: How the process was lost.
         entry: The task.
-        looked_over: It was imported, and then asked for what it is made of.
+        looked_over: Whether it was lost after the import, during the inspection.
     """
     what = "looking it over" if looked_over else "its import"
     late = re.fullmatch(r"did not come back (within .*)", fault.cause)
@@ -52,7 +52,7 @@ def lost_family(name: str, finding: Finding, seconds: float = 0.0) -> FamilyResu
 
 
 def _done(cause: str) -> str:
-    """What a description did to its process, in words."""
+    """The effect of a description on its process, in words."""
     ended = re.fullmatch(r"ended with (status .*)", cause)
     if ended:
         return f"ends the process that asks it, with {ended[1]}"
@@ -63,8 +63,8 @@ def _done(cause: str) -> str:
 
 
 def _place(fault: Fault, file: Path) -> Location | None:
-    """The line of a file that a process was last at, if it was there."""
-    # What faulthandler writes has no letters beyond ASCII.
+    """The last line of a file that a process was running, if any."""
+    # The output of faulthandler is ASCII only.
     name = re.escape(str(file).encode("ascii", "backslashreplace").decode())
     last = re.search(rf'File "{name}", line (\d+)', fault.words)
     return Location(file, int(last[1]), 1) if last else None

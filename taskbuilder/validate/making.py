@@ -1,4 +1,4 @@
-"""How a report is made: with what, when, and how long it took."""
+"""The metadata of a report: versions, date and duration."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from taskbuilder import __version__
 from taskbuilder.validate.report import Making
 
 _PACKAGES = ("pybullet", "numpy", "gymnasium", "pettingzoo", "pydantic")
-"""Those that figures and verdicts depend on."""
+"""Packages that figures and verdicts depend on."""
 
 
 class Stopwatch:
-    """Notes when a validation begins."""
+    """Measures the duration of a validation."""
 
     def __init__(self) -> None:
         self._date = datetime.now(UTC)
         self._started = time.perf_counter()
 
     def making(self, level: str, seeds: int) -> Making:
-        """What there is to say of a validation that ends now."""
+        """The metadata of a validation that ends now."""
         return Making(
             level,
             seeds if level != "static" else 0,

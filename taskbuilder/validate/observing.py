@@ -1,6 +1,6 @@
-"""What agents see and are paid, checked: inside its space, varying, finite, each agent's own.
+"""Checks of observations and rewards: inside their spaces, varying, finite, not shared.
 
-Checked is any environment that keeps PettingZoo's parallel interface, ours or not.
+They apply to any environment with PettingZoo's parallel interface.
 """
 
 from __future__ import annotations
@@ -24,29 +24,29 @@ from taskbuilder.validate.report import Check, Result
 from taskbuilder.validate.traces import digest
 
 SAME = 1e-4
-"""Difference, in any unit, up to which an agent sees the same."""
+"""Difference, in any unit, up to which observations count as equal."""
 
 Seen = Mapping[str, Any]
-"""What every agent sees at a moment."""
+"""The observations of all agents at a step."""
 
 Find = Callable[..., Finding]
-"""Makes a finding of a code, a message, and where in a task file it belongs, key by key."""
+"""Makes a finding from a code, a message, and its keys in the task file."""
 
 
 @dataclass
 class Views:
-    """What was seen in episodes of the same actions from several seeds.
+    """The observations in episodes of the same actions from several seeds.
 
     Attributes:
-        streams: Of each agent, for each episode, (steps, n) the numbers that it saw.
-        outside: Where an agent saw something outside its space, in words.
-        shared: Where writing into what was seen changed something else, in words.
-        reused: Where a later step wrote into what an agent had seen, in words.
-        unseen: Where an agent saw nothing at all, in words.
-        unpaid: Where an agent was paid something that is no finite number, in words.
-        endless: The same where a reward term of the description paid it.
-        placed: Digests of how things stood at each episode's beginning.
-        unrepeated: What differed when a seed came again, in words, or "".
+        streams: Observed numbers (steps, n), by agent and episode.
+        outside: Observations outside their space, in words.
+        shared: Observations that share memory with something else, in words.
+        reused: Observations that a later step overwrote, in words.
+        unseen: Missing observations, in words.
+        unpaid: Rewards that are not finite numbers, in words.
+        endless: The same for rewards that come from a term of the description.
+        placed: Digests of the initial states of the episodes.
+        unrepeated: Differences when a seed was repeated, in words, or "".
     """
 
     streams: dict[str, list[NDArray[np.float64]]] = field(default_factory=dict)
@@ -61,14 +61,14 @@ class Views:
 
 
 def watch(env: Any, seeds: Sequence[int], actions: Sequence[Actions]) -> Views:
-    """Play the same actions from each seed, and the first seed again while writing into views.
+    """Play the same actions from each seed, and from the first again while overwriting arrays.
 
-    After each of the first seed's episodes comes one more without a seed, which the first decides.
+    Each of the first seed's episodes is followed by one without a seed, which must repeat, too.
 
     Args:
         env: An environment with PettingZoo's parallel interface.
-        seeds: Of the episodes; no two are the same.
-        actions: What the agents do in each of them.
+        seeds: Distinct seeds of the episodes.
+        actions: The actions of the agents in each of them.
     """
     views = Views({agent: [] for agent in env.possible_agents})
     paid: list[bytes] = []
@@ -83,7 +83,7 @@ def watch(env: Any, seeds: Sequence[int], actions: Sequence[Actions]) -> Views:
     again = [_numbers(before, views) for before in _scribbled(env, seeds[0], actions, views)]
     then_again = digest(env.reset()[0])
     changed = dict(_changes(views.streams, again))
-    if changed and not views.reused:  # by what was written, or whatever was done
+    if changed and not views.reused:  # by the writing, or in any case
         paid.clear()
         once_more = [_numbers(s, views) for s in _play(env, seeds[0], actions, Views({}), paid)]
         anyway = dict(_changes(views.streams, once_more))
@@ -106,13 +106,13 @@ def _from(step: int) -> str:
 def _changes(
     streams: Mapping[str, Sequence[NDArray[np.float64]]], again: Sequence[Mapping[str, Any]]
 ) -> Iterator[tuple[str, int]]:
-    """The agents that see something else in the first episode, and from which step on."""
+    """The agents whose observations differ from the first episode, and from which step on."""
     for agent, kept in streams.items():
         later, first = np.array([step[agent] for step in again]), kept[0]
         if later.shape != first.shape:
             yield agent, min(len(later), len(first))
             continue
-        # Bits are compared, for what is not a number equals nothing.
+        # Bits are compared, because NaN is not equal to itself.
         wrong = np.flatnonzero((later.view(np.uint64) != first.view(np.uint64)).any(axis=1))
         if len(wrong):
             yield agent, int(wrong[0])
@@ -150,7 +150,7 @@ def _play(
 
 
 def _pays_endlessly(env: Any) -> bool:
-    """Whether a description's own terms pay something that is no finite number."""
+    """Whether a term of the description is not a finite number."""
     episode = episode_of(env)
     return episode is not None and not all(map(math.isfinite, episode.outcome.terms.values()))
 
@@ -164,19 +164,19 @@ def _is_pay(pay: Any) -> bool:
 
 
 def _sees(seen: Seen, agent: str) -> bool:
-    """Whether an agent sees anything."""
+    """Whether an observation has any values."""
     return agent in seen and any(part.size for part in _parts(seen[agent]))
 
 
 def episode_of(env: Any) -> Episode | None:
-    """The episode below an environment, if it is one of ours."""
+    """The episode of a taskbuilder environment, else None."""
     inner = getattr(env, "unwrapped", env)
     episode = getattr(getattr(inner, "parallel", inner), "episode", None)
     return episode if isinstance(episode, Episode) else None
 
 
 def _placed(env: Any) -> bytes:
-    """How things stand in an environment of ours; of others nothing is known."""
+    """A digest of the state of a taskbuilder environment; unknown for others."""
     episode = episode_of(env)
     if episode is None:
         return b""
@@ -185,7 +185,7 @@ def _placed(env: Any) -> bytes:
 
 
 def _scribbled(env: Any, seed: int, actions: Sequence[Actions], views: Views) -> Iterator[Seen]:
-    """What is seen when everything that was seen before is overwritten."""
+    """The observations of a step after all earlier arrays were overwritten."""
     seen, _ = env.reset(seed=seed)
     for action in (None, *actions):
         if action is not None:
@@ -211,7 +211,7 @@ def _scribble(view: Any) -> None:
 
 
 def _numbers(seen: Seen, views: Views) -> dict[str, NDArray[np.float64]]:
-    """What each agent sees as numbers; an agent that sees nothing has none."""
+    """The observations as vectors of numbers, by agent."""
     nothing = [np.zeros(0)]
     return {
         agent: np.concatenate(list(_parts(seen[agent])) if agent in seen else nothing)
@@ -248,7 +248,7 @@ def check_spaces(find: Find, env: Any) -> Result:
 
 
 def check_seen(find: Find, views: Views) -> Result:
-    """Every agent sees something."""
+    """Every agent has observations."""
     said = "{} sees nothing ({}); let it see what moves, such as self.tcp"
     return _of_agents("TB574", "every agent sees something", find, views.unseen, said)
 
@@ -271,12 +271,12 @@ def _of_agents(code: str, name: str, find: Find, wrong: Mapping[str, str], said:
 
 
 def check_seeded(find: Find, views: Views, *, placed_anew: bool) -> Result:
-    """The seed of a reset decides what comes after it.
+    """The seed of a reset determines the episode.
 
     Args:
         find: Makes findings.
-        views: What was seen.
-        placed_anew: Things are placed anew in every episode.
+        views: The observations.
+        placed_anew: Whether initial positions differ between episodes.
     """
     wrong = ""
     if views.unrepeated:
@@ -292,9 +292,9 @@ def check_varying(find: Find, views: Views, *, by_chance: bool = False) -> Resul
 
     Args:
         find: Makes findings.
-        views: What was seen.
-        by_chance: Agents acted at random, which need not move what they see: it is enough that
-            something varies.
+        views: The observations.
+        by_chance: Whether actions were random, which need not move everything: then it is enough
+            that something varies.
     """
     findings = []
     placed_anew = len(set(views.placed)) > 1
@@ -318,12 +318,12 @@ def check_varying(find: Find, views: Views, *, by_chance: bool = False) -> Resul
 
 
 def check_own(find: Find, views: Views, blind: Iterable[str]) -> Result:
-    """Observations are arrays of their own, and no two agents are indistinguishable.
+    """Observations share no memory, and differ between agents.
 
     Args:
         find: Makes findings.
-        views: What was seen.
-        blind: The agents that do not see themselves.
+        views: The observations.
+        blind: Agents that do not observe themselves.
     """
     findings: list[Finding] = []
     for agent, what in views.shared.items():
@@ -349,7 +349,7 @@ def check_own(find: Find, views: Views, blind: Iterable[str]) -> Result:
 
 
 def _alike(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    """Whether no number of two streams differs by more than what simulation makes of nothing."""
+    """Whether two streams are equal up to numerical noise."""
     try:
         return bool(np.abs(one - other).max(initial=0.0) <= SAME)
     except ValueError:  # episodes of different lengths
@@ -357,7 +357,7 @@ def _alike(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
 
 
 def sees_itself(task: Task, agent: str) -> bool:
-    """Whether an agent of a task sees anything of its own."""
+    """Whether an agent observes anything of itself."""
     names = task.file.names
     listed = (task.file.spec.observe or {}).get(agent, default_channels(names))
     channels = [parse_channel(text, agent, names) for text in listed]

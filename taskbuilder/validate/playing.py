@@ -1,4 +1,4 @@
-"""Ways of playing a task that take no plan, and what validation asks of an episode."""
+"""Policies of simple probes, and a check of reward terms."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import HoldStill, RandomActions
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.validate.studio import Start, Studio
+from taskbuilder.validate.env_cache import EnvCache, Start
 
 DISCOUNT = 0.95
 LARGEST = 1e6
-"""How large a reward term may be at a control step: single precision, in which learners compute,
-still tells it from a tenth more or less."""
+"""Maximum size of a reward term at a control step, for which single precision still resolves a
+tenth."""
 
 SWING_STEPS = 6
 """Control steps of a throw; the gripper opens half-way."""
 
 
 def wild_terms(rollout: Rollout) -> Mapping[str, float]:
-    """The last value of each reward term, by label, that was not finite or beyond `LARGEST`."""
+    """The last value of each reward term that was not finite or above `LARGEST`, by label."""
     found = {}
     for label, values in rollout.terms.items():
         wild = values[~(np.abs(values) <= LARGEST)]  # which finds what is not a number, too
@@ -33,27 +33,23 @@ def wild_terms(rollout: Rollout) -> Mapping[str, float]:
     return found
 
 
-def play_expert(studio: Studio, start: Start) -> Rollout:
-    """The expert's own way, up to the end of the episode.
+def play_expert(cache: EnvCache, start: Start) -> Rollout:
+    """Play the expert up to the end of the episode.
 
-    From starts that only show whether it succeeds, no farther than to the end of its stages if
-    that is known by then.
+    Starts that only test success end, after the last stage, as soon as the result is known.
     """
-    expert = studio.expert(start.variation)
-    if start.seed % len(studio.task.file.scenes) != start.variation:
-        played = expert.play(start.seed, finish=False, explain=True)
-        if played.success or played.trouble:
-            return played
-    return expert.play(start.seed, explain=True)
+    in_turn = start.seed % len(cache.task.file.scenes) == start.variation
+    expert = cache.expert(start.variation)
+    return expert.play(start.seed, finish=True if in_turn else "undecided", explain=True)
 
 
 def play_nothing(env: TaskEnv, seed: int) -> Rollout:
-    """Everyone holds still from the start."""
+    """Play an episode in which all robots hold still."""
     return play(env, HoldStill(), seed)
 
 
 def play_random(env: TaskEnv, seed: int) -> Rollout:
-    """Everyone acts at random, as the seed decides."""
+    """Play an episode of random actions, drawn from the seed."""
     return play(env, RandomActions(), seed)
 
 
@@ -66,7 +62,7 @@ def random_actions(env: TaskEnv, seed: int) -> Iterator[Actions]:
 
 
 class DropAll(HoldStill):
-    """All grippers open, and nobody moves any more."""
+    """Opens all grippers, then holds still."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Begin with the opening."""
@@ -82,7 +78,7 @@ class DropAll(HoldStill):
 
 
 class ThrowAll(HoldStill):
-    """All arms swing sideways at full speed and open their grippers half-way; then they hold."""
+    """Swings all arms sideways at full speed, opens the grippers half-way, then holds still."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Begin with the swing."""
@@ -101,7 +97,7 @@ class ThrowAll(HoldStill):
 
 
 def _swung(env: TaskEnv, agent: str) -> list[float]:
-    """An arm's commanded joints with the first one as far on as a control step takes it."""
+    """An arm's commanded joints, with the first one moved by the maximum of a control step."""
     arm = env.episode.actions[agent].arm
     first, *rest = arm.robot.commanded()
     return [min(first + arm.longest[0], arm.ik.upper[0]), *rest]

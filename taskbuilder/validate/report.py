@@ -1,4 +1,4 @@
-"""What a validation has to say: checks with figures, findings, and the table people read."""
+"""The report of a validation: checks with figures, and findings."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ if TYPE_CHECKING:  # a static validation loads no physics
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at.
+    """One check.
 
     Attributes:
-        code: Stable code; findings of the check carry the same one.
-        name: What was looked at, in words.
-        ok: Whether it is as it should be.
-        value: The figure that was measured; None where nothing finite could be.
-        limit: What the figure may be at most, or must be at least; None where there is no limit.
+        code: Stable code; findings of the check have the same one.
+        name: What the check is about, in words.
+        ok: Whether it passed.
+        value: The measured figure; None if there is no finite one.
+        limit: Maximum or minimum of the figure; None if there is no limit.
         unit: Unit of both.
     """
 
@@ -36,21 +36,21 @@ class Check:
 
 
 Result = tuple[Check, list[Finding]]
-"""What one check comes back with."""
+"""The result of one check."""
 
 Progress = Callable[[Iterable[int], str], Iterable[int]]
-"""Wraps an iterable of seeds to show how far it is; gets a label."""
+"""Wraps an iterable of seeds to display progress, with a label."""
 
 
 @dataclass(frozen=True)
 class Probe:
-    """What a way of playing a task earns, over many episodes.
+    """The returns of a probe, or of the expert, over many episodes.
 
     Attributes:
-        way: The way.
+        way: Its way: ``expert``, ``stall after stage 2``, ``without left``, ``random``.
         returns: Undiscounted return of the team in each episode.
         discounted: The same at a discount of 0.95.
-        successes: In how many of the episodes success held at some step.
+        successes: Number of episodes in which success held at some step.
     """
 
     way: Way
@@ -65,12 +65,12 @@ class FamilyResult:
 
     Attributes:
         name: The family.
-        checks: Every check that was made.
-        findings: What was found wrong or doubtful.
-        summary: One line for people: the figures that matter.
-        seconds: How long it took.
-        probes: What ways of playing the task earned.
-        rollouts: Episodes worth a picture: one that shows the task, and those that failed.
+        checks: All checks.
+        findings: Errors and warnings.
+        summary: The main figures in one line.
+        seconds: Duration in seconds.
+        probes: The returns of the expert and the probes.
+        rollouts: Episodes to show: a successful one, and those that failed.
     """
 
     name: str
@@ -83,22 +83,22 @@ class FamilyResult:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong; warnings do not count."""
+        """Whether there are no errors; warnings do not count."""
         sound = all(check.ok for check in self.checks)
         return sound and not any(finding.severity == "error" for finding in self.findings)
 
 
 @dataclass(frozen=True)
 class Making:
-    """How a report was made.
+    """The metadata of a report.
 
     Attributes:
-        level: How far the validation went.
-        seeds: How many episodes were sampled where chance is involved; 0 where it is not.
-        date: When it began, in UTC, as ``2025-01-31 14:05 UTC``.
-        seconds: How long it took, with the loading of all that it needs.
-        versions: Of taskbuilder and of what its figures depend on, by name.
-        command: What made it, to be typed again; "" where it was asked for from Python.
+        level: Level of the validation.
+        seeds: Number of seeds per variation; 0 if none were used.
+        date: Start time in UTC, such as ``2025-01-31 14:05 UTC``.
+        seconds: Duration in seconds, including loading.
+        versions: Versions of taskbuilder and the packages that its figures depend on.
+        command: The command; "" if the validation was called from Python.
     """
 
     level: str
@@ -111,15 +111,15 @@ class Making:
 
 @dataclass(frozen=True)
 class TaskReport:
-    """The validation of one task.
+    """The report on one task.
 
     Attributes:
-        task: The task's id, or the path it was asked for by.
-        headline: What the task is, in one line.
-        families: Results in the order in which they ran.
+        task: Id of the task, or its path.
+        headline: The task in one line.
+        families: Results of the families, in the order in which they ran.
         measures: Figures by name, such as ``build_s``.
-        skipped: Families that were not run, because what another one found would show there again.
-        making: How the report was made, if that is known.
+        skipped: Families that were not run because one that they build on failed.
+        making: Metadata of the report, if known.
     """
 
     task: str
@@ -131,24 +131,24 @@ class TaskReport:
 
     @property
     def seconds(self) -> float:
-        """How long it took; of a report that does not say so, how long its families took."""
+        """Duration in seconds; without metadata, the sum over the families."""
         if self.making:
             return self.making.seconds
         return sum(family.seconds for family in self.families)
 
     @property
     def ok(self) -> bool:
-        """Whether every family that ran found the task right."""
+        """Whether all families that ran passed."""
         return all(family.ok for family in self.families)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Every finding, in reading order."""
+        """All findings, in reading order."""
         return in_reading_order(finding for family in self.families for finding in family.findings)
 
 
 def as_data(reports: Iterable[TaskReport]) -> dict[str, Any]:
-    """The reports as the plain data of ``--format json``; its shape is stable."""
+    """The reports as plain data for ``--format json``, with a stable structure."""
     from taskbuilder import __version__
 
     listed = list(reports)
@@ -194,6 +194,6 @@ def _probe_data(probe: Probe) -> dict[str, Any]:
 
 
 def _mean(returns: Sequence[float]) -> float | None:
-    """The mean, or None where it is not finite."""
+    """The mean, or None if it is not finite."""
     mean = sum(returns) / len(returns) if returns else math.nan
     return mean if math.isfinite(mean) else None

@@ -1,4 +1,4 @@
-"""Traces of episodes: all that can be seen of them, to the bit, step by step."""
+"""Traces of episodes: digests of all observable quantities at each step."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from taskbuilder.sim.body import Body
 from taskbuilder.world.world import World
 
 Step = Mapping[str, bytes]
-"""Digest of each thing that can be seen after a control step."""
+"""Digests of all observable quantities after a control step, by name."""
 
 Trace = tuple[Step, ...]
-"""An episode: after reset, and after each control step."""
+"""The trace of an episode: after reset, and after each control step."""
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Where two traces begin to differ.
+    """The first difference of two traces.
 
     Attributes:
-        step: Control steps that had passed, by the first trace.
-        parts: What differs then.
+        step: Control step of the difference, in the first trace.
+        parts: The quantities that differ.
     """
 
     step: int
@@ -50,13 +50,13 @@ def actions_of(rollout: Rollout) -> list[Actions]:
 
 
 def trace(env: TaskEnv, seed: int, actions: Sequence[Actions]) -> Trace:
-    """Play an episode by given actions, as far as it goes."""
+    """Play an episode with given actions, up to its end."""
     seen, infos = env.reset(seed=seed)
     return (look(env, seen, infos), *go_on(env, actions))
 
 
 def go_on(env: TaskEnv, actions: Sequence[Actions]) -> Iterator[Step]:
-    """Play on from where an episode stands, as far as it goes."""
+    """Continue an episode with given actions, up to its end."""
     for action in actions:
         if not env.agents:
             return
@@ -66,7 +66,7 @@ def go_on(env: TaskEnv, actions: Sequence[Actions]) -> Iterator[Step]:
 
 
 def look(env: TaskEnv, seen: Mapping[str, Any], infos: Mapping[str, Any]) -> dict[str, bytes]:
-    """All that can be seen of an environment now."""
+    """Digests of all observable quantities of an environment."""
     found = {f"what {agent} sees": digest(value) for agent, value in seen.items()}
     first: Mapping[str, Any] = next(iter(infos.values()), {})
     found |= {name: digest(value) for name, value in first.items()}
@@ -75,7 +75,7 @@ def look(env: TaskEnv, seen: Mapping[str, Any], infos: Mapping[str, Any]) -> dic
 
 
 def physical(world: World) -> dict[str, Any]:
-    """Everything that moves, read off the physics by name."""
+    """The physical state by name."""
     found: dict[str, Any] = {"the time": world.time, "what is randomised": world.quantities}
     for name, thing in world.objects.items():
         found[name] = (thing.body.pose(), thing.body.velocity(), _joints(thing.body))
@@ -85,12 +85,12 @@ def physical(world: World) -> dict[str, Any]:
 
 
 def difference(one: Sequence[Step], other: Sequence[Step], begin: int = 0) -> Difference | None:
-    """Where two traces begin to differ, or None if they do not.
+    """The first difference of two traces, or None.
 
     Args:
         one: A trace, or the rest of one.
-        other: Another.
-        begin: Control steps that had passed before the first of them.
+        other: Another trace.
+        begin: Number of control steps before the first entry.
     """
     for step, (first, second) in enumerate(zip(one, other, strict=False), start=begin):
         if first != second:
@@ -102,7 +102,7 @@ def difference(one: Sequence[Step], other: Sequence[Step], begin: int = 0) -> Di
 
 
 def digest(value: Any) -> bytes:
-    """A hash of nested arrays, numbers and mappings, to the bit and in order."""
+    """A hash of nested arrays, numbers and mappings, in order."""
     found = hashlib.blake2b(digest_size=8)
     _feed(found, value)
     return found.digest()

@@ -47,11 +47,11 @@ def build_world(
 
     Args:
         task: The task file.
-        variation: 0 for the plain scene, k for the k-th variation.
-        renderer: What draws its pictures.
+        variation: Number of the variation; 0 for the task as written.
+        renderer: The renderer of its cameras.
 
     Raises:
-        FileError: Something in the files cannot be built; the findings point into them.
+        FileError: The files cannot be built; the findings point into them.
         SimulationError: The renderer does not work here.
     """
     scene = task.scenes[variation]

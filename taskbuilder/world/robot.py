@@ -90,6 +90,9 @@ class Robot:
 
         A target that jumps once a control step makes the arm jerk and overshoot.
         """
+        told = self.arm.command
+        while told.mode == "position" and told.values == tuple(positions):
+            yield  # motors go on with what they were told
         start = np.array(self.commanded())
         way = np.array(positions) - start
         for waypoint in (start + _shares(steps) * way).tolist():

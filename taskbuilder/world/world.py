@@ -34,15 +34,15 @@ PRESS_M = 3e-4
 
 @dataclass(frozen=True)
 class WorldState:
-    """A moment of a world, for going back to within the same world.
+    """A saved state of a world, to restore in the same world.
 
     Attributes:
         snapshot: The physics and the motors' targets.
         time: Seconds since the episode began.
-        sites: Where each site is, in the world or in what it rides on.
-        quantities: Values of what the task can randomise.
-        touches: A contact of every two links that touched.
-        forces: Between the watched pairs of bodies.
+        sites: Pose of each site, in the world or in the frame that it moves with.
+        quantities: Values of the quantities that the task can randomise.
+        touches: A contact of each pair of touching links.
+        forces: Forces between the watched pairs of bodies.
     """
 
     snapshot: Snapshot
@@ -56,23 +56,23 @@ class WorldState:
 class World(Single):
     """Robots, objects and sites of a scene, by name, over one physics client.
 
-    Values are read from the physics once and kept until the world moves on, so that everything
-    that looks at a control step sees the same world. It is the `WorldView` of descriptions.
+    Values are read from the physics once and cached until the next step, so that all readers of a
+    control step get the same values. It is the `WorldView` of descriptions.
 
     Attributes:
         task: The task file.
         spec: Its content.
-        scene: The scene that was built: the plain one or a variation.
-        client: The physics.
+        scene: The scene that was built, with the changes of the variation.
+        client: The physics client.
         robots: The agents, in file order.
         objects: The bodies that are not robots.
         sites: The named frames without a body.
         floor: The floor's body, if the scene has one.
-        warnings: What the engine said while it loaded assets.
+        warnings: Warnings of the engine while it loaded assets.
         time: Seconds since the episode began.
-        quantities: Values of what the task can randomise, in this episode.
-        onlooker: Advanced before each physics step, to look at what control steps pass over; it
-            must change nothing, and call `refresh` before it reads. None as a rule.
+        quantities: Values of the quantities that the task can randomise, in this episode.
+        onlooker: Called before each physics step, to read the state between control steps. It must
+            change nothing, and call `refresh` before it reads. Usually None.
     """
 
     def __init__(
@@ -110,15 +110,15 @@ class World(Single):
     # Time
 
     def keep_as_built(self) -> WorldState:
-        """Take the present state for the one that every episode starts from."""
+        """Save the current state as the one that every episode starts from."""
         self._built = self.save()
         return self._built
 
     def reset(self, seed: int, *, randomized: bool = False) -> None:
-        """Begin an episode: everything home, placed anew, and settled for one control step.
+        """Begin an episode: robots at home, objects placed, the scene settled for a control step.
 
         Args:
-            seed: Decides placement and randomisation, each by a generator of its own.
+            seed: Seed of placement and randomisation, each with a generator of its own.
             randomized: Draw the quantities that the task file lists under ``randomize``.
 
         Raises:
@@ -135,12 +135,12 @@ class World(Single):
         self._forces.clear()
 
     def step(self, arm_targets: Mapping[str, Sequence[float]] | None = None) -> None:
-        """Let one control step pass.
+        """Run one control step.
 
         Args:
-            arm_targets: Joint positions (rad or m) by robot, where its arm's targets arrive with
-                the last physics step of this control step: the way there is a straight line from
-                those commanded last. Other arms, and the grippers, go on with what they were told.
+            arm_targets: Target joint positions (rad or m) by robot for the last physics step of
+                this control step, interpolated linearly from the last commanded ones. Other arms,
+                and the grippers, keep their commands.
 
         Raises:
             ExplosionError: The physics diverged; build the world anew.
@@ -173,14 +173,14 @@ class World(Single):
         return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
 
     def refresh(self) -> None:
-        """Forget what was read of the physics."""
+        """Clear the cached values."""
         self._frames.refresh()
         self._touch.refresh()
 
     def save(self) -> WorldState:
-        """The world at this moment, motors' targets included; about 3 ms and 250 KB.
+        """Save the state, including the motors' targets; takes about 3 ms and 250 KB.
 
-        `release` it when done with it.
+        `release` the state when it is no longer needed.
         """
         motors: list[Commanded] = [lock.joint for lock in self._locks]
         for robot in self.robots.values():
@@ -194,7 +194,7 @@ class World(Single):
         )
 
     def restore(self, state: WorldState) -> None:
-        """Go back to a moment of this world, to the bit."""
+        """Restore a saved state of this world, bit for bit."""
         if state.touches:
             restore(state.snapshot)
             self._press(state.touches)
@@ -209,11 +209,11 @@ class World(Single):
         self.refresh()
 
     def release(self, state: WorldState) -> None:
-        """Free the memory of a moment, which cannot be gone back to afterwards."""
+        """Free a saved state, which cannot be restored afterwards."""
         release(state.snapshot)
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the physics client."""
         self.client.close()
 
     def _part(self) -> None:
@@ -274,7 +274,7 @@ class World(Single):
 
     @cached_property
     def movable(self) -> tuple[str, ...]:
-        """The objects that are not bolted down, in file order."""
+        """The objects that are not fixed, in file order."""
         return tuple(name for name, thing in self.objects.items() if not thing.spec.fixed)
 
     def is_solid(self, name: str) -> bool:
@@ -334,9 +334,9 @@ class World(Single):
         return self._touch.support(body, below)
 
     def watch_forces(self, pairs: Iterable[Pair]) -> None:
-        """Meter the forces between pairs of bodies from now on, and between no others.
+        """Measure the forces between these pairs of bodies from now on, and between no others.
 
-        Of pairs that were watched already, what is known goes on.
+        Measurements of pairs that were already watched continue.
 
         Raises:
             UnknownNameError: There is no such object, part or robot.
@@ -346,7 +346,7 @@ class World(Single):
         self._forces.restore(known)
 
     def contact_force(self, first: str, second: str) -> float:
-        """Force with which two things press on each other: see `ForceMeter`; 0 after reset.
+        """Contact force between two things in newtons, 0 after reset; see `ForceMeter`.
 
         Raises:
             UsageError: The pair is not watched.
@@ -356,7 +356,7 @@ class World(Single):
     # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
-        """What a named camera sees now: fixed, or riding on its mount.
+        """The current view of a named camera, fixed or on its mount.
 
         Raises:
             UnknownNameError: The scene has no such camera.
@@ -376,7 +376,7 @@ class World(Single):
         return CameraView(eye, aim, up, spec.fov_deg, width, height)
 
     def move_markers(self) -> None:
-        """Bring the markers of riding sites to where their sites are; only pictures need it."""
+        """Move the markers of moving sites to their sites; needed for pictures only."""
         for name, site in self.sites.items():
             if site.marker is not None and site.rides_on:
                 site.marker.place(self.pose(name))

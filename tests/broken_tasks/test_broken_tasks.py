@@ -21,11 +21,11 @@ from taskbuilder.description.load import try_import
 from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import Finding
 from taskbuilder.task import load_task
-from taskbuilder.validate.fresh import Give
+from taskbuilder.validate.checks.static import GROUPS
+from taskbuilder.validate.env_cache import EnvCache, EnvSource
+from taskbuilder.validate.fresh_process import Give
 from taskbuilder.validate.report import TaskReport
-from taskbuilder.validate.run import validate_task
-from taskbuilder.validate.static import GROUPS
-from taskbuilder.validate.studio import Source, Studio
+from taskbuilder.validate.runner import validate_task
 
 HERE = Path(__file__).parent
 SOUND = HERE / "sound.yaml"
@@ -74,9 +74,9 @@ ASKED_FOR = {
 def in_this_process(count: int, **_: Any) -> Iterator[Give]:
     """Stands for `fresh_processes`: the work is done here, when its results are waited for."""
 
-    def work(function: Callable[[Studio, Any], Any], source: Source, item: Any) -> Any:
-        with closing(Studio(load_task(source.reference, catalogue=source.catalogue))) as studio:
-            return function(studio, item)
+    def work(function: Callable[[EnvCache, Any], Any], source: EnvSource, item: Any) -> Any:
+        with closing(EnvCache(load_task(source.reference, catalogue=source.catalogue))) as cache:
+            return function(cache, item)
 
     yield lambda *what: lambda: [work(*what)] * count
 
@@ -91,7 +91,7 @@ def validated(file: Path, code: str | None) -> TaskReport:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("taskbuilder.task.try_import", trial)
         if code not in (None, "TB501", "TB502", "TB503"):
-            patch.setattr("taskbuilder.validate.repeat.fresh_processes", in_this_process)
+            patch.setattr("taskbuilder.validate.checks.repeat.fresh_processes", in_this_process)
         return validate_task(file, level="full", seeds=SEEDS, apart=code == "TB315")
 
 

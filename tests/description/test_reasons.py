@@ -179,6 +179,8 @@ def test_what_must_last_says_how_long_it_did(facts):
     assert first.endswith("(since step 5)")
     assert second.startswith("Sustained: kept for 0.2 of 0.5 s at most")
     assert len(facts(kept, "", "")) == 1
+    _, lost = facts(kept, "a", "a", "a", "a", "a", "a", "a", "a", "")
+    assert lost.startswith("Sustained: kept for 0.7 s, 0.5 s were needed, but not to the end")
 
 
 def test_what_must_come_in_order_says_what_it_waits_for(facts):

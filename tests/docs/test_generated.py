@@ -13,7 +13,7 @@ sys.path.insert(0, str(DOCS))
 
 from generators import GENERATORS, fill, pages  # noqa: E402  # found by the line above
 
-from taskbuilder.validate.run import validate_task  # noqa: E402
+from taskbuilder.validate.runner import validate_task  # noqa: E402
 
 PAGES = {page.relative_to(DOCS).as_posix(): page.read_text(encoding="utf-8") for page in pages()}
 

@@ -27,13 +27,13 @@ TOLD = {
         "1. `left`: reach `goal`, 5 mm below, turned to (180, 0, 90)°"
     ),
     "{'left': {'bring': 'cube', 'to': 'tray', 'offset': (-0.04, 0.0, 0.0), 'above': 0.04}}": (
-        "1. `left`: bring `cube` to `tray`, (−0.04, 0, 0) m beside it, 4 cm above"
+        "1. `left`: bring `cube` to `tray`, offset by (−0.04, 0, 0) m, 4 cm above"
     ),
     "{'left': {'bring': 'cube', 'to': 'tray', 'align': True, 'tolerance': 0.005}}": (
-        "1. `left`: bring `cube` to `tray`, turned as that is, to within 5 mm"
+        "1. `left`: bring `cube` to `tray`, turned like that frame, to within 5 mm"
     ),
     "{'left': {'retreat': 0.12, 'speed': 0.5, 'touching': ('a', 'b')}}": (
-        "1. `left`: retreat 12 cm, touching `a` and `b` if need be, at 50 % of its speed"
+        "1. `left`: retreat 12 cm, may touch `a` and `b`, at 50 % of full speed"
     ),
     "{'left': {'close': 'nothing'}, 'right': {'close': 'cube'}}": (
         "1. `left`: close on nothing; `right`: close on `cube`"
@@ -43,7 +43,7 @@ TOLD = {
     ),
     "{'until': 'at goal', 'within': 1.5}": "1. wait until `at goal` holds, 1.5 s at most",
     "{'repeat': 3, 'unless': 'done', 'stages': ({'left': 'release'}, {'until': 'success'})}": (
-        "1. 3 times, but no more once `done` holds:\n\n"
+        "1. 3 times, until `done` holds:\n\n"
         "   1. `left`: release\n"
         "   1. wait until `success` holds, 2 s at most"
     ),

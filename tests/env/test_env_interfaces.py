@@ -242,7 +242,7 @@ def test_environments_and_learning_load_nothing_that_draws_on_paper():
     code = """
 import taskbuilder.env.vector, taskbuilder.env.joint, taskbuilder.expert.named
 import taskbuilder.visual.film
-import taskbuilder.learn.evaluation, taskbuilder.validate.run, taskbuilder.validate.html.files
+import taskbuilder.learn.evaluation, taskbuilder.validate.runner, taskbuilder.validate.html.files
 print({"matplotlib", "PIL"} & {*sys.modules})
 """
     assert printed(code) == "set()\n"

@@ -112,6 +112,18 @@ def test_an_expert_that_stops_holds_still_until_the_episode_is_over(expert):
     assert np.abs(player.play(0).actions["arm"]).max() == 0.0
 
 
+def test_an_expert_may_hold_still_only_where_nothing_is_decided_yet(expert):
+    held = expert(GRASP)  # which is no success, and no trouble
+    whole = held.play(0, explain=True)
+    assert held.play(0, explain=True, finish="undecided").equals(whole)
+    assert held.play(0, finish=False).steps == whole.stage_ends[0] < whole.steps
+    brought = expert(GRASP, "arm: {bring: block, to: goal}").play(0, finish="undecided")
+    assert brought.success
+    assert brought.steps == brought.stage_ends[-1]
+    stopped = expert("arm: {bring: block, to: goal}").play(0, finish="undecided")
+    assert stopped.trouble.step == stopped.steps
+
+
 def test_an_expert_that_persists_goes_on_with_the_next_stage(expert):
     stages = ("arm: {bring: block, to: goal}", "arm: {reach: spot}")
     player = expert(*stages)

@@ -8,7 +8,7 @@ import pickle
 import pytest
 
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
-from taskbuilder.validate.alone import Solo
+from taskbuilder.validate.solo import Solo
 
 TEXTS = {
     EXPERT: "expert",

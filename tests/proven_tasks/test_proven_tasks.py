@@ -18,7 +18,7 @@ from taskbuilder.expert.script.foresight import Foresight
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.schema.expert import Order
 from taskbuilder.task import load_task
-from taskbuilder.validate.run import validate_task
+from taskbuilder.validate.runner import validate_task
 
 HERE = Path(__file__).parent
 TASKS = sorted(file.stem for file in HERE.glob("*.yaml"))

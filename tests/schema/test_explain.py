@@ -51,7 +51,7 @@ def test_the_plain_task_has_no_findings(findings):
             LEFT,
             "left: {model: ur5e}",
             "7:5: error[TB101] scene.robots.left.base: missing; "
-            "where it stands, such as {position: [0, 0, 0.4]}",
+            "pose of its base, such as {position: [0, 0, 0.4]}",
         ),
         # types
         (

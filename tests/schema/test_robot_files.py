@@ -137,7 +137,7 @@ def test_degrees_are_for_joints_that_turn_and_metres_for_those_that_slide(findin
             "from 0 m to 0.3 m",
         ),
         ("urdf: toy.urdf", "urdf: ty.urdf", "3:7: error[TB401] urdf: "),
-        ("urdf: toy.urdf\n", "", "1:1: error[TB101] urdf: missing; relative to this file"),
+        ("urdf: toy.urdf\n", "", "1:1: error[TB101] urdf: missing; path relative to this file"),
         (
             "  stroke: 0.1\n",
             "  stroke: 0\n",

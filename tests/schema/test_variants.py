@@ -271,7 +271,7 @@ HERE = "scene.objects.cabinet.joints"
         ),
         (
             "{hinge: {start: 0.1, start_deg: 5}}",
-            f"error[TB106] {HERE}.hinge: start is for a joint that slides and start_deg for one",
+            f"error[TB106] {HERE}.hinge: start is for a prismatic joint and start_deg for a revo",
         ),
         (
             "{slide: {limits: [0.2, 0.1]}}",
@@ -292,7 +292,7 @@ HERE = "scene.objects.cabinet.joints"
         ),
         (
             "{slide: {spring: {rest: 0}}}",
-            f"error[TB101] {HERE}.slide.spring.stiffness: missing; in N/m where the joint slides",
+            f"error[TB101] {HERE}.slide.spring.stiffness: missing; in N/m, or N m/rad",
         ),
     ],
 )

@@ -80,6 +80,19 @@ def test_the_same_generator_gives_the_same_solution(chain):
     assert one == other
 
 
+def test_no_more_chance_is_used_than_the_attempts_that_it_took(chain):
+    for seed in range(30):
+        target = chain.forward(np.random.default_rng(seed).uniform(chain.lower, chain.upper))
+
+        def found(attempts, seed=seed, target=target):
+            rng = np.random.default_rng(seed)
+            result = solve(chain, target, start=middle(chain), rng=rng, attempts=attempts)
+            return result, rng.random()
+
+        needed = next(count for count in range(1, 21) if found(count)[0].ok)
+        assert found(20) == found(needed)
+
+
 def test_an_unreachable_pose_is_reported_with_how_near_it_gets(chain):
     result = solve(
         chain, Pose((5.0, 0.0, 0.0)), start=middle(chain), rng=np.random.default_rng(0), attempts=3

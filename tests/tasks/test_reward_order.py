@@ -8,7 +8,7 @@ from statistics import mean
 import pytest
 
 from taskbuilder.expert.ways import EXPERT, Kind, Way
-from taskbuilder.validate.run import validate_task
+from taskbuilder.validate.runner import validate_task
 
 KEPT = Path(__file__).parent / "variants" / "handover_kept.yaml"
 

@@ -9,7 +9,7 @@ import pytest
 from taskbuilder.env.observing import Observer
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.task import load_task
-from taskbuilder.validate.contract import SUITES, check_suite
+from taskbuilder.validate.checks.contract import SUITES, check_suite
 
 observe = Observer.observe
 

@@ -45,7 +45,7 @@ class TestAMistakeInTheMiddle:
         assert codes(report) == {"TB314"}
 
     def test_is_found_where_only_the_tests_of_libraries_see_it(self, prove, monkeypatch):
-        monkeypatch.setattr("taskbuilder.validate.contract.watch", lambda *_: Views())
+        monkeypatch.setattr("taskbuilder.validate.checks.contract.watch", lambda *_: Views())
         late = own("measure", "return 1 / (world.time < 0.05)", use="progress = own()")
         without_expert = (PAIR_EXPERT, "")
         report = prove(*late, without_expert, only=("contract",))

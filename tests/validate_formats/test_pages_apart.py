@@ -5,7 +5,7 @@ from __future__ import annotations
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.validate.html.page import make_page
 from taskbuilder.validate.html.templates import task_page
-from taskbuilder.validate.run import validate_task
+from taskbuilder.validate.runner import validate_task
 
 DESCRIPTION = """
 import os

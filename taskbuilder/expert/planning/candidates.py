@@ -1,4 +1,4 @@
-"""Simple ways around things, tried before any search: over them, or one after the other."""
+"""Simple detours that are tried before a search: over obstacles, or one robot after the other."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from taskbuilder.expert.planning.spaces import Space
 from taskbuilder.expert.planning.subspaces import Carried, Coordinates, Subspace
 
 HEIGHTS_M = (0.0, 0.05, 0.1, 0.18, 0.28)
-"""How far above the higher of its ends a frame is raised to pass over things."""
+"""Heights above the higher end of a motion at which a detour passes over obstacles, in metres."""
 
 MOST_ORDERS = 6
-"""With more robots than three there would be too many orders to try."""
+"""Maximum number of orders in which robots move one after the other: those of three robots."""
 
 Line = list[Coordinates]
 
 
 def candidate_paths(space: Space) -> Iterator[Line]:
-    """Corners of lines from the beginning of a space to its end; straight lines are not among them.
+    """Waypoints of detours from the start of a space to its end, without the straight line.
 
-    First lines along which all parts move at once, some of them raised. Then lines along which
-    they move one after the other.
+    First detours on which all parts move at once, some of them raised. Then detours on which they
+    move one after the other.
     """
     raisable = [_raisable(part) for part in space.parts]
     for height in HEIGHTS_M:
@@ -41,7 +41,7 @@ def _raisable(part: Subspace) -> bool:
 
 
 def _together(parts: Sequence[Subspace], raised: Sequence[bool], height: float) -> Line:
-    """All at once; those that are not raised go on evenly meanwhile."""
+    """All parts at once; parts that are not raised move at a constant rate."""
     lines = [_over(part, height) for part, up in zip(parts, raised, strict=True) if up]
     lengths = [sum(sizes) for sizes in zip(*(_lengths(line) for line in lines), strict=True)]
     total = sum(lengths) or 1.0
@@ -72,7 +72,7 @@ def _in_order(parts: Sequence[Subspace], order: Sequence[int], height: float | N
 
 
 def _over(part: Subspace, height: float) -> Line:
-    """Up, over and down, beginning included."""
+    """Waypoints up, over and down, with the start."""
     (x, y, z, share), (to_x, to_y, to_z, to_share) = part.begin, part.end
     top = max(z, to_z) + height
     return [part.begin, (x, y, top, share), (to_x, to_y, top, to_share), part.end]

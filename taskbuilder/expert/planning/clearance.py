@@ -1,4 +1,4 @@
-"""How near things may come to each other on the way from one posture to another."""
+"""Minimum distances between bodies during a motion."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import gaps
 
 CLEARANCE_M = 0.009
-"""How far apart things stay that need not meet."""
+"""Minimum distance between bodies that need not touch, in metres."""
 
 SLACK_M = 0.001
-"""How much nearer than at the ends of a motion things may come on the way."""
+"""Tolerance on distances at the ends of a motion, in metres."""
 
 DEEPEST_M = 0.003
-"""How deep inside each other things may be at the end of a motion: grasps and rests are not
-known better than that."""
+"""Maximum penetration at the end of a motion, in metres: poses of held and resting objects are
+not known more precisely."""
 
 GRACE_M = 0.08
-"""So far from an end of its motion a tool may leave things as near as they are at that end: about
-a finger's length. Further on, they must part by a tenth of the way."""
+"""Within this distance (m) from an end of the motion, about a finger's length, pairs may be as
+close as at that end. Farther on, they must separate by a tenth of the way."""
 
 PARTING = 0.1
 
@@ -33,10 +33,10 @@ Key = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Posture:
-    """Where the arms that move are.
+    """A configuration of the moving arms.
 
     Attributes:
-        joints: Of each arm, rad or m.
+        joints: Joint positions of each arm, rad or m.
         tools: Pose of each arm's tool, in the world.
     """
 
@@ -46,14 +46,14 @@ class Posture:
 
 @dataclass(frozen=True)
 class ClearanceViolation:
-    """Two things that are, or would be, nearer to each other than allowed.
+    """Two bodies that are closer to each other than allowed.
 
     Attributes:
-        a: What moves, as ``left's wrist_2_link`` or ``the stick``.
-        b: What it comes near to.
+        a: The moving body, such as ``left's wrist_2_link`` or ``the stick``.
+        b: The other body.
         robot: The robot that moves it.
-        distance: Between them, m; negative when one is inside the other.
-        advice: What to write if that is meant to be, or "".
+        distance: Distance in metres; negative for a penetration.
+        advice: What to write in the task file if this is intended, or "".
     """
 
     a: str
@@ -93,15 +93,15 @@ class _Solid:
 
 
 class Clearance:
-    """Distances between what moves and everything else.
+    """Checks distances between moving bodies and everything else.
 
-    Normally things keep `CLEARANCE_M` apart. A pair that is nearer at the start or at the end of
-    a motion may stay as near: at one of them only, while the tool is within `GRACE_M` of it.
+    Bodies normally keep `CLEARANCE_M` apart. A pair that is closer at the start or at the end of a
+    motion may stay as close; if at one end only, while the tool is within `GRACE_M` of that end.
 
     Args:
-        collision_world: Where everything is.
+        collision_world: The copy of the world.
         moving: The robots that move.
-        riders: What their tools carry.
+        riders: Objects that their tools carry.
         held: The object that each robot holds, moving or not.
         touching: The objects that each robot may touch.
     """
@@ -123,10 +123,10 @@ class Clearance:
         self._allowed: tuple[dict[Key, float], dict[Key, float]] = ({}, {})
 
     def between(self, start: Posture, goal: Posture) -> None:
-        """Look at the ends of a motion, for what may be near on the way.
+        """Measure the ends of a motion, to find the allowed distances on the way.
 
         Raises:
-            PlanningError: Things would be inside each other at its end.
+            PlanningError: Bodies would penetrate each other at the end.
         """
         self._ends = (start, goal)
         at_start, at_goal = self._nearest(start), self._nearest(goal)
@@ -139,7 +139,7 @@ class Clearance:
         self._allowed = (at_start, at_goal)
 
     def trouble(self, posture: Posture) -> ClearanceViolation | None:
-        """Things that are too near each other on the way."""
+        """Bodies that are too close to each other on the way."""
         self._place(posture)
         for number, (one, other) in enumerate(self._pairs):
             for gap in gaps(one.body, other.body, CLEARANCE_M):
@@ -149,7 +149,7 @@ class Clearance:
         return None
 
     def _least(self, key: Key, posture: Posture) -> float:
-        """How near a pair may be in a posture."""
+        """The allowed distance of a pair in a posture."""
         at_start, at_goal = (ends.get(key) for ends in self._allowed)
         if at_start is not None and at_goal is not None:
             return min(at_start, at_goal) - SLACK_M
@@ -163,7 +163,7 @@ class Clearance:
         return min(CLEARANCE_M, (at or 0.0) - SLACK_M + PARTING * max(0.0, away - GRACE_M))
 
     def _nearest(self, posture: Posture) -> dict[Key, float]:
-        """The smallest distance of each pair that is near in a posture."""
+        """The smallest distance of each close pair in a posture."""
         self._place(posture)
         found: dict[Key, float] = {}
         for number, (one, other) in enumerate(self._pairs):
@@ -214,7 +214,7 @@ def _pairs(
     held: Mapping[str, str],
     touching: Mapping[str, Collection[str]],
 ) -> Iterator[tuple[_Solid, _Solid]]:
-    """What must not come near each other, that which moves first."""
+    """The pairs to check, with the moving body first."""
     for pair in combinations(solids, 2):
         one, other = sorted(pair, key=lambda solid: not solid.driver)
         names = {one.name, other.name}

@@ -1,4 +1,4 @@
-"""A second world, to ask how near things would come, without touching the one that is played."""
+"""A second world for distance queries, which leaves the simulated one unchanged."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
 RESTING_M = 0.003
-"""What is nearer than this to a thing below it lies on it."""
+"""An object closer than this (m) to one below it rests on it."""
 
 
 @dataclass(frozen=True)
 class AttachedObject:
-    """An object that moves with a tool as if it were part of it.
+    """An object that moves rigidly with a tool.
 
     Attributes:
         name: The object.
-        robot: Whose tool.
-        pose: Of the object in the tool's frame.
+        robot: The robot.
+        pose: Pose of the object in the tool's frame.
     """
 
     name: str
@@ -31,10 +31,10 @@ class AttachedObject:
 
 
 class CollisionWorld:
-    """A copy of a world that can be put into any posture.
+    """A copy of a world whose arms can be put in any configuration.
 
     Args:
-        world: What to copy: its task and scene, not yet its state.
+        world: The world to copy: its task and scene, but not its state.
 
     Attributes:
         world: The copy.
@@ -54,7 +54,7 @@ class CollisionWorld:
         }
 
     def copy(self, live: World) -> dict[str, tuple[float, ...]]:
-        """Put everything where it is in a world of the same scene; its arms, where commanded.
+        """Copy the state of a world of the same scene, with arms at their commanded positions.
 
         Returns:
             The commanded joints of each arm.
@@ -77,10 +77,10 @@ class CollisionWorld:
         pose_joints(built.body, built.arm.indices, joints)
 
     def riders(self, live: World, held: Mapping[str, str]) -> list[AttachedObject]:
-        """What moves with the tools: what they hold, and what lies on that, and so on.
+        """Objects that move with the tools: held ones, those that rest on these, and so on.
 
         Args:
-            live: The world as it was copied; grasps are as they are there.
+            live: The world that was copied, for the grasps.
             held: The object that each robot holds.
         """
         riding: dict[str, AttachedObject] = {}
@@ -99,11 +99,11 @@ class CollisionWorld:
         return list(riding.values())
 
     def close(self) -> None:
-        """Free the physics."""
+        """Close the physics engine."""
         self.world.close()
 
     def _resting_on(self, below: str) -> Iterator[str]:
-        """The movable objects that lie on one."""
+        """The movable objects that rest on one."""
         carrier = self.world.objects[below].body
         for name in self.world.movable:
             body = self.world.objects[name].body

@@ -10,12 +10,12 @@ Cause = Literal["out of reach", "in collision", "no way"]
 
 
 class PlanningError(TaskbuilderError):  # it is an answer as much as an error
-    """A motion that cannot be made.
+    """A motion is not possible.
 
     Attributes:
-        robot: Whose motion it is; "" where it is none in particular.
-        cause: In a few words; one of `Cause`.
-        message: Which robot and what is in the way or how far off it stays, in a sentence.
+        robot: The robot; "" for none in particular.
+        cause: The cause, one of `Cause`.
+        message: The robot and the obstacle, or the remaining distance, in a sentence.
     """
 
     def __init__(self, robot: str, cause: Cause, message: str) -> None:

@@ -1,4 +1,4 @@
-"""Where a motion may end: the joints by which arms bring their tools to where they should be."""
+"""The end of a motion: joint positions with which tools reach their goals."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from taskbuilder.geometry import Pose
 from taskbuilder.sim.kinematics import solve
 
 BRANCHES = 16
-"""From how many beginnings other joints for a goal are looked for."""
+"""Start points of the search for further joint solutions."""
 
 MOST_ENDS = 12
-"""How many combinations of joints are tried, the nearest first."""
+"""Maximum number of combinations of joint solutions that are tried, the nearest first."""
 
 SAME = 0.05
 """Joints that differ by less than this (rad or m) are the same solution."""
 
 
 def goal_of(space: Space, start: Waypoint, rng: np.random.Generator) -> Waypoint:
-    """The point at the end of a space: as the straight way leads there, or by any way.
+    """The point at the end of a space, reached along the straight path or in any other way.
 
     Raises:
-        PlanningError: A tool cannot get there.
+        PlanningError: A tool cannot reach it.
     """
     point = start
     for point in space.line(start, space.end):  # noqa: B007  # the last one is wanted
@@ -47,15 +47,15 @@ def goal_of(space: Space, start: Waypoint, rng: np.random.Generator) -> Waypoint
 def ends(
     parts: Sequence[Subspace], goals: Mapping[str, Pose], rng: np.random.Generator
 ) -> Iterator[Space]:
-    """Spaces that differ in the joints with which arms reach their goals, the nearest first.
+    """Spaces for the different joint solutions at the goals, the nearest first.
 
     Args:
-        parts: What moves; the ends of those that go by joints are still open.
-        goals: Of the tools of arms that go by joints, in the world.
-        rng: For where inverse kinematics begins.
+        parts: The moving parts; the ends of jointed parts are not determined yet.
+        goals: Goals of the tools of jointed parts, in the world.
+        rng: Generator of start points of inverse kinematics.
 
     Raises:
-        PlanningError: A tool cannot get to its goal.
+        PlanningError: A tool cannot reach its goal.
     """
     near: list[Subspace] = []
     for part in parts:
@@ -79,7 +79,7 @@ def ends(
 
 
 def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subspace]:
-    """An arm with each of the different joints that were found for its goal."""
+    """An arm with each of the joint solutions for its goal."""
     found: list[ArmJoints] = [part.end]
     chain, arm = part.reach.arm.robot.chain, part.reach.arm
     turning = np.array(arm.ik.turns)
@@ -96,7 +96,7 @@ def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subsp
 
 
 def _wound(reach: Reach, joints: Sequence[float], near: Sequence[float]) -> ArmJoints:
-    """The same posture with each turning joint on the full turn within limits that is nearest."""
+    """The same configuration with each revolute joint on the nearest full turn within limits."""
     ik = reach.arm.ik
     turn = 2.0 * math.pi
     wound = []
@@ -111,10 +111,10 @@ def _apart(one: Sequence[float], other: Sequence[float]) -> float:
 
 
 def _solved(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Generator) -> ArmJoints:
-    """Joints that bring a tool to a pose in the world.
+    """Joint positions that bring a tool to a pose in the world.
 
     Raises:
-        PlanningError: There are none.
+        PlanningError: There is no solution.
     """
     target = reach.arm.base_from_world @ aim
     found = solve(reach.arm.robot.chain, target, start=start, rng=rng)

@@ -1,4 +1,4 @@
-"""Moves: what is to go where, and the parts of a motion that they become."""
+"""Moves: frames with their goals, and their conversion to parts of a motion."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.world.world import World
 
 MOST_TILT = math.radians(25.0)
-"""How much a goal's orientation may differ from what the action mode can command."""
+"""Maximum difference of a goal's orientation from what the action mode can command, in rad."""
 
 
 @dataclass(frozen=True)
 class Move:
-    """A frame that is to go somewhere, with the arms that carry it.
+    """A frame to move to a goal, with the arms that carry it.
 
     Attributes:
         carriers: Each robot and its tcp in the moved frame: ``{robot: Pose()}`` for an arm's own
             tool, ``{robot: object_from_tcp}`` for an object held by one arm, several robots for
             a load that is held by all of them.
-        goal: Of the moved frame, in the world.
-        straight: Whether it may only go along a straight line, at an even turn.
-        speed: Share of the fastest that the action mode allows, above 0 and at most 1.
+        goal: Goal of the moved frame, in the world.
+        straight: Whether only a straight line with an even rotation is allowed.
+        speed: Fraction of the speed that the action mode allows, above 0 and at most 1.
         touching: Objects that may be touched, pushed or pressed on the way.
     """
 
@@ -39,23 +39,23 @@ class Move:
 
     @property
     def tools(self) -> dict[str, Pose]:
-        """Where each carrier's tool is to go, in the world."""
+        """The goal of each carrier's tool, in the world."""
         return {name: self.goal @ tcp for name, tcp in self.carriers.items()}
 
     def by_joints(self, reaches: Mapping[str, Reach]) -> bool:
-        """Whether it goes wherever its arm's joints lead, rather than along lines in the world."""
+        """Whether it moves along lines in joint space, and not along lines in the world."""
         alone = len(self.carriers) == 1 and not self.straight
         return alone and not any(reaches[name].in_tool_space for name in self.carriers)
 
     def carried(self, reaches: Mapping[str, Reach], joints: Mapping[str, ArmJoints]) -> Carried:
-        """This move along lines in the world.
+        """This move as a part that moves along lines in the world.
 
         Args:
             reaches: All arms.
-            joints: Of all arms, at the beginning.
+            joints: Joint positions of all arms at the start.
 
         Raises:
-            PlanningError: A tool would have to be turned as its action mode cannot.
+            PlanningError: The action mode cannot command the orientation of a tool.
         """
         arms = {name: reaches[name] for name in self.carriers}
         tools = {name: reach.tool(joints[name]) for name, reach in arms.items()}
@@ -68,7 +68,7 @@ class Move:
 
 
 def check_moves(moves: Sequence[Move], held: Mapping[str, str], world: World) -> None:
-    """Refuse moves that contradict each other or the scene.
+    """Check that moves do not contradict each other or the scene.
 
     Raises:
         UsageError: They do.

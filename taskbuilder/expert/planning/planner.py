@@ -1,4 +1,4 @@
-"""Planning: how arms get somewhere together without bumping into things or each other."""
+"""Collision-free motion planning for several arms at once."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from taskbuilder.world.world import World
 __all__ = ["Move", "Planner", "PlanningError", "Trajectory"]
 
 FAR, FAR_M = 2.0, 0.3
-"""Other joints for the same goal count as far beyond this multiple of the nearest, and this more:
-rather than going there, a way around things is sought."""
+"""Joint solutions farther than this multiple of the nearest plus this distance (m) count as far; a
+search for a detour to nearer ones comes first."""
 
 MOST_SEARCHED = 2
-"""For so many different joints at the goal trees are grown."""
+"""Maximum number of joint solutions at the goal for which trees are grown."""
 
 Look = Callable[[Search], Way | None]
 
 
 class Planner:
-    """Plans motions in an environment, of which it only reads.
+    """Plans motions in an environment, without changing it.
 
-    Distances are asked of a copy of the environment's world, made when first needed and kept.
+    Distances are computed in a copy of the environment's world, which is made on first use.
 
     Args:
         env: Any environment of a task.
@@ -51,18 +51,18 @@ class Planner:
         held: Mapping[str, str] = {},
         rng: np.random.Generator,
     ) -> Trajectory:
-        """Plan moves that all happen at the same time, from where everything is now.
+        """Plan simultaneous moves from the current state.
 
-        Robots that do not move stand where they are commanded. What a tool holds, and what lies
-        on that, moves with it.
+        Robots that do not move stay at their commanded positions. Held objects, and objects that
+        lie on these, move with the tools.
 
         Args:
-            moves: What is to go where; no robot in more than one.
+            moves: The moves; each robot is in at most one of them.
             held: The object that each robot holds now.
-            rng: For the search for a way where there is no straight one.
+            rng: Generator of the search, if no straight path is free.
 
         Raises:
-            PlanningError: It cannot be done.
+            PlanningError: There is no plan.
             UsageError: The moves contradict each other, or an arm's action mode is joint_torque.
         """
         live = self._env.episode.world
@@ -94,7 +94,7 @@ class Planner:
 
 @dataclass(frozen=True)
 class _Motion:
-    """What is to be planned."""
+    """A planning problem."""
 
     collision_world: CollisionWorld
     moves: Sequence[Move]
@@ -105,10 +105,10 @@ class _Motion:
     rng: np.random.Generator
 
     def way(self) -> tuple[Space, Way]:
-        """The first way that is found.
+        """The first path that is found.
 
         Raises:
-            PlanningError: None is found.
+            PlanningError: No path is found.
         """
         first: Search | None = None
         for search, look in self._attempts():
@@ -121,7 +121,7 @@ class _Motion:
         raise first.no_way()
 
     def _attempts(self) -> Iterator[tuple[Search, Look]]:
-        """What to look at and how, the cheapest and the nearest first."""
+        """The attempts in order, the cheapest and the nearest first."""
         reaches = self.collision_world.reaches
         lines = [move.carried(reaches, self.joints) for move in self.moves]
         if not any(move.by_joints(reaches) for move in self.moves):
@@ -130,7 +130,7 @@ class _Motion:
             yield search, Search.simple
             yield search, Search.connect
             return
-        # Where joints are commanded, lines of the joints come first, then lines in the world.
+        # For joint-space modes, lines in joint space come first, then lines in the world.
         open_ends = self._open(self._ends(lines))
         nearest = next(open_ends)
         yield nearest, Search.straight
@@ -158,10 +158,10 @@ class _Motion:
         return ends(parts, goals, self.rng)
 
     def _open(self, spaces: Iterator[Space], *, strict: bool = True) -> Iterator[Search]:
-        """Searches through spaces of which the end is free.
+        """Searches in spaces whose end is free.
 
         Raises:
-            PlanningError: None is, and strict.
+            PlanningError: No end is free, and ``strict`` is set.
         """
         refusal: PlanningError | None = None
         free = False
@@ -177,7 +177,7 @@ class _Motion:
             raise refusal
 
     def _search(self, space: Space) -> Search:
-        """A search through a space.
+        """A search in a space.
 
         Raises:
             PlanningError: Its end is out of reach or in collision.

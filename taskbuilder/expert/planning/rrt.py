@@ -14,13 +14,13 @@ from taskbuilder.expert.planning.spaces import Space, Waypoint
 from taskbuilder.expert.planning.subspaces import Coordinates
 
 ITERATIONS = 400
-"""How often the trees grow before they are given up."""
+"""Maximum number of growth steps of the trees."""
 
 STRIDE_M = 0.25
-"""How far a tree grows at a time."""
+"""Maximum length of a growth step, in metres."""
 
 COARSE = 1.4
-"""How much longer than fine the steps are by which new branches are looked at."""
+"""Factor on the length of a fine step when new branches are checked."""
 
 Line = list[Coordinates]
 
@@ -31,16 +31,16 @@ def connect(
     free: Callable[[Waypoint], bool],
     rng: np.random.Generator,
 ) -> Iterator[Line]:
-    """Lines with corners from one point to another, to be looked at closely.
+    """Yield candidate paths from one point to another, which must be checked in fine steps.
 
-    Trees look coarsely, and follow the half of a line that comes from the goal backwards. They go
-    on growing as long as more lines are asked for.
+    Trees check coarsely, and follow the half of a path from the goal backwards. They continue to
+    grow as long as more paths are requested.
 
     Args:
-        space: What moves.
-        ends: Where it begins, and where it is to go.
+        space: The search space.
+        ends: The start and the goal.
         free: Whether a point is allowed.
-        rng: Decides where the trees grow to.
+        rng: Generator of the samples.
     """
     trees = (_Tree(space, ends[0]), _Tree(space, ends[1]))
     low, high = space.bounds
@@ -69,10 +69,10 @@ class _Tree:
     def grow(
         self, target: Coordinates, stride: float, free: Callable[[Waypoint], bool]
     ) -> int | None:
-        """Grow towards coordinates as far as it is free, and by at most so many metres.
+        """Grow towards coordinates as far as it is free, by at most a given length.
 
         Returns:
-            The number of the new point, or None if there is none.
+            The index of the new point, or None.
         """
         nearest = self._nearest(target)
         begin = self.points[nearest]

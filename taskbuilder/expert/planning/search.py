@@ -1,4 +1,4 @@
-"""The search for a way: a straight one, a simple one, or what two growing trees find."""
+"""The search for a path: a straight one, a simple detour, or one of RRT-Connect."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
 from taskbuilder.expert.planning.subspaces import Coordinates
 
 SHORTCUTS, MANY_SHORTCUTS = 24, 60
-"""How often it is tried to cut corners of a simple way, and of one that trees have found."""
+"""Attempts to shorten a simple path, and a path from the trees."""
 
 Way = list[Waypoint]
 
 
 class Search:
-    """Looks for ways through a space, and keeps account of what is in the way.
+    """Searches for a path in a space, and counts the obstacles that it meets.
 
     Args:
-        space: What moves.
-        clearance: What may be how near to what.
-        start: Where it begins.
-        goal: Where it is to go, if it can.
-        rng: For the trees and for shortcuts.
+        space: The search space.
+        clearance: The allowed distances.
+        start: The start point.
+        goal: The goal point.
+        rng: Generator of the trees and the shortcuts.
     """
 
     def __init__(
@@ -50,11 +50,11 @@ class Search:
 
     @property
     def length(self) -> float:
-        """Length of the straight way, free or not, m."""
+        """Length of the straight path, free or not, m."""
         return self.space.length([self._start.at, self.space.end])
 
     def no_way(self) -> PlanningError:
-        """Why no way was found: what was most in the way, or a line that no tool can follow."""
+        """Why no path was found: the most frequent obstacle, or a line that no tool can follow."""
         names = list(self.space.reaches)
         words = f"{' and '.join(names)} find{'s' if len(names) == 1 else ''} no "
         words += "straight way: on it, " if self.space.rigid else "way: on those tried, "
@@ -67,11 +67,11 @@ class Search:
         )
 
     def straight(self) -> Way | None:
-        """The straight way, if it is free."""
+        """The straight path, if it is free."""
         return self._along(self._start, [self.space.end])
 
     def simple(self) -> Way | None:
-        """The shortest free way that leads up, over and down, or moves one part at a time."""
+        """The shortest free detour: up, over and down, or one part at a time."""
         lines = candidate_paths(self.space)
         for line in sorted(lines, key=lambda line: self.space.length([self._start.at, *line])):
             way = self._along(self._start, line)
@@ -80,7 +80,7 @@ class Search:
         return None
 
     def connect(self) -> Way | None:
-        """A way found by trees that grow from both ends."""
+        """A path of trees that grow from both ends."""
         if len(self.space.begin) == 1:
             return None  # a single line leads round nothing
         ends = (self._start, self._goal)
@@ -91,7 +91,7 @@ class Search:
         return None
 
     def _along(self, start: Waypoint, line: Sequence[Coordinates]) -> Way | None:
-        """The way along a line with corners, in fine steps, if it is free and arrives."""
+        """The path along waypoints in fine steps, if it is free and reaches the goal."""
         way = [start]
         for corner in line:
             for point in self.space.line(way[-1], corner):
@@ -104,7 +104,7 @@ class Search:
         return way
 
     def _shortened(self, way: Way, tries: int) -> Way:
-        """The same way with corners cut, for all parts or for one, where that is free."""
+        """The path with free shortcuts, for all parts or for one."""
         shorter = way
         for _ in range(tries):
             first, last = sorted(self._rng.integers(0, len(shorter), 2).tolist())
@@ -120,7 +120,7 @@ class Search:
         return checked or way
 
     def _cut(self, piece: Way, parts: Sequence[int]) -> Way | None:
-        """A piece of a way along which some parts go straight, if it is free."""
+        """A segment of a path on which some parts move straight, if it is free."""
         old = [point.at for point in piece]
         new = self.space.straightened(old, parts)
         if self.space.length(new) > 0.99 * self.space.length(old):

@@ -1,4 +1,4 @@
-"""The space that is searched for a way: the parts of a motion, side by side."""
+"""The search space of a motion: the coordinates of all its parts."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from taskbuilder.expert.planning.subspaces import ArmJoints, Carried, Coordinate
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
 
 OFF_M, OFF_TURN = 0.01, math.radians(6.0)
-"""How far off its line a tool may be on the way."""
+"""Maximum deviation of a tool from its line on the way (m, rad)."""
 
 NEAR_M, NEAR_TURN = 0.004, math.radians(3.0)
-"""How near to its goal a tool must come."""
+"""Maximum deviation of a tool at its goal (m, rad)."""
 
 
 @dataclass(frozen=True)
 class Off:
-    """How far a tool is from where it should be.
+    """The deviation of a tool from its target pose.
 
     Attributes:
-        robot: Whose tool; "" where none should be anywhere.
+        robot: The robot; "" if no tool has a target.
         distance: In metres.
         turn: In rad.
     """
@@ -39,17 +39,17 @@ class Off:
 
     @property
     def badness(self) -> float:
-        """What tells the furthest."""
+        """The size of the deviation, to compare with others."""
         return self.distance / OFF_M + self.turn / OFF_TURN
 
     @property
     def astray(self) -> bool:
-        """Whether it is too far off on the way."""
+        """Whether it is too large on the way."""
         return self.distance > OFF_M or self.turn > OFF_TURN
 
     @property
     def late(self) -> bool:
-        """Whether it is too far off at the goal."""
+        """Whether it is too large at the goal."""
         return self.distance > NEAR_M or self.turn > NEAR_TURN
 
     def __str__(self) -> str:
@@ -58,12 +58,12 @@ class Off:
 
 @dataclass(frozen=True)
 class Waypoint:
-    """A point of the composite space, reached along some way.
+    """A point of the composite space, reached along a path.
 
     Attributes:
         at: Coordinates of all parts.
-        posture: What the arms do there.
-        off: The tool that is furthest from where it should be.
+        posture: The configuration of the arms.
+        off: The largest deviation of a tool.
     """
 
     at: Coordinates
@@ -84,28 +84,28 @@ class Space:
 
     @cached_property
     def begin(self) -> Coordinates:
-        """Where everything is at the beginning."""
+        """Coordinates at the start."""
         return tuple(value for part in self.parts for value in part.begin)
 
     @cached_property
     def end(self) -> Coordinates:
-        """Where everything is to go."""
+        """Coordinates at the goal."""
         return tuple(value for part in self.parts for value in part.end)
 
     @cached_property
     def bounds(self) -> tuple[Coordinates, Coordinates]:
-        """Least and greatest coordinates on any way."""
+        """Lower and upper bounds of the coordinates on any path."""
         low, high = zip(*(part.bounds for part in self.parts), strict=True)
         return tuple(x for own in low for x in own), tuple(x for own in high for x in own)
 
     @cached_property
     def weights(self) -> NDArray[np.float64]:
-        """(n,) how many metres a unit of each coordinate is worth."""
+        """(n,) length in metres of a unit of each coordinate."""
         return np.array([weight for part in self.parts for weight in part.weights])
 
     @property
     def rigid(self) -> bool:
-        """Whether all its parts may only go straight."""
+        """Whether only the straight path is allowed for all parts."""
         return all(isinstance(part, Carried) and part.straight for part in self.parts)
 
     @cached_property
@@ -116,13 +116,13 @@ class Space:
         return (tuple(range(count)), *singles)
 
     def length(self, line: Sequence[Coordinates]) -> float:
-        """Length of a line with corners, m: that of the part with the furthest way, each time."""
+        """Length of a path in metres: on each segment, that of the part that moves farthest."""
         ways = np.diff(np.array(line), axis=0) * self.weights
         squares = np.add.reduceat(ways * ways, self._firsts, axis=1)
         return float(np.sqrt(squares.max(axis=1)).sum())
 
     def straightened(self, line: Sequence[Coordinates], parts: Sequence[int]) -> list[Coordinates]:
-        """Points of a line, with some parts going straight from its beginning to its end."""
+        """Points of a path on which some parts move straight from its start to its end."""
         own = np.array(line)
         ends = [*self._firsts[1:], len(own[0])]
         shares = np.linspace(0.0, 1.0, len(own))[:, None]
@@ -132,20 +132,20 @@ class Space:
         return [tuple(point) for point in own.tolist()]
 
     def start(self, joints: Mapping[str, ArmJoints]) -> Waypoint:
-        """The point where the arms have some joints."""
+        """The point at the start, with given joint positions of the arms."""
         return Waypoint(self.begin, self.posture({name: joints[name] for name in self.reaches}))
 
     def posture(self, joints: Mapping[str, ArmJoints]) -> Posture:
-        """What the arms do at joints."""
+        """The posture at joint positions."""
         return Posture(joints, {name: self.reaches[name].tool(q) for name, q in joints.items()})
 
     def line(self, start: Waypoint, end: Coordinates, coarse: float = 1.0) -> Iterator[Waypoint]:
-        """Small steps along a straight line, from a point (not given) to coordinates.
+        """Points at small steps along a straight line, without its start.
 
         Args:
-            start: Where to begin.
-            end: Where to go.
-            coarse: How much longer than fine the steps are.
+            start: The start point.
+            end: Coordinates of the end.
+            coarse: Factor on the length of a fine step.
         """
         pieces = zip(self.parts, self._split(start.at), self._split(end), strict=True)
         fine = max(part.steps(one, other) for part, one, other in pieces)
@@ -172,7 +172,7 @@ class Space:
 
     @cached_property
     def _firsts(self) -> list[int]:
-        """Where the coordinates of each part begin."""
+        """Index of the first coordinate of each part."""
         sizes = [len(part.begin) for part in self.parts]
         return [0, *accumulate(sizes[:-1])]
 

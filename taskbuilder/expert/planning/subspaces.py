@@ -1,7 +1,7 @@
-"""What motions are made of: parts, each with coordinates of its own.
+"""Parts of motions, each with coordinates of its own.
 
-A part is a tool or load that moves along lines in the world, or an arm that moves along lines of
-its joints.
+A part is a tool or load that moves along lines in the world, or an arm that moves along lines in
+joint space.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from taskbuilder.expert.planning.reach import Reach, between
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
 
 FINE_M, FINE_TURN = 0.015, math.radians(5.0)
-"""A motion is followed, and looked at, in steps of the tool no longer than these."""
+"""Maximum step of the tool (m, rad) when a motion is followed and checked."""
 
 FINE_JOINT = 0.035
-"""The same for motions of joints, rad or m."""
+"""Maximum step of a joint when a motion is followed and checked, rad or m."""
 
 METRES_PER_RADIAN = 0.15
-"""How much a turn of a tool counts beside its way."""
+"""Weight of a tool's rotation against its translation."""
 
 METRES_PER_JOINT_RADIAN = 0.4
-"""How much a turn of a joint counts beside the way of a tool."""
+"""Weight of a joint's rotation against a tool's translation."""
 
 ROOM_M, ROOM_JOINT = 0.3, 1.6
-"""How far beyond its ends a way may lead: metres of a frame; rad or m of a joint."""
+"""Margin of the search space beyond the ends: metres for a frame; rad or m for a joint."""
 
 Coordinates = tuple[float, ...]
 ArmJoints = tuple[float, ...]
 
 
 class Subspace(Protocol):
-    """Something that moves, by coordinates of its own."""
+    """The interface of a moving part with coordinates of its own."""
 
     @property
     def arms(self) -> Mapping[str, Reach]:
@@ -43,44 +43,44 @@ class Subspace(Protocol):
 
     @property
     def begin(self) -> Coordinates:
-        """Where it is at the beginning."""
+        """Coordinates at the start."""
 
     @property
     def end(self) -> Coordinates:
-        """Where it is to go."""
+        """Coordinates at the goal."""
 
     @property
     def bounds(self) -> tuple[Coordinates, Coordinates]:
-        """Least and greatest coordinates on any way."""
+        """Lower and upper bounds of the coordinates on any path."""
 
     @property
     def weights(self) -> Coordinates:
-        """How many metres a unit of each coordinate is worth."""
+        """The length in metres of a unit of each coordinate."""
 
     def steps(self, begin: Coordinates, end: Coordinates) -> float:
-        """How many small steps a straight motion takes."""
+        """The number of small steps of a straight motion."""
 
     def joints(self, at: Coordinates, before: Mapping[str, ArmJoints]) -> Mapping[str, ArmJoints]:
-        """Joints of its arms at coordinates a small step away from where they were."""
+        """Joint positions of its arms after a small step to given coordinates."""
 
     def aims(self, at: Coordinates) -> Mapping[str, Pose]:
-        """Where its tools should be; empty where joints are commanded as they are."""
+        """Target poses of the tools in the world; empty if the joints are commanded directly."""
 
 
 @dataclass(frozen=True)
 class Carried:
     """A frame that is carried along lines in the world, by one arm or several.
 
-    Its coordinates are its position (m) and how much of its turn is done; or, where it may only
-    go straight, how much of its way.
+    Its coordinates are its position (m) and the completed fraction of its rotation. If only the
+    straight path is allowed, its coordinate is the completed fraction of that.
 
     Attributes:
         arms: The arms that carry it.
-        grasps: Where each tool is in the frame, at the beginning and at the end: how arms hold a
-            load is not known better than they follow their commands.
-        start: Where the frame is at the beginning.
-        goal: Where it is to go.
-        straight: Whether it may only go straight.
+        grasps: Pose of each tool in the frame, at the start and at the end. They differ because
+            arms follow their commands with an error.
+        start: Pose of the frame at the start.
+        goal: Goal of the frame.
+        straight: Whether only the straight path is allowed.
     """
 
     arms: Mapping[str, Reach]
@@ -91,17 +91,17 @@ class Carried:
 
     @property
     def begin(self) -> Coordinates:
-        """See `Subspace.begin`."""
+        """Coordinates at the start."""
         return (0.0,) if self.straight else (*self.start.position, 0.0)
 
     @property
     def end(self) -> Coordinates:
-        """See `Subspace.end`."""
+        """Coordinates at the goal."""
         return (1.0,) if self.straight else (*self.goal.position, 1.0)
 
     @property
     def bounds(self) -> tuple[Coordinates, Coordinates]:
-        """See `Subspace.bounds`."""
+        """Lower and upper bounds of the coordinates on any path."""
         if self.straight:
             return (0.0,), (1.0,)
         pairs = list(zip(self.start.position, self.goal.position, strict=True))
@@ -111,13 +111,13 @@ class Carried:
 
     @property
     def weights(self) -> Coordinates:
-        """See `Subspace.weights`."""
+        """The length in metres of a unit of each coordinate."""
         turn = METRES_PER_RADIAN * turn_between(self.start.quaternion, self.goal.quaternion)
         way = norm(subtract(self.goal.position, self.start.position))
         return (way + turn,) if self.straight else (1.0, 1.0, 1.0, turn)
 
     def frame(self, at: Coordinates) -> Pose:
-        """Where the frame is at coordinates."""
+        """The pose of the frame at coordinates."""
         if self.straight:
             return between(self.start, self.goal, at[0])
         x, y, z, share = at
@@ -125,12 +125,12 @@ class Carried:
         return Pose((x, y, z), turned.quaternion)
 
     def aims(self, at: Coordinates) -> Mapping[str, Pose]:
-        """See `Subspace.aims`."""
+        """Target poses of the tools in the world; empty if the joints are commanded directly."""
         return self._known_aims(at)
 
     @cached_property
     def _known_aims(self) -> Callable[[Coordinates], Mapping[str, Pose]]:
-        """`aims`, kept for a while: every point is asked about more than once."""
+        """`aims` with a cache, since every point is evaluated more than once."""
         return lru_cache(maxsize=256)(self._aims)
 
     def _aims(self, at: Coordinates) -> Mapping[str, Pose]:
@@ -143,7 +143,7 @@ class Carried:
         return aims
 
     def steps(self, begin: Coordinates, end: Coordinates) -> float:
-        """See `Subspace.steps`."""
+        """The number of small steps of a straight motion."""
         one, other = self.aims(begin), self.aims(end)
         return max(
             max(
@@ -154,19 +154,19 @@ class Carried:
         )
 
     def joints(self, at: Coordinates, before: Mapping[str, ArmJoints]) -> Mapping[str, ArmJoints]:
-        """See `Subspace.joints`."""
+        """Joint positions of its arms after a small step to given coordinates."""
         aims = self.aims(at)
         return {name: reach.follow(before[name], aims[name]) for name, reach in self.arms.items()}
 
 
 @dataclass(frozen=True)
 class Jointed:
-    """An arm that moves along lines of its joints, which are its coordinates.
+    """An arm that moves along lines in joint space; its joints are its coordinates.
 
     Attributes:
         reach: The arm.
-        begin: Its joints at the beginning, rad or m.
-        end: Its joints at the end.
+        begin: Joint positions at the start, rad or m.
+        end: Joint positions at the end.
     """
 
     reach: Reach
@@ -175,12 +175,12 @@ class Jointed:
 
     @property
     def arms(self) -> Mapping[str, Reach]:
-        """See `Subspace.arms`."""
+        """The arms that move the part."""
         return {self.reach.name: self.reach}
 
     @property
     def bounds(self) -> tuple[Coordinates, Coordinates]:
-        """See `Subspace.bounds`."""
+        """Lower and upper bounds of the coordinates on any path."""
         ik = self.reach.arm.ik
         ends = list(zip(self.begin, self.end, strict=True))
         low = (min(pair) - ROOM_JOINT for pair in ends)
@@ -192,20 +192,20 @@ class Jointed:
 
     @property
     def weights(self) -> Coordinates:
-        """See `Subspace.weights`."""
+        """The length in metres of a unit of each coordinate."""
         turns = self.reach.arm.ik.turns
         return tuple(METRES_PER_JOINT_RADIAN if turn else 1.0 for turn in turns)
 
     def aims(self, at: Coordinates) -> Mapping[str, Pose]:
-        """See `Subspace.aims`."""
+        """Target poses of the tools in the world; empty if the joints are commanded directly."""
         del at
         return {}
 
     def steps(self, begin: Coordinates, end: Coordinates) -> float:
-        """See `Subspace.steps`."""
+        """The number of small steps of a straight motion."""
         return max(abs(b - a) for a, b in zip(begin, end, strict=True)) / FINE_JOINT
 
     def joints(self, at: Coordinates, before: Mapping[str, ArmJoints]) -> Mapping[str, ArmJoints]:
-        """See `Subspace.joints`."""
+        """Joint positions of its arms after a small step to given coordinates."""
         del before
         return {self.reach.name: at}

@@ -1,4 +1,4 @@
-"""Timing: where a motion is at the end of each control step."""
+"""Timing of motions: positions at the end of each control step."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from taskbuilder.expert.planning.spaces import Waypoint
 from taskbuilder.expert.planning.subspaces import ArmJoints
 
 RAMP = (0.4, 0.8)
-"""Shares of full speed in the first control steps, and backwards in the last: a start at full
-speed makes what is held swing."""
+"""Fractions of full speed in the first control steps, and in reverse in the last: a start at full
+speed makes held objects swing."""
 
 NOTHING = 1e-6
 """Control steps that a motion which takes no time may take."""
@@ -21,7 +21,7 @@ NOTHING = 1e-6
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Where the joints of arms are to be commanded.
+    """Commanded joint positions over time.
 
     Attributes:
         joints: For each robot, joint positions (rad or m) by the end of each control step.
@@ -31,7 +31,7 @@ class Trajectory:
 
     @property
     def steps(self) -> int:
-        """Control steps that it takes."""
+        """Its duration in control steps."""
         return max((len(points) for points in self.joints.values()), default=0)
 
 
@@ -41,13 +41,13 @@ def timed(
     speeds: Mapping[str, float],
     laden: Collection[str],
 ) -> Trajectory:
-    """A way as joints to be commanded, as fast as the arm that takes longest allows.
+    """A trajectory along a path, at the pace of the slowest arm.
 
     Args:
-        way: Points in small steps.
+        way: Points of the path in small steps.
         reaches: The arms that move.
-        speeds: Share of its full speed that each arm goes at.
-        laden: The arms that carry something.
+        speeds: Fraction of full speed of each arm.
+        laden: The arms that carry a load.
     """
     costs = [
         max(_cost(reach, pair, name in laden) / speeds[name] for name, reach in reaches.items())
@@ -63,8 +63,8 @@ def resampled(points: Sequence[Sequence[float]], costs: Sequence[float]) -> tupl
     """Points of a path at the ends of control steps.
 
     Args:
-        points: n + 1 points of the path; straight lines lead from one to the next.
-        costs: n, how many control steps each of the lines takes at full speed.
+        points: n + 1 points of the path, connected by straight segments.
+        costs: n durations of the segments at full speed, in control steps.
 
     Returns:
         A point for each control step; the last is that of the path.
@@ -80,15 +80,15 @@ def resampled(points: Sequence[Sequence[float]], costs: Sequence[float]) -> tupl
 
 
 def schedule(length: float) -> tuple[float, ...]:
-    """When to be where on a path.
+    """The schedule of a motion along a path.
 
     Args:
-        length: Of the path, in control steps that it takes at full speed.
+        length: Duration of the path at full speed, in control steps.
 
     Returns:
-        How far along the path the motion is at the end of each control step, in the same unit:
-        rising by at most 1 at a time, from 0 (not given) to the length, in as few steps as the
-        ramps at both ends allow. Empty for a path of no length.
+        The position along the path at the end of each control step, in the same unit. It rises by
+        at most 1 per step from 0 (not included) to the length, in as few steps as the ramps at both
+        ends allow. Empty for a path of length 0.
     """
     if length <= NOTHING:
         return ()
@@ -101,7 +101,7 @@ def schedule(length: float) -> tuple[float, ...]:
 
 
 def _speeds(count: int) -> Iterator[float]:
-    """Share of full speed in each of some control steps."""
+    """Fraction of full speed in each control step."""
     for step in range(count):
         nearest = min(step, count - 1 - step)
         yield RAMP[nearest] if nearest < len(RAMP) else 1.0

@@ -1,8 +1,8 @@
-"""Go through an expert's stages in thought: every pose that they ask for, without physics.
+"""A dry run of an expert's stages without physics, which lists every required pose.
 
-What is grasped is taken to follow the tool exactly, and what is brought to arrive; what is pushed,
-or turns on a joint, moves as `foresight` can tell. So a pose that cannot be reached is known before
-anything moves, and apart from all else that may go wrong.
+Grasped objects are assumed to follow the tool exactly, and brought objects to arrive. Pushed
+objects and joints move as `foresight` predicts. So an unreachable pose is known before anything
+moves, and separately from other failures.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from taskbuilder.world.world import World
 
 @dataclass(frozen=True)
 class Asked:
-    """A pose that a stage asks of a robot.
+    """A pose that a stage requires of a robot.
 
     Attributes:
         stage: Number of the stage, from 1.
-        robot: Whose tool.
-        order: What for, as ``grasp stick.right_end``.
-        choices: Poses of its tcp in the world, one of which it must reach.
-        guess: The object or robot whose pose they depend on and which can be foreseen only
-            roughly, as once it has been pushed; "" where all is known.
+        robot: The robot.
+        order: The order, such as ``grasp stick.right_end``.
+        choices: World poses of its tcp, one of which it must reach.
+        guess: The object or robot that the poses depend on and that is predicted only roughly, for
+            example after a push; "" if all is known.
     """
 
     stage: int
@@ -40,11 +40,11 @@ class Asked:
 
 
 def dry_run(world: World, stages: Sequence[ExpertStage] | None = None) -> Iterator[Asked]:
-    """Every pose that an expert's stages ask for, from where things are in a world now.
+    """All poses that an expert's stages require, from the current state of a world.
 
     Args:
-        world: As after a reset; it is only read.
-        stages: By default those of the task file.
+        world: The world after a reset; it is not changed.
+        stages: The stages; by default those of the task file.
     """
     run = _DryRun(Foresight(world, _Standing(world)))
     for number, stage in enumerate(world.spec.expert if stages is None else stages, start=1):
@@ -81,19 +81,19 @@ class _Standing:
 
 @dataclass
 class _DryRun:
-    """Goes through stages one by one."""
+    """A dry run through stages, one by one."""
 
     foresight: Foresight
 
     def go_through(self, number: int, stage: ExpertStage) -> Iterator[Asked]:
-        """A stage's poses; afterwards things are where it leaves them."""
+        """The poses of a stage; afterwards objects are where the stage leaves them."""
         if isinstance(stage, Wait):
             return
         if isinstance(stage, Repeat):
             before = dict(self.foresight.moved)
             for inner in stage.stages:
                 yield from self.go_through(number, inner)
-            if stage.repeat > 1:  # how often, and so how far, is not known
+            if stage.repeat > 1:  # the number of rounds is not known
                 now = self.foresight.moved
                 changed = {self.foresight.owner(n) for n in now if before.get(n) != now[n]}
                 self.foresight.guesses |= changed
@@ -102,7 +102,7 @@ class _DryRun:
             group: Mapping[str, Phase | None] = {"": lambda now: bring(now, robots, stage)}
             yield from self._act(number, group, {"": stage})
         else:
-            # What one robot brings, others of its stage find where it is brought.
+            # An object that one robot brings is at its goal for the others of the stage.
             first = sorted(stage.items(), key=lambda item: item[1].bring is None)
             listed = [phases(robot, order) for robot, order in first]
             for acts in zip_longest(*listed):
@@ -118,7 +118,7 @@ class _DryRun:
             try:
                 act = phase(self.foresight.now) if phase else None
             except NothingHeldError:
-                continue  # the grasp was asked for, and is reported, before
+                continue  # the grasp was required, and is reported, before
             if isinstance(act, Go):
                 move = act.choices[0]
                 guess = self._guess(orders[who], tuple(move.carriers))
@@ -130,7 +130,7 @@ class _DryRun:
                 self.foresight.grip(act)
 
     def _guess(self, order: Order | Together, robots: Sequence[str]) -> str:
-        """What an order depends on that is only roughly foreseen; "" if there is nothing."""
+        """The roughly predicted object or robot that an order depends on, or ""."""
         frames = [order.bring, order.to]
         if isinstance(order, Order):
             frames += [order.grasp, order.reach]

@@ -1,4 +1,4 @@
-"""One episode of an expert: carries stages out, phase by phase, and says what keeps it from one."""
+"""Executing the stages of an expert in an episode, phase by phase."""
 
 from __future__ import annotations
 
@@ -29,33 +29,33 @@ from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
 from taskbuilder.schema.scene import SceneSpec
 
 SETTLE_S = 0.6
-"""How long a motion may take to arrive after its last command."""
+"""Time for a motion to arrive after its last command, in seconds."""
 
 GRIP_S = 1.0
-"""How long a gripper may take to hold something, or to let it go."""
+"""Time for a gripper to hold or release an object, in seconds."""
 
 PART_S = 0.4
-"""How long an open gripper may go on touching what it let go, which may lean on it."""
+"""Time for which an open gripper may still touch a released object, in seconds."""
 
 STOPPED = 0.01
-"""Speed below which a gripper's joints count as standing, m/s or rad/s."""
+"""Speed below which a gripper's joints count as stopped, m/s or rad/s."""
 
 OPEN = 0.5
-"""Share from which a gripper counts as open: it opens further while the arm sets off."""
+"""Opening from which a gripper counts as open; it opens further while the arm moves."""
 
 LOST_STEPS = 2
 """Control steps without a grip after which a load counts as lost; one may be a bump."""
 
 CORRECTIONS = 2
-"""How often a load that has shifted in the gripper is brought nearer to its goal."""
+"""Maximum number of corrections for a load that has slipped in the gripper."""
 
 
 class StageError(TaskbuilderError):
     """A stage cannot be done.
 
     Attributes:
-        order: What was to be done.
-        robot: Who could not do it, or "".
+        order: The order.
+        robot: The robot that could not do it, or "".
         cause: One of `rollout.record.CAUSES`.
     """
 
@@ -65,19 +65,19 @@ class StageError(TaskbuilderError):
 
 
 class Executor:
-    """Plays stages in an episode that has begun: yields actions, and sees what came of each.
+    """Plays stages in a running episode: yields actions and checks their results.
 
     It is the `orders.Situation` of its orders.
 
     Args:
-        env: The environment, which whoever asks steps by each action before asking for the next.
+        env: The environment; the caller steps it with each action before asking for the next.
         planner: Plans its motions.
-        without: Robots that take no part.
-        seed: Of the planner's chances.
+        without: Robots that do not take part.
+        seed: Seed of the planner.
 
     Attributes:
-        encoder: Makes the environment's actions.
-        planning_s: Wall time spent on planning so far, in seconds.
+        encoder: Encodes commands as actions.
+        planning_s: Wall time of planning so far, in seconds.
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class Executor:
         return self._env.episode.world.pose(frame)
 
     def tool(self, robot: str) -> Pose:
-        """Where a robot's tcp is commanded to be, in the world."""
+        """The commanded pose of a robot's tcp, in the world."""
         arm = self._env.episode.actions[robot].arm
         return arm.base_from_world.inverse() @ arm.ik.forward(arm.robot.commanded())
 
@@ -122,7 +122,7 @@ class Executor:
     # --- stages
 
     def play(self, stage: ExpertStage) -> Iterator[Actions]:
-        """Carry a stage out.
+        """Play a stage.
 
         Raises:
             StageError: It cannot be done.
@@ -139,13 +139,13 @@ class Executor:
                 for inner in stage.stages:
                     yield from self.play(inner)
                 if self._env.episode.steps == begun:
-                    return  # nothing moved, so nothing would the next time
+                    return  # nothing moved, so another round would change nothing
         else:
             yield from self._each({r: o for r, o in stage.items() if r not in self._without})
 
     def _each(self, orders: Mapping[str, Order]) -> Iterator[Actions]:
-        """Orders side by side: the first phases of all, then the second, and so on."""
-        # Those that bring come first: the others are to find things where they are brought.
+        """Play orders in parallel: the first phases of all, then the second, and so on."""
+        # Orders with `bring` come first, so that the others find objects at their goals.
         first = dict(sorted(orders.items(), key=lambda item: item[1].bring is None))
         queues = {robot: deque(phases(robot, order)) for robot, order in first.items()}
         while any(queues.values()):
@@ -178,7 +178,7 @@ class Executor:
     def _act(
         self, queues: Mapping[str, deque[Phase]], orders: Mapping[str, Order | Together]
     ) -> Iterator[Actions]:
-        """The next phase of each of several orders, by who acts, all at once."""
+        """Play the next phase of several orders at the same time."""
         told = {who: f"{who}: {orders[who]}" for who in queues}
         acts, group = self._next(queues, told)
         goes = {who: act for who, act in acts.items() if isinstance(act, Go)}
@@ -197,10 +197,10 @@ class Executor:
     def _next(
         self, queues: Mapping[str, deque[Phase]], told: Mapping[str, str]
     ) -> tuple[dict[str, Go | Grip], dict[str, Phase]]:
-        """What is to be done next, and the phases that say so.
+        """The next motions and grips, and their phases.
 
-        Phases of which nothing is left to do are passed over. What one robot brings, the others
-        find where it is brought.
+        Phases that are already done are skipped. An object that one robot brings is predicted at
+        its goal for the others.
         """
         acts: dict[str, Go | Grip] = {}
         group: dict[str, Phase] = {}
@@ -222,7 +222,7 @@ class Executor:
         return acts, group
 
     def _go(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> Iterator[Actions]:
-        """Motions, all at once, until all have arrived or will not."""
+        """Play motions in parallel, until all have arrived or have failed to."""
         moves, trajectory = self._plan(goes, told)
         loads = {r: load for move in moves for r in move.carriers if (load := self.load(r))}
         missed = dict.fromkeys(loads, 0)
@@ -239,7 +239,7 @@ class Executor:
     def _plan(
         self, goes: Mapping[str, Go], told: Mapping[str, str]
     ) -> tuple[tuple[Move, ...], Trajectory]:
-        """The first of the ways to do all motions that can be planned."""
+        """The first combination of choices for which a plan is found."""
         held = {robot: load for robot in self._env.possible_agents if (load := self.load(robot))}
         first: PlanningError | None = None
         started = time.perf_counter()
@@ -257,7 +257,7 @@ class Executor:
             raise ValueError("a motion has at least one way to be done")
         raise StageError(_whose(first.robot, told), first.robot, first.cause, str(first)) from None
 
-    # --- what is checked on the way and in the end
+    # --- checks during and after motions
 
     def _check_loads(
         self, loads: Mapping[str, str], missed: dict[str, int], told: Mapping[str, str]
@@ -270,7 +270,7 @@ class Executor:
                 raise StageError(_whose(robot, told), robot, "lost on the way", message)
 
     def _shifted(self, goes: Mapping[str, Go], group: Mapping[str, Phase]) -> dict[str, Go]:
-        """Motions of loads that have not arrived, worked out anew."""
+        """Corrected motions of loads that have not arrived."""
         late = [who for who, go in goes.items() if go.brings and not self._arrived(go)]
         found = {}
         for who in late:
@@ -283,7 +283,7 @@ class Executor:
         return go.tolerance is None or self._gap(go) <= go.tolerance
 
     def _gap(self, go: Go) -> float:
-        """How far what moves is from where it is to be, in metres."""
+        """The remaining distance of a motion, in metres."""
         move = go.choices[0]
         (robot, offset), *_ = move.carriers.items()
         if not go.brings:
@@ -321,7 +321,7 @@ class Executor:
         return "".join(f"; {each}" for each in shut)
 
     def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:
-        """Wait until grippers hold, or have let go."""
+        """Wait until grippers hold or have released their objects."""
         for waited in range(self._steps(GRIP_S)):
             late = waited >= self._steps(PART_S)
             if all(self._gripped(grip) and (late or self._parted(grip)) for grip in grips.values()):
@@ -343,7 +343,7 @@ class Executor:
         return max(map(abs, robot.body.joint_speeds(robot.gripper.indices))) < STOPPED
 
     def _parted(self, grip: Grip) -> bool:
-        """Whether a gripper that opens no longer touches what it held."""
+        """Whether an opening gripper no longer touches the object that it held."""
         world = self._env.episode.world
         opens = grip.opening and grip.thing
         return not opens or not world.fingers_touch(grip.thing, grip.robot)
@@ -363,7 +363,7 @@ class Executor:
 
 
 def _whose(robot: str, told: Mapping[str, str]) -> str:
-    """The order that a robot has a part in."""
+    """The order of a robot."""
     mine = [text for who, text in told.items() if robot in who.split(" and ")]
     return mine[0] if mine else ", ".join(told.values())
 

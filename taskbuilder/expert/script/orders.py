@@ -1,7 +1,7 @@
-"""What an order asks for, as motions and grips: computed when its turn comes.
+"""Orders as sequences of motions and grips, computed when their turn comes.
 
-An order has phases: to grasp is to come near, to go straight in, and to close. A phase is worked
-out from the situation that it finds, so that what moved in the meantime is grasped where it is.
+An order has phases: for example, a grasp approaches, moves straight in, and closes the gripper. A
+phase is computed from the current situation, so an object that has moved is grasped where it is.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from taskbuilder.schema.expert import NOTHING, Order, Together
 from taskbuilder.schema.scene import Grasp, SceneSpec
 
 APPROACH_M = 0.08
-"""How far before a grasp point the straight way in begins."""
+"""Default length of the straight path to a grasp point, in metres."""
 
 TOOL_TOLERANCE_M = 0.01
 LOAD_TOLERANCE_M = 0.02
@@ -42,7 +42,7 @@ DOWN: Vec3 = (0.0, 0.0, -1.0)
 
 
 class Situation(Protocol):
-    """How things stand, in the simulation or in a dry run."""
+    """The state of the scene, in the simulation or in a dry run."""
 
     @property
     def scene(self) -> SceneSpec:
@@ -52,7 +52,7 @@ class Situation(Protocol):
         """A named frame in the world."""
 
     def tool(self, robot: str) -> Pose:
-        """Where a robot's tcp is commanded to be, in the world."""
+        """The commanded pose of a robot's tcp, in the world."""
 
     def load(self, robot: str) -> str | None:
         """The object that a robot holds."""
@@ -63,13 +63,13 @@ class Situation(Protocol):
 
 @dataclass(frozen=True)
 class Foreseen:
-    """A situation, but for what has happened by then.
+    """A predicted situation, as differences from the current one.
 
     Attributes:
-        now: The situation as it is.
-        moved: Pose in the world of the objects, and of links as ``chest.lid``, that are elsewhere.
-        tools: Pose in the world of the tools that are elsewhere.
-        loads: What robots hold, or None, where that is not as it is now.
+        now: The current situation.
+        moved: World poses of objects, and of links such as ``chest.lid``, that differ.
+        tools: World poses of tools that differ.
+        loads: Held objects, or None, of robots for which they differ.
     """
 
     now: Situation
@@ -83,7 +83,7 @@ class Foreseen:
         return self.now.scene
 
     def pose(self, frame: str) -> Pose:
-        """Where a named frame will be."""
+        """The predicted pose of a named frame, in the world."""
         carrier = carrier_of(self.scene, frame)
         owner, _, inner = carrier.partition(".")
         at = self.now.pose(frame)
@@ -95,7 +95,7 @@ class Foreseen:
         return at
 
     def tool(self, robot: str) -> Pose:
-        """Where a robot's tcp will be commanded to be, in the world."""
+        """The predicted commanded pose of a robot's tcp, in the world."""
         return self.tools[robot] if robot in self.tools else self.now.tool(robot)
 
     def load(self, robot: str) -> str | None:
@@ -108,7 +108,7 @@ class Foreseen:
 
 
 class NothingHeldError(Exception):
-    """A robot is to bring what it does not hold."""
+    """A robot has to bring an object and holds nothing."""
 
     def __init__(self, robot: str, thing: str) -> None:
         super().__init__(f"{robot} holds nothing that would bring {thing}")
@@ -120,9 +120,9 @@ class Go:
     """A motion.
 
     Attributes:
-        choices: Ways to do it that are as good as each other, the nearest first.
-        brings: The object that is to arrive, or "" where it is the tool.
-        tolerance: How near is near enough, in metres; None to pass on without waiting.
+        choices: Equivalent moves, the nearest first.
+        brings: The object that has to arrive, or "" for the tool itself.
+        tolerance: Tolerance of the end position, in metres; None to continue without waiting.
     """
 
     choices: tuple[Move, ...]
@@ -135,10 +135,10 @@ class Grip:
     """A gripper opens or closes.
 
     Attributes:
-        robot: Whose.
+        robot: The robot.
         opening: From 0 (closed) to 1.
-        thing: What it is to hold then, or to hold no more; "" for nothing in particular.
-        link: The link of it, of an articulated object, as far as the task file says it.
+        thing: The object to hold or to release; "" for none in particular.
+        link: The link of the object that is held, if the task file names it; else "".
     """
 
     robot: str
@@ -148,11 +148,11 @@ class Grip:
 
 
 Phase = Callable[[Situation], Go | Grip | None]
-"""Works out what to do next; None where it is done already."""
+"""Computes the next motion or grip; None if it is already done."""
 
 
 def phases(robot: str, order: Order) -> tuple[Phase, ...]:
-    """An order's phases, in their sequence."""
+    """The phases of an order, in sequence."""
     if order.grasp is not None:
         point = order.grasp
         first = Grip(robot, 1.0)
@@ -191,7 +191,7 @@ def carrier_of(scene: SceneSpec, frame: str) -> str:
 
 
 def _way_in(robot: str, order: Order, frame: str, usual: float) -> tuple[Phase, ...]:
-    """To a frame; from a distance before it along a straight line, if there is to be one."""
+    """Phases to reach a frame, with a straight path at the end if there is one."""
     way = usual if order.approach is None else order.approach
     tolerance = order.tolerance or TOOL_TOLERANCE_M
 
@@ -222,7 +222,7 @@ def _tool_move(robot: str, goal: Pose, order: Order, *, straight: bool = False) 
 
 
 def _on_the_way(tool: Pose, goal: Pose, way: float) -> bool:
-    """Whether a tool is already on the straight way in, as it should be turned."""
+    """Whether a tool is already on the straight path, with the right orientation."""
     back = subtract(tool.position, goal.position)
     along = -dot(back, goal.axis(2))
     aside = norm(add(back, scale(goal.axis(2), along)))
@@ -241,7 +241,7 @@ def _retreat(now: Situation, robot: str, order: Order) -> Go:
 
 
 def tool_poses(now: Situation, robot: str, order: Order, frame: str) -> tuple[Pose, ...]:
-    """Poses of a robot's tcp in the world that reach a frame, the nearest turn first."""
+    """World poses of a robot's tcp that reach a frame, the nearest orientation first."""
     tool, at = now.tool(robot), now.pose(frame)
     shift = add(rotate(at.quaternion, order.offset), (0.0, 0.0, order.above))
     grasp = _grasp_of(now.scene, frame)
@@ -264,7 +264,7 @@ def _grasp_of(scene: SceneSpec, frame: str) -> Grasp | None:
 
 
 def grasp_turn(grasp: Grasp, body: Pose) -> Quat:
-    """How a tool is turned that takes a body by a grasp point.
+    """The orientation of a tool that grasps a body at a grasp point.
 
     Args:
         grasp: The grasp point.
@@ -292,9 +292,9 @@ def grasp_turn(grasp: Grasp, body: Pose) -> Quat:
 def bring(
     now: Situation, robots: tuple[str, ...], order: Order | Together, *, align: bool = False
 ) -> Go:
-    """Robots move what they hold, as one, until an object is where it is to be.
+    """The motion in which robots bring a shared load, until an object is at its goal.
 
-    The object may be what they hold, or lie on it. What several robots hold is kept level.
+    The object may be the load, or lie on it. A load of several robots is kept level.
 
     Raises:
         NothingHeldError: A robot holds nothing.
@@ -331,7 +331,7 @@ def _inverse(pose: Pose) -> Quat:
 
 
 def level(turn: Quat) -> Quat:
-    """The nearest orientation in which the axis that is most upright is upright."""
+    """The nearest orientation in which the most vertical axis is exactly vertical."""
     pose = Pose((0.0, 0.0, 0.0), turn)
     axis = max((pose.axis(index) for index in range(3)), key=lambda a: abs(a[2]))
     up: Vec3 = (0.0, 0.0, math.copysign(1.0, axis[2]))

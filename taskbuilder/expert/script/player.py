@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
@@ -14,18 +14,22 @@ from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.schema.expert import ExpertStage, in_words
 
+Finish = bool | Literal["undecided"]
+"""Whether to hold still until the episode is over once the stages are done; ``"undecided"``: no
+longer than until success is reached, and not after a stage that could not be done."""
+
 
 class Expert:
-    """Plays an environment's task as its file says; deterministic in the seed.
+    """Plays the expert of a task file; deterministic in the seed.
 
-    It is a `Policy` of its environment, and `play` plays it there with choices of its own. Use it
-    as often as you like; it keeps a second world for planning, which `close` frees.
+    It is a `Policy` for its environment; `play` offers further options. An expert can be used for
+    any number of episodes. It keeps a second world for planning, which `close` frees.
 
     Args:
-        env: Any environment of a task, its actions flat and its variation fixed.
+        env: An environment of the task, with flat actions and a fixed variation.
 
     Raises:
-        UsageError: An arm's action mode cannot be planned for, or the variation is drawn.
+        UsageError: An arm's action mode cannot be planned for, or the variation is random.
     """
 
     def __init__(self, env: TaskEnv) -> None:
@@ -42,7 +46,7 @@ class Expert:
         stages: Sequence[ExpertStage] | None = None,
         without: Collection[str] = (),
         persist: bool = False,
-        finish: bool = True,
+        finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
         forces: bool = False,
         explain: bool = False,
@@ -51,13 +55,14 @@ class Expert:
         """Play one episode.
 
         Args:
-            seed: Of the reset.
-            stages: What to do in place of the stages of the task file.
-            without: Robots that stay home: their parts of all stages are left out.
-            persist: Go on with the next stage after one that could not be done.
-            finish: Hold still until the episode is over once the stages are done.
-            after_stage: Called with a stage's number, from 1, when it is done and the next has
-                not begun; the environment may be saved there, and must be left as it was.
+            seed: Seed of the reset.
+            stages: Stages to play instead of those of the task file.
+            without: Robots that stay at home; their orders are left out of all stages.
+            persist: Continue with the next stage after one that could not be done.
+            finish: Hold still after the last stage until the episode is over; with ``"undecided"``
+                only until success is reached, and not after a stage that failed.
+            after_stage: Called with the number of each completed stage, from 1, before the next
+                one begins. It may save the environment, and must not change it.
             forces: As for `taskbuilder.rollout.play`.
             explain: As for `taskbuilder.rollout.play`.
             watch: Called after reset and after each control step.
@@ -77,7 +82,7 @@ class Expert:
         return play(self.env, script, seed, forces=forces, explain=explain, watch=watch)
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        """Begin the stages of the task file.
+        """Start with the first stage of the task file.
 
         Raises:
             UsageError: The environment is not the expert's, or the task has no expert.
@@ -88,7 +93,7 @@ class Expert:
         self._script.reset(env, seed)
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
-        """The next action; it follows from the world, not from the observations.
+        """The next actions; they depend on the world and not on the observations.
 
         Raises:
             UsageError: No episode has begun.
@@ -96,7 +101,7 @@ class Expert:
         return self._begun().act(observations)
 
     def log(self) -> ScriptLog:
-        """How the stages of the present episode went.
+        """The log of the stages in the current episode.
 
         Raises:
             UsageError: No episode has begun.
@@ -104,7 +109,7 @@ class Expert:
         return self._begun().log()
 
     def close(self) -> None:
-        """Free the world that is kept for planning."""
+        """Free the world for planning."""
         self._planner.close()
 
     def _begun(self) -> _Script:
@@ -123,7 +128,7 @@ class Expert:
 
 
 class _Script:
-    """The stages of one episode: a policy that is used up by it. For the arguments see `Expert`."""
+    """A policy that plays the stages of one episode. For the arguments see `Expert`."""
 
     def __init__(
         self,
@@ -133,7 +138,7 @@ class _Script:
         *,
         without: frozenset[str] = frozenset(),
         persist: bool = False,
-        finish: bool = True,
+        finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
     ) -> None:
         self._env, self._planner, self._stages = env, planner, stages
@@ -151,13 +156,13 @@ class _Script:
         return next(self._actions, None)
 
     def log(self) -> ScriptLog:
-        # The last action has been taken but not looked at; what it led to may end a stage.
+        # The last action has been executed but not checked; its result may complete a stage.
         if self._env.episode.over and next(self._actions, None) and self._stage:
             self._note(self._out_of_time())
         return ScriptLog(tuple(self._ends), self._trouble, self._executor.planning_s)
 
     def _play(self) -> Iterator[Actions]:
-        """Every action of the episode."""
+        """Yield the actions of the episode."""
         for number, stage in enumerate(self._stages, start=1):
             self._stage = number
             try:
@@ -173,14 +178,19 @@ class _Script:
             self._ends.append(self._env.episode.steps)
             self._after_stage(number)
         self._stage = 0
-        while self._finish:
+        while self._finish is True or (self._finish and not self._decided):
             yield self._executor.encoder.hold()
+
+    @property
+    def _decided(self) -> bool:
+        """Whether it is known what the episode comes to."""
+        return self._env.episode.succeeded or self._trouble is not None
 
     def _note(self, trouble: Trouble | None) -> None:
         self._trouble = self._trouble or trouble
 
     def _out_of_time(self) -> Trouble | None:
-        """Why a stage was not done when the episode ended; None if that was in success."""
+        """Why a stage was not done when the episode ended; None if it ended with success."""
         episode, stage = self._env.episode, in_words(self._stages[self._stage - 1])
         if episode.exploded:
             cause, message = "physics diverged", "the physics diverged"

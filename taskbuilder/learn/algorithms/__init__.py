@@ -1,7 +1,7 @@
-"""The algorithms by name, each in a module of its own with its settings and presets.
+"""The learning algorithms by name, each in a module with its settings and presets.
 
-A module has an `Algorithm` named ``ALGORITHM``. It is imported when the algorithm is asked for, so
-that only training needs torch. A new algorithm is a new module and a line in ``MODULES``.
+Each module defines an `Algorithm` named ``ALGORITHM``. It is imported on first use, so that only
+training needs torch. To add an algorithm, write a module and add a line to ``MODULES``.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ MODULES = {
     "maddpg_openai": "taskbuilder.learn.algorithms.maddpg_openai",
     "ppo": "taskbuilder.learn.algorithms.ppo",
 }
-"""Where each algorithm is."""
+"""The module of each algorithm."""
 
 
 def find_algorithm(name: str) -> Algorithm:
-    """The algorithm of that name.
+    """The algorithm with a given name.
 
     Raises:
-        UsageError: There is none.
+        UsageError: There is no such algorithm.
     """
     check_name(name)
     algorithm: Algorithm = import_module(MODULES[name]).ALGORITHM
@@ -32,10 +32,10 @@ def find_algorithm(name: str) -> Algorithm:
 
 
 def check_name(name: str) -> None:
-    """Refuse a name that no algorithm has.
+    """Refuse an unknown name.
 
     Raises:
-        UsageError: There is none of that name.
+        UsageError: There is no algorithm with this name.
     """
     if name not in MODULES:
         raise UsageError(f'no algorithm "{name}"; {suggestion(name, MODULES, what="one of")}')

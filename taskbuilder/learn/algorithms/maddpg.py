@@ -1,10 +1,11 @@
-"""MADDPG as it learns these tasks: MATD3's critics, one actor for same robots, demonstrations.
+"""MADDPG with the critics of MATD3, shared actors and demonstrations.
 
 Multi-agent deep deterministic policy gradient (Lowe et al. 2017) with the clipped double critics,
-smoothed targets and delayed actors of MATD3 (Ackermann et al. 2019, Fujimoto et al. 2018):
-centralised critics with layer norm that see all observations, the state and all actions, and
-actors that end in a tanh and see their own observation alone. Actors follow the critics' gradient
-all at once, each by its present policy and not by old actions (Peng et al. 2021, FACMAC).
+smoothed target actions and delayed actor updates of MATD3 (Ackermann et al. 2019, Fujimoto et al.
+2018). Critics are centralised, have layer norm, and observe all observations, the state and all
+actions. Actors end in a tanh and observe their own observation only. All actors are updated
+together, with the actions of the current policies instead of those in the replay buffer (Peng et
+al. 2021, FACMAC).
 """
 
 from __future__ import annotations
@@ -40,45 +41,44 @@ from taskbuilder.learn.standardizer import Standardizer
 Actions = dict[str, NDArray[np.float32]]
 
 MEASURED = 20_000
-"""Transitions by which what is seen is standardised when networks begin anew."""
+"""Sampled transitions that set the standardisation of inputs when networks are reset."""
 
 LEAST_IMITATION = 1e-3
-"""Below this weight, the imitation term is left out."""
+"""The imitation term is skipped when its weight is below this."""
 
 
 @dataclass(frozen=True)
 class MaddpgSettings:
-    """What may be chosen.
+    """The settings of `Maddpg`.
 
     Attributes:
         hidden: Units of each hidden layer.
-        lr: Of Adam, for actors and critics.
-        lr_half_life: Control steps in which that halves; 0 if it stays.
+        lr: Learning rate of Adam, for actors and critics.
+        lr_half_life: Control steps in which the learning rate halves; 0 for a constant rate.
         discount: γ.
-        tau: Share of the way that targets follow at each update of the actors.
-        batch: Transitions an update.
-        capacity: Transitions that are kept.
+        tau: Polyak averaging factor of the target networks, at each update of the actors.
+        batch: Transitions per update.
+        capacity: Transitions in the replay buffer.
         warm_up: Control steps of random actions before learning begins.
         update_every: Control steps between updates.
-        noise: Standard deviation of exploration's Gaussian noise, at the start of training.
-        final_noise: The same later, reached linearly.
-        noise_until: Share of the training after which it is reached.
-        smoothing: Standard deviation of the noise on target actions, clipped at twice that.
-        actor_every: Updates of the critics between those of the actors.
-        regulariser: Weight of the mean square of what goes into the actors' tanh. It keeps them off
-            its ends, where nothing is learned any more, and still where motion pays nothing.
-        actor_norms: Whether the actors' hidden layers are normalised, as the critics' are: where
-            what is seen has moved on, none of their ReLUs may be left that answers to it.
-        reset_networks_after: Control steps after which networks begin anew, and again each time
-            these have doubled; 0 for never. Those that began with the little that there was at
-            first have set in it, and learn ever more slowly (the primacy bias, Nikishin et al.
-            2022).
-        share: Whether agents with spaces of equal sizes share one actor, told apart by a one-hot.
-        bc_updates: Updates of behaviour cloning before learning, where there are demonstrations.
-        critic_warmup_updates: Updates of the critics alone that follow, also where a trained policy
-            is started from, so that actors are not led astray.
-        imitation: Weight of the imitation term beside the critics' normalised gradient.
-        imitation_half_life: Control steps in which that weight halves.
+        noise: Standard deviation of the Gaussian exploration noise at the start of training.
+        final_noise: Its value at the end of a linear decay.
+        noise_until: Fraction of the training after which the decay ends.
+        smoothing: Standard deviation of the noise on target actions, clipped at twice this.
+        actor_every: Critic updates per actor update.
+        regulariser: Weight of the mean squared input of the actors' tanh. It keeps actions out of
+            saturation, where gradients vanish, and small where motion earns nothing.
+        actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
+            it, all ReLUs of a layer can die when the distribution of the observations shifts.
+        reset_networks_after: Control steps after which the networks are reset, and again each time
+            this number has doubled; 0 for never. Networks overfit to the first transitions and then
+            learn ever more slowly (the primacy bias, Nikishin et al. 2022).
+        share: Whether agents with spaces of the same size share one actor, with a one-hot input.
+        bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
+        critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
+            starts from a trained policy. Untrained critics would spoil the actors.
+        imitation: Weight of the imitation term, relative to the critics' normalised gradient.
+        imitation_half_life: Control steps in which this weight halves.
     """
 
     hidden: tuple[int, ...] = (128, 128)
@@ -106,15 +106,15 @@ class MaddpgSettings:
 
 
 class Maddpg:
-    """The learner.
+    """The MADDPG learner.
 
     Args:
-        shapes: What agents and critics see and say.
-        settings: What may be chosen.
-        shared_reward: Whether all agents are always rewarded the same, so that one pair of critics
+        shapes: The sizes of observations, actions and state.
+        settings: The settings of the algorithm.
+        shared_reward: Whether all agents always get the same reward, so that one pair of critics
             is enough.
-        seed: Of the initial weights.
-        device: Where the networks are.
+        seed: Seed of the initial weights.
+        device: Device of the networks.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class Maddpg:
         self._build(seed)
 
     def _build(self, seed: int) -> None:
-        """Make networks that have learned nothing, and their targets and optimisers."""
+        """Make untrained networks, their target networks and optimisers."""
         generator = torch.Generator().manual_seed(seed)
         shapes, settings = self.shapes, self.settings
         critic = (shapes.critic_input + shapes.joint_action, *settings.hidden, 1)
@@ -163,7 +163,7 @@ class Maddpg:
     # --- acting
 
     def noise(self, progress_fraction: float) -> float:
-        """Standard deviation of exploration's noise after a fraction of the training, 0 to 1."""
+        """Standard deviation of the exploration noise at a fraction of the training, 0 to 1."""
         settings = self.settings
         fallen = min(progress_fraction / max(settings.noise_until, 1e-9), 1.0)
         return settings.noise + (settings.final_noise - settings.noise) * fallen
@@ -171,12 +171,12 @@ class Maddpg:
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
     ) -> Actions:
-        """What the agents do to explore: (num_envs, n) each, from -1 to 1; by chance at first.
+        """Exploratory actions: (num_envs, n) each, from -1 to 1; random before learning begins.
 
         Args:
             observations: (num_envs, n) each.
-            rng: Draws the noise.
-            progress_fraction: Of the training so far.
+            rng: Generator of the noise.
+            progress_fraction: The fraction of the training that is done.
         """
         if not (self._begun or self._pretrained):
             shape = {a: (len(seen), self.shapes.actions[a]) for a, seen in observations.items()}
@@ -194,11 +194,11 @@ class Maddpg:
     # --- learning
 
     def begin(self, rows: Rows, rng: np.random.Generator) -> None:
-        """Prepare for learning: standardise what is seen, and clone demonstrations.
+        """Prepare for learning: set the standardisation, and clone the demonstrations.
 
         Args:
-            rows: Transitions so far.
-            rng: Draws batches.
+            rows: The transitions so far.
+            rng: Generator that draws batches.
         """
         self._begun = True
         before = self.policy({}) if self._pretrained else None
@@ -221,7 +221,7 @@ class Maddpg:
             follow(self._target_critics, self._critics, self.settings.tau)
 
     def _drawn(self, memory: Memory, rng: np.random.Generator) -> Tensor:
-        """A batch, what is seen in it standardised."""
+        """A batch with standardised observations and state."""
         rows = self._tensor(memory.sample(self.settings.batch, rng))
         return self._standard.apply_(rows)
 
@@ -229,11 +229,11 @@ class Maddpg:
         return torch.from_numpy(array).to(self._device)
 
     def update(self, memory: Memory, rng: np.random.Generator, step: int) -> dict[str, float]:
-        """Learn from a batch, and give losses for logs.
+        """Learn from a batch, and return the losses for the logs.
 
         Args:
-            memory: Where the batch comes from.
-            rng: Draws it, and the noise on target actions.
+            memory: The memory to sample from.
+            rng: Generator of the batch and of the noise on target actions.
             step: Control steps so far.
         """
         settings = self.settings
@@ -259,15 +259,15 @@ class Maddpg:
         return {"critic": critic_loss, "actor": float(actor_loss.detach())}
 
     def _update_critics(self, batch: Tensor, rng: np.random.Generator) -> float:
-        """Update the critics; gives their loss."""
+        """Update the critics, and return their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
-        values = self._critics(batch[:, : layout.actions.stop])  # what is seen, and what was done
+        values = self._critics(batch[:, : layout.actions.stop])  # critic inputs, and actions
         loss = (values.view(2, self._rewards, -1) - target).square().mean(2).sum()
         minimize(self._critic_adam, loss)
         return float(loss.detach())
 
     def _target(self, batch: Tensor, rng: np.random.Generator) -> Tensor:
-        """Pay + γ (1 - ended) min of the two target critics: (pays, n)."""
+        """Reward + γ (1 - ended) min of the two target critics: (rewards, n)."""
         layout, settings = self.shapes.layout, self.settings
         with torch.no_grad():
             later = {agent: batch[:, part] for agent, part in layout.next_observations.items()}
@@ -278,12 +278,12 @@ class Maddpg:
             inputs = torch.cat([batch[:, layout.next_critic_input], actions], 1)
             values = self._target_critics(inputs).view(2, self._rewards, -1).amin(0)
             pay = batch[:, layout.rewards].T[: self._rewards]
-            # The end of the time is an end as any other: the time left is part of the state.
+            # The time limit is a terminal state like any other, since the time left is observed.
             target: Tensor = pay + settings.discount * (1.0 - batch[:, layout.ended].T) * values
             return target
 
     def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
-        """What the critics think of the present policies, over its size; and imitation."""
+        """The critics' normalised value of the current policies, and the imitation term."""
         raw: Tensor = self._actors(self.shapes.layout.observed(batch))
         actions = raw.tanh()
         loss: Tensor = self.settings.regulariser * raw.square().mean()
@@ -298,7 +298,7 @@ class Maddpg:
         return loss
 
     def _joint(self, batch: Tensor, actions: Tensor, agent: str) -> Tensor:
-        """What the critic of an agent's pay sees; by it, no other agent's action is moved."""
+        """The input of the critic of an agent's reward; other agents' actions are detached."""
         layout = self.shapes.layout
         if self._rewards > 1:
             moved, part = actions, layout.action[agent]
@@ -308,7 +308,7 @@ class Maddpg:
         return torch.cat([batch[:, layout.critic_input], actions], 1)
 
     def _imitation(self, batch: Tensor, actions: Tensor) -> Tensor:
-        """Mean square of the difference from what experts did, over their transitions."""
+        """Mean squared difference from the expert's actions, over the demonstrated transitions."""
         layout = self.shapes.layout
         shown = batch[:, layout.demonstrated]
         apart = actions - batch[:, layout.actions]
@@ -317,7 +317,7 @@ class Maddpg:
     # --- starting from a policy
 
     def start_from(self, policy: TrainedPolicy) -> None:
-        """Begin with a trained policy as the actors; critics learn to judge it first.
+        """Initialise the actors from a trained policy; the critics are then trained first.
 
         Raises:
             UsageError: Its networks are of another kind or size than these.
@@ -326,19 +326,19 @@ class Maddpg:
         self._pretrained = True
 
     def _take(self, policy: TrainedPolicy) -> None:
-        """Let the actors do what a policy does, as observations are standardised now."""
+        """Copy a policy into the actors, under the current standardisation."""
         self._actors.take(policy, *self._standard.by_agent())
         follow(self._target_actors, self._actors, 1.0)
 
-    # --- what is kept
+    # --- saving and loading
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
-        """The present policy, to play: the target actors, an average over the last updates."""
+        """The current policy for evaluation: the target actors."""
         networks = self._target_actors.policy(*self._standard.by_agent(), squash=True)
         return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, Array]:
-        """All that it has learned, by name: networks, targets, optimisers, statistics."""
+        """The complete state of the learner by name: networks, targets, optimisers, statistics."""
         flags = {"updates": self._updates, "begun": self._begun, "renewals": self._renewals}
         if self._pretrained:
             flags["pretrained"] = True
@@ -347,7 +347,7 @@ class Maddpg:
         return {**numbers, **state, **self._standard.arrays()}
 
     def load(self, arrays: Mapping[str, Array]) -> None:
-        """Take over what `arrays` gave.
+        """Restore the state that `arrays` returned.
 
         Raises:
             KeyError: Something is missing.
@@ -368,7 +368,7 @@ class Maddpg:
 
 
 def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
-    """The settings of actors like a policy's; each agent has its own, standardised by itself."""
+    """The settings that match a policy's networks; each agent has an actor of its own."""
     network = next(iter(policy.networks.values()))
     if not network.squash:
         raise UsageError("maddpg starts from policies that end in a tanh, and this one does not")
@@ -382,13 +382,13 @@ ALGORITHM = Algorithm(
     learner=Maddpg,
     collection=OffPolicy,
     presets={
-        # It begins with a policy that is almost right, which much noise would hide, and that moves
-        # as fast as experts do.
+        # The initial policy is almost right: strong noise would hide that, and it already moves
+        # as fast as the expert.
         "demos": Preset(
             "learning with demonstrations",
             {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regulariser": 0.005},
         ),
-        # What is met early is unlike what is met late.
+        # Early transitions differ from late ones.
         "scratch": Preset(
             "learning without demonstrations",
             {"discount": 0.95, "actor_norms": True, "reset_networks_after": 50_000},

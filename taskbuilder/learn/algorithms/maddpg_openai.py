@@ -1,10 +1,9 @@
 """MADDPG as Lowe et al. (2017) published it, for continuous actions: a baseline, quirks included.
 
-Every agent has an actor of its own, which draws from a Gaussian whose mean and log-std it puts
-out, and a critic of its own, which sees what all agents see and do. What is unusual is the
-published code's and is kept: no tanh and no noise schedule, gradients clipped variable by
-variable, targets that begin as networks of their own, actions kept as they were drawn, and values
-that are carried on beyond the time limit.
+Every agent has an actor of its own, which outputs the mean and log-std of a Gaussian, and a critic
+of its own over all observations and actions. The quirks of the published code are kept: no tanh and
+no noise schedule, gradients clipped variable by variable, target networks that are not initialised
+as copies, actions stored without clipping, and values bootstrapped beyond the time limit.
 """
 
 from __future__ import annotations
@@ -32,22 +31,20 @@ Actions = dict[str, NDArray[np.float32]]
 
 @dataclass(frozen=True)
 class OpenaiSettings:
-    """What may be chosen; as it stands, it is what was published, at episodes of 50 steps.
+    """The settings of `MaddpgOpenai`; the defaults are those published, for episodes of 50 steps.
 
     Attributes:
         hidden: Units of each hidden layer.
-        lr: Of Adam, for actors and critics.
+        lr: Learning rate of Adam, for actors and critics.
         discount: γ.
-        tau: Share of the way that an agent's targets follow at each of its updates.
-        batch: Transitions an update of an agent, drawn with replacement.
-        capacity: Transitions that are kept.
-        warm_up: Control steps before learning begins, with actors as they are: as many episodes as
+        tau: Polyak averaging factor of an agent's target networks, at each of its updates.
+        batch: Transitions per update of an agent, drawn with replacement.
+        capacity: Transitions in the replay buffer.
+        warm_up: Control steps with the initial actors before learning begins: as many episodes as
             a batch has transitions, of 50 steps each.
         update_every: Control steps between updates of all agents.
-        clip: Largest norm of the gradient of each variable, be it a weight matrix or a bias.
-        regulariser: Weight of the mean square of the numbers that an actor puts out.
-        log_std_max: Upper bound of the Gaussians' log-std. By default where float32 overflows, as
-            published; the environment clips actions, so nothing else keeps the draws small.
+        clip: Maximum gradient norm of each variable (a weight matrix or a bias).
+        regulariser: Weight of the mean squared outputs of an actor.
     """
 
     hidden: tuple[int, ...] = (64, 64)
@@ -64,15 +61,15 @@ class OpenaiSettings:
 
 
 class MaddpgOpenai:
-    """The learner.
+    """The learner of the published MADDPG.
 
     Args:
-        shapes: What agents see and say; the state is not looked at.
-        settings: What may be chosen.
-        shared_reward: Whether all agents are always rewarded the same; each has its own critic even
+        shapes: The sizes of observations and actions; the state is not used.
+        settings: The settings of the algorithm.
+        shared_reward: Whether all agents always get the same reward; each has its own critic even
             then.
-        seed: Of the initial weights.
-        device: The CPU; others are refused before.
+        seed: Seed of the initial weights.
+        device: The CPU; plans with another device are refused.
     """
 
     def __init__(
@@ -92,12 +89,12 @@ class MaddpgOpenai:
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
     ) -> Actions:
-        """What the agents do: a draw of their Gaussians, which may lie beyond -1 to 1.
+        """Exploratory actions: samples of the agents' Gaussians, which may exceed -1 to 1.
 
         Args:
             observations: (num_envs, n) each.
-            rng: Draws.
-            progress_fraction: Of the training so far; nothing depends on it.
+            rng: Generator of the samples.
+            progress_fraction: The fraction of the training that is done; not used.
         """
         del progress_fraction
         with torch.no_grad():
@@ -109,7 +106,7 @@ class MaddpgOpenai:
             }
 
     def start_from(self, policy: TrainedPolicy) -> None:
-        """Refused, as the plan was: what was published begins from nothing.
+        """Not supported: the published algorithm starts from random weights.
 
         Raises:
             UsageError: Always.
@@ -120,18 +117,18 @@ class MaddpgOpenai:
     # --- learning
 
     def begin(self, rows: Rows, rng: np.random.Generator) -> None:
-        """Nothing is prepared: observations stay as they are, and experts are not copied."""
+        """Do nothing: there is no standardisation and no behaviour cloning."""
 
     def update(self, memory: Memory, rng: np.random.Generator, step: int) -> dict[str, float]:
         """Update every agent, one after the other, each from a batch of its own.
 
         Args:
-            memory: Where the batches come from.
-            rng: Draws them, and actions.
-            step: Control steps so far; nothing depends on it.
+            memory: The memory to sample from.
+            rng: Generator of batches and actions.
+            step: Control steps so far; not used.
 
         Returns:
-            Losses, means of the agents, for logs.
+            The losses for the logs, as means over the agents.
         """
         del step
         losses = np.array([self._learn(agent, memory, rng) for agent in self.shapes.agents])
@@ -139,7 +136,7 @@ class MaddpgOpenai:
         return {"critic": critic, "actor": actor}
 
     def _learn(self, agent: str, memory: Memory, rng: np.random.Generator) -> tuple[float, float]:
-        """Critic, then actor, then targets of one agent."""
+        """Update the critic, then the actor, then the targets of one agent."""
         learner, tau = self._learners[agent], self.settings.tau
         batch = torch.from_numpy(memory.sample(self.settings.batch, rng))
         critic_loss = self._critic_loss(agent, batch, rng)
@@ -157,9 +154,9 @@ class MaddpgOpenai:
         return (values[:, 0] - self._target(agent, batch, rng)).square().mean()
 
     def _target(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
-        """What values are drawn to: r + γ (1 - terminated) Q', at draws of all target actors: (n,).
+        """The TD target r + γ (1 - terminated) Q', at samples of all target actors: (n,).
 
-        The time limit is no end here, so that values are carried on beyond it.
+        The time limit is not a terminal state here, so values are bootstrapped beyond it.
         """
         layout = self.shapes.layout
         with torch.no_grad():
@@ -174,7 +171,7 @@ class MaddpgOpenai:
             return pay + self.settings.discount * goes_on * values
 
     def _actor_loss(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
-        """-Q at an own action drawn anew and the others' remembered ones, and the regulariser."""
+        """-Q at this agent's new action and the others' stored ones, and the regulariser."""
         layout, learner = self.shapes.layout, self._learners[agent]
         flat = learner.actor(batch[:, layout.observations[agent]])
         own = self._drawn(flat, rng)
@@ -188,23 +185,23 @@ class MaddpgOpenai:
         noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
         return mean + log_std.clamp(max=self.settings.log_std_max).exp() * noise
 
-    # --- what is kept
+    # --- saving and loading
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
-        """The present policy, to play: the Gaussians' means, clipped to -1 to 1.
+        """The current policy for evaluation: the means of the Gaussians, clipped to -1 to 1.
 
-        The published code plays by drawing, as in training; without the draws an evaluation does
-        not depend on a generator, and log-stds are left out.
+        The published code evaluates with samples, as in training. Means make an evaluation
+        independent of a generator; log-stds are left out.
         """
         networks = {a: learner.mean_network() for a, learner in self._learners.items()}
         return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """All that it has learned, by name: networks, targets, optimisers."""
+        """The complete state of the learner by name: networks, targets, optimisers."""
         return {name: tensor.detach().numpy().copy() for name, tensor in self._tensors().items()}
 
     def load(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Take over what `arrays` gave.
+        """Restore the state that `arrays` returned.
 
         Raises:
             KeyError: Something is missing.
@@ -228,7 +225,7 @@ class MaddpgOpenai:
 
 
 def _inputs(batch: Tensor, observations: Mapping[str, slice], actions: Sequence[Tensor]) -> Tensor:
-    """What critics see: all observations, then all actions."""
+    """The inputs of the critics: all observations, then all actions."""
     return torch.cat([*(batch[:, part] for part in observations.values()), *actions], 1)
 
 
@@ -238,9 +235,9 @@ class _Agent:
     def __init__(
         self, agent: str, shapes: Shapes, settings: OpenaiSettings, generator: torch.Generator
     ) -> None:
-        self._said = shapes.actions[agent]
+        self._action_size = shapes.actions[agent]
         seen = sum(shapes.observations.values())
-        actor = (shapes.observations[agent], *settings.hidden, 2 * self._said)
+        actor = (shapes.observations[agent], *settings.hidden, 2 * self._action_size)
         critic = (seen + shapes.joint_action, *settings.hidden, 1)
         self.actor, self.target_actor = _Perceptron(actor, generator), _Perceptron(actor, generator)
         self.critic = _Perceptron(critic, generator)
@@ -251,11 +248,11 @@ class _Agent:
     def mean_network(self) -> Network:
         """The actor without its log-stds."""
         *inner, last = self.actor.arrays()
-        weight, bias = last
-        return Network((*inner, (weight[:, : self._said], bias[: self._said])), squash=False)
+        weight, bias = (array[..., : self._action_size] for array in last)
+        return Network((*inner, (weight, bias)), squash=False)
 
     def tensors(self) -> dict[str, Tensor]:
-        """All its numbers, by name."""
+        """Its tensors, by name."""
         parts = {
             "actor": self.actor.parameters,
             "critic": self.critic.parameters,
@@ -273,8 +270,8 @@ class _Perceptron:
     Weights are uniform within √(6 / (ins + outs)) (Glorot and Bengio 2010), biases zero.
 
     Args:
-        sizes: Of the input, the hidden layers and the output.
-        generator: Draws the weights.
+        sizes: Sizes of the input, the hidden layers and the output.
+        generator: Generator of the weights.
 
     Attributes:
         parameters: Weight (ins, outs) and bias (outs,) of each layer in turn.
@@ -296,7 +293,7 @@ class _Perceptron:
         return torch.addmm(bias, hidden, weight)
 
     def follow(self, source: _Perceptron, share: float) -> None:
-        """Move towards another by a share of the way."""
+        """Polyak averaging: move towards another network by a fraction."""
         with torch.no_grad():
             torch._foreach_lerp_(self.parameters, source.parameters, share)
 
@@ -309,10 +306,10 @@ class _Perceptron:
 
 
 class _Adam:
-    """Adam as TensorFlow 1 has it, with the gradient of each variable clipped.
+    """Adam as in TensorFlow 1, with the gradient of each variable clipped.
 
     The step is lr √(1 - β₂ᵗ) / (1 - β₁ᵗ) · m / (√v + ε): ε is added to the root of the second
-    moment as it is, before its bias is corrected (Kingma and Ba 2015, end of their section 2).
+    moment before the bias correction (Kingma and Ba 2015, end of their section 2).
 
     Attributes:
         moments: Steps so far (1,), then the first and the second moment of every parameter.
@@ -328,7 +325,7 @@ class _Adam:
         self.moments = [self._steps, *self._mean, *self._square]
 
     def minimize(self, loss: Tensor) -> None:
-        """Take a step down the gradient, of these parameters and no others."""
+        """Take a gradient step on these parameters only."""
         gradients = _clipped(torch.autograd.grad(loss, self._parameters), self._clip)
         self._steps += 1
         steps = int(self._steps)
@@ -343,7 +340,7 @@ class _Adam:
 
 
 def _clipped(gradients: Sequence[Tensor], limit: float) -> tuple[Tensor, ...]:
-    """Every gradient, shortened to a norm where it is longer."""
+    """Every gradient, with its norm clipped."""
     norms = torch._foreach_norm(list(gradients))
     factors = [limit / max(norm, limit) for norm in torch.stack(list(norms)).tolist()]
     return tuple(torch._foreach_mul(list(gradients), factors))
@@ -361,7 +358,7 @@ ALGORITHM = Algorithm(
     learner=MaddpgOpenai,
     collection=OffPolicy,
     presets={
-        # 75,000 whole episodes of 50 steps, on the team's reward and the task's own observations.
+        # 75,000 whole episodes of 50 steps, with the team reward and the task's own observations.
         "paper": Preset(
             "the runs of the paper that the three tasks come from",
             # Without a bound a run of Pick-Push-Place overflowed after 597,800 control steps.

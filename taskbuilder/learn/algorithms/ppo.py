@@ -1,11 +1,11 @@
 """PPO with parameters shared between agents of the same spaces; with a centralised critic, MAPPO.
 
 Proximal policy optimisation (Schulman et al. 2017) with generalised advantage estimation (Schulman
-et al. 2016), for any number of agents as Yu et al. (2022) do it: agents whose observations and
-actions have the same sizes share a network and are told apart by a one-hot, observations, values
-and advantages are normalised, and the critic sees either what its agent does (IPPO) or everything
-(MAPPO). Policies are Gaussians with a log-std that does not depend on the state; actions beyond -1
-to 1 are clipped by the environment.
+et al. 2016), for any number of agents as in Yu et al. (2022). Agents whose observations and actions
+have the same sizes share a network, with a one-hot input for the agent. Observations, values and
+advantages are normalised. The critic observes what its agent observes (IPPO) or everything (MAPPO).
+Policies are Gaussians with a log-std that does not depend on the state; the environment clips
+actions beyond -1 to 1.
 """
 
 from __future__ import annotations
@@ -38,27 +38,28 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class PpoSettings:
-    """What may be chosen.
+    """The settings of `Ppo`.
 
     Attributes:
         hidden: Units of each hidden layer, of actors and critics.
         norms: Whether the actors' hidden layers have layer norm.
         squash: Whether the mean of an action ends in a tanh.
-        lr: Of Adam.
-        anneal_lr: Whether it falls to zero over the training, linearly.
+        lr: Learning rate of Adam.
+        anneal_lr: Whether the learning rate decays linearly to zero over the training.
         discount: γ.
         gae_lambda: λ of generalised advantage estimation.
-        rollout_steps: Control steps of every environment between updates.
-        epochs: How often an update goes through its rollout.
-        minibatches: Into how many parts an epoch divides it.
-        clip: How far the probability ratio may leave 1.
-        value_weight: Of the critics' loss beside the actors'.
-        entropy_weight: Of the bonus on the actors' entropy.
-        max_grad_norm: Of all gradients together.
-        log_std: Of the actions, at first.
-        centralised: Whether critics see what all agents do and the state, or what their agent does.
-        bootstrap_time_limit: Whether values go on beyond an end that is neither success nor
-            failure; for tasks whose agents cannot see how much time is left.
+        rollout_steps: Control steps of every environment per rollout.
+        epochs: Passes over the rollout per update.
+        minibatches: Minibatches per epoch.
+        clip: Clipping range of the probability ratio around 1.
+        value_weight: Weight of the critics' loss, relative to the actors'.
+        entropy_weight: Weight of the entropy bonus.
+        max_grad_norm: Maximum norm of all gradients together.
+        log_std: Initial log-std of the actions.
+        centralised: Whether critics observe the state and all observations, or only those of their
+            agent.
+        bootstrap_time_limit: Whether values are bootstrapped at an end that is neither success nor
+            failure; for tasks whose agents do not observe the time left.
         share: Whether agents of the same spaces share a network.
     """
 
@@ -83,14 +84,14 @@ class PpoSettings:
 
 
 class Ppo:
-    """The learner.
+    """The PPO learner.
 
     Args:
         shapes: The sizes of observations, actions and state.
-        settings: What may be chosen.
-        shared_reward: Whether all agents are always rewarded the same; nothing depends on it.
-        seed: Of the initial weights.
-        device: Where the networks are.
+        settings: The settings of the algorithm.
+        shared_reward: Whether all agents always get the same reward; not used.
+        seed: Seed of the initial weights.
+        device: Device of the networks.
     """
 
     def __init__(
@@ -140,12 +141,12 @@ class Ppo:
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, Array]:
-        """Draw actions: (num_envs, n) each; numbers beyond -1 to 1 are the environment's to clip.
+        """Sampled actions: (num_envs, n) each; the environment clips them to -1 to 1.
 
         Args:
             observations: (num_envs, n) each.
-            rng: Draws.
-            progress_fraction: Of the training so far; nothing depends on it.
+            rng: Generator of the samples.
+            progress_fraction: The fraction of the training that is done; not used.
         """
         del progress_fraction
         parts = self.shapes.layout.observations
@@ -159,17 +160,17 @@ class Ppo:
         return dict(zip(self.shapes.agents, np.split(drawn, ends, axis=1), strict=True))
 
     def _policy(self, observations: Mapping[str, Tensor]) -> Normal:
-        """The distribution of all agents' actions (n, joint action), each by what it observes."""
+        """The distribution of all agents' actions (n, joint action), given their observations."""
         mean = self._actors(observations)
         mean = mean.tanh() if self.settings.squash else mean
         return Normal(mean, self._log_std.exp().expand_as(mean), validate_args=False)
 
     def _values(self, batch: Tensor, *, later: bool = False) -> Tensor:
-        """What the critics expect of normalised rows, normalised: (n, agents).
+        """The critics' normalised values of normalised rows: (n, agents).
 
         Args:
             batch: The rows.
-            later: After the step, not before it.
+            later: Evaluate the state after the step instead of the one before it.
         """
         layout = self.shapes.layout
         own = layout.next_observations if later else layout.observations
@@ -187,13 +188,14 @@ class Ppo:
     def update(
         self, rollout: Rows, lost: Flags, rng: np.random.Generator, progress_fraction: float
     ) -> dict[str, float]:
-        """Learn from a rollout; gives losses for logs.
+        """Learn from a rollout, and return the losses for the logs.
 
         Args:
             rollout: (steps, num_envs, width) rows, in the order of time.
-            lost: (steps, num_envs) where nobody saw what happened; nothing is learned there.
-            rng: Draws the minibatches.
-            progress_fraction: Of the training so far.
+            lost: (steps, num_envs) bool, where a transition was lost with its worker; these are
+                masked out.
+            rng: Generator of the minibatches.
+            progress_fraction: The fraction of the training that is done.
         """
         settings, layout = self.settings, self.shapes.layout
         if settings.anneal_lr:
@@ -223,13 +225,13 @@ class Ppo:
                 losses.append(
                     self._step(*(t[rows_of] for t in (batch, actions, before, gains, targets)))
                 )
-        # Only now, so that the policies that were compared saw by one measure.
+        # Only now, so that the old and the new policy are compared under one normalisation.
         self._measure(rows[known])
         names = ("actor", "critic", "entropy", "kl", "clipped")
         return dict(zip(names, np.mean(losses, axis=0).tolist(), strict=True))
 
     def _measure(self, rows: Rows) -> None:
-        """Normalise by these rows too; a policy that was started from goes on as it was."""
+        """Update the normalisation with these rows; a pretrained policy keeps its outputs."""
         before = self.policy({}) if self._pretrained else None
         self._inputs.add(rows)
         if before is not None:
@@ -242,8 +244,8 @@ class Ppo:
 
         Args:
             rollout: (steps, num_envs, width).
-            values: (steps, num_envs, agents) before each step.
-            later: The same after it; at the end of an episode, of its last state.
+            values: (steps, num_envs, agents), the values before each step.
+            later: The values after it; at the end of an episode, those of its last state.
         """
         settings, layout = self.settings, self.shapes.layout
         ended = rollout[..., layout.ended]
@@ -261,7 +263,7 @@ class Ppo:
     def _step(
         self, batch: Tensor, actions: Tensor, before: Tensor, gains: Tensor, targets: Tensor
     ) -> list[float]:
-        """A step down the gradient of a minibatch, of rows (n, ...) each."""
+        """A gradient step on a minibatch of rows: (n, ...) each."""
         settings = self.settings
         log_probabilities, entropy = self._log_probabilities(batch, actions)
         change = log_probabilities - before  # (n, agents)
@@ -279,7 +281,7 @@ class Ppo:
         return [float(x.detach()) for x in (actor_loss, critic_loss, entropy, kl, share)]
 
     def _log_probabilities(self, batch: Tensor, actions: Tensor) -> tuple[Tensor, Tensor]:
-        """Of what each agent did: (n, agents); and the mean entropy of the agents' policies."""
+        """Log-probabilities of the taken actions (n, agents), and the policies' mean entropy."""
         policy = self._policy(self.shapes.layout.observed(batch))
         sizes = list(self.shapes.actions.values())
         parts = policy.log_prob(actions).split(sizes, 1)  # type: ignore[no-untyped-call]
@@ -289,21 +291,21 @@ class Ppo:
     def _tensor(self, array: NDArray[np.floating]) -> Tensor:
         return torch.from_numpy(array.astype(np.float32)).to(self._device)
 
-    # --- what is kept
+    # --- saving and loading
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
-        """The present policy, to play: the Gaussians' means, clipped to -1 to 1."""
+        """The current policy for evaluation: the means of the Gaussians, clipped to -1 to 1."""
         squash = self.settings.squash
         return TrainedPolicy(self._actors.policy(*self._measures(), squash=squash), about)
 
     def _measures(self) -> tuple[dict[str, Array], dict[str, Array]]:
-        """What agents' observations are normalised by: means and scales."""
+        """Means and scales of the agents' observations."""
         parts = self.shapes.layout.observations
         mean, scale = (x.astype(np.float32) for x in (self._inputs.mean, self._inputs.scale))
         return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
 
     def start_from(self, policy: TrainedPolicy) -> None:
-        """Begin with a trained policy as the actors' means.
+        """Initialise the actors' means from a trained policy.
 
         Raises:
             UsageError: Its networks are of another kind or size than these.
@@ -312,7 +314,7 @@ class Ppo:
         self._pretrained = True
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """All that it has learned, by name: networks, optimiser, measures."""
+        """The complete state of the learner by name: networks, optimiser, normalisation."""
         arrays: dict[str, NDArray[Any]] = {}
         arrays |= state_arrays({"networks": self._modules}, {"adam": self._adam})
         for name, measure in (("inputs", self._inputs), ("returns", self._returns)):
@@ -320,7 +322,7 @@ class Ppo:
         return {**arrays, "pretrained": np.array([self._pretrained])}
 
     def load(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Take over what `arrays` gave.
+        """Restore the state that `arrays` returned.
 
         Raises:
             KeyError: Something is missing.
@@ -333,7 +335,7 @@ class Ppo:
 
 
 def _begin_orthogonal(networks: SharedNetworks, last: float, generator: torch.Generator) -> None:
-    """Make initial weights orthogonal, those of the last layer small for actors; biases zero."""
+    """Orthogonal initial weights, small ones in the actors' last layer; zero biases."""
     for network in networks:
         *hidden, head = layers_of(network)
         for layer in (*hidden, head):
@@ -348,7 +350,7 @@ def _below(part: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[A
 
 
 def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
-    """The settings of actors like a policy's; each agent has its own, standardised by itself."""
+    """The settings that match a policy's networks; each agent has an actor of its own."""
     network = next(iter(policy.networks.values()))
     hidden = [len(bias) for _, bias in network.layers[:-1]]
     return {

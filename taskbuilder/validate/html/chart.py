@@ -49,7 +49,7 @@ class Axis:
     low: float
     high: float
 
-    def share(self, value: float) -> str:
+    def percent(self, value: float) -> str:
         """Where a return stands: ``12.3%``."""
         return f"{100 * (value - self.low) / (self.high - self.low):.2f}%"
 

@@ -13,7 +13,7 @@ from taskbuilder.errors import TaskbuilderError
 from taskbuilder.rollout.play import replay
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
-from taskbuilder.validate.places import failure_of_description
+from taskbuilder.validate.locate import failure_of_description
 from taskbuilder.validate.report import TaskReport
 from taskbuilder.visual.capture import take_picture
 from taskbuilder.visual.still import Pixels, take_still

@@ -1,4 +1,4 @@
-"""A validation under way: what all families share, and how their work is spread."""
+"""The shared state of a running validation, and the distribution of its work."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from taskbuilder.expert.ways import Way
 from taskbuilder.jobs import Map
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
+from taskbuilder.validate.env_cache import EnvCache, EnvSource, Start, at_work, open_cache
 from taskbuilder.validate.playing import play_expert
 from taskbuilder.validate.report import Progress
-from taskbuilder.validate.studio import Source, Start, Studio, at_work, open_studio
 
 
 @dataclass
-class Run:
+class Context:
     """A validation of one task.
 
     Attributes:
         task: The task.
-        source: Where other processes find it.
-        seeds: How many episodes to sample where chance is involved.
-        progress: Wraps the seeds of a family to show progress.
+        source: The source of the task, for other processes.
+        seeds: Number of seeds per variation.
+        progress: Wraps the seeds of a family to display progress.
         spread: Maps work over processes, in order.
-        limit_s: How long a piece of work may take.
-        alive: Called while something lasts, to say that it goes on.
+        limit_s: Time limit of a unit of work.
+        alive: Called during long work, to report that it goes on.
         measures: Figures by name, for the report.
-        demonstrations: The expert's episodes, by how they began.
-        plays: Other ways of playing that were tried, and by how the episode began.
+        demonstrations: The expert's episodes, by start.
+        plays: The episodes of the probes, by name and start.
     """
 
     task: Task
-    source: Source
+    source: EnvSource
     seeds: int
     progress: Progress
     spread: Map
@@ -47,27 +47,27 @@ class Run:
 
     @property
     def state(self) -> Any:
-        """What later families need of those before them; `take_over` takes it, anywhere."""
+        """State that later families need; `take_over` restores it, in any process."""
         return self.measures, self.demonstrations, self.plays
 
     def take_over(self, state: Any) -> None:
-        """Go on from the state of another run, which was lost."""
+        """Continue from the state of another run that was lost."""
         self.measures, self.demonstrations, self.plays = state
 
     @property
-    def studio(self) -> Studio:
-        """What this process keeps of the task."""
-        return open_studio(self.source, self.task)
+    def cache(self) -> EnvCache:
+        """The environments and experts that this process keeps."""
+        return open_cache(self.source, self.task)
 
     @property
     def variations(self) -> int:
-        """How many scenes there are, the plain one included."""
+        """Number of variations, including number 0."""
         return len(self.task.file.scenes)
 
     @property
     def has_expert(self) -> bool:
-        """Whether the task has an expert, and one that can be planned for."""
-        return self.studio.has_expert
+        """Whether the task has an expert whose action modes can be planned for."""
+        return self.cache.has_expert
 
     @property
     def every_start(self) -> tuple[Start, ...]:
@@ -75,29 +75,29 @@ class Run:
         return tuple(Start(v, s) for v in range(self.variations) for s in range(self.seeds))
 
     def some_starts(self, most: int | None = None) -> tuple[Start, ...]:
-        """Every seed once, the variations taking turns: what more than success is asked about.
+        """Every seed once, with the variations in turn.
 
         Args:
-            most: How many seeds at most.
+            most: Maximum number of seeds.
         """
         count = self.seeds if most is None else min(most, self.seeds)
         return tuple(sorted(Start(seed % self.variations, seed) for seed in range(count)))
 
     def ask(
         self,
-        function: Callable[[Studio, Any], Any],
+        function: Callable[[EnvCache, Any], Any],
         starts: Sequence[Start],
         label: str,
         *,
         about: Sequence[Any] | None = None,
     ) -> Iterator[Any]:
-        """Have work done, and give back the results in order, each as soon as it is there.
+        """Distribute work, and yield the results in order.
 
         Args:
-            function: Of a module, to be called with a studio and a start, or an item.
-            starts: How the episodes begin, in the order of their variations.
-            label: What progress is shown as.
-            about: An item for each start, where the function needs more than the start; picklable.
+            function: A function of a module, called with a cache and a start, or an item.
+            starts: The starts of the episodes, in the order of their variations.
+            label: Label of the progress display.
+            about: A picklable item for each start, passed instead of the start.
 
         Raises:
             DescriptionError: The description raised an error.
@@ -110,7 +110,7 @@ class Run:
                 yield next(results)
 
     def demonstrate(self, starts: Sequence[Start], label: str) -> Iterator[Rollout]:
-        """What the expert does from each start; played only where it has not been.
+        """The expert's episode from each start; played only once.
 
         Raises:
             DescriptionError: The description raised an error.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from taskbuilder.validate.shares import Share
+from taskbuilder.validate.proportion import Proportion
 
 
 @pytest.mark.parametrize(
@@ -19,13 +19,13 @@ from taskbuilder.validate.shares import Share
     ],
 )
 def test_the_interval_is_that_of_the_tables(count, of, low, high):
-    assert Share(count, of).interval == pytest.approx((low, high), abs=5e-5)
+    assert Proportion(count, of).interval == pytest.approx((low, high), abs=5e-5)
 
 
 def test_the_interval_holds_the_share_and_narrows_with_more_episodes():
     widths = []
     for of in (5, 10, 40, 160):
-        share = Share(4 * of // 5, of)
+        share = Proportion(4 * of // 5, of)
         low, high = share.interval
         assert 0.0 <= low <= share.value <= high <= 1.0
         widths.append(high - low)
@@ -33,4 +33,4 @@ def test_the_interval_holds_the_share_and_narrows_with_more_episodes():
 
 
 def test_a_share_reads_as_counts_and_percents():
-    assert str(Share(40, 40)) == "40/40 (91–100 %)"
+    assert str(Proportion(40, 40)) == "40/40 (91–100 %)"

@@ -1,4 +1,4 @@
-"""Where a finding about a built thing belongs: in the task file, or in the description."""
+"""Locating findings about the built scene in the task file or the description."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def finding_at(
         task: The task.
         code: The finding's code.
         message: What is wrong; what would be right.
-        name: Of the robot, object or site.
+        name: Name of the robot, object or site.
         inner: Keys below it, such as "place".
-        severity: How bad it is.
+        severity: Error or warning.
     """
     scene = task.file.spec.scene
     groups = {"robots": scene.robots, "objects": scene.objects, "sites": scene.sites}
@@ -44,7 +44,7 @@ def finding_of_scene(task: Task, code: str, message: str) -> Finding:
 def in_variation(
     variation: int, wrong: Iterable[Finding], known: Iterable[Finding]
 ) -> list[Finding]:
-    """What is wrong in a variation and was not in those before it; its message names it."""
+    """Findings that are new in a variation, with its name in the message."""
     before = {(finding.code, finding.path) for finding in known}
     new = [finding for finding in wrong if (finding.code, finding.path) not in before]
     if not variation:
@@ -53,10 +53,10 @@ def in_variation(
 
 
 def failure_of_description(error: BaseException, entry: CatalogueEntry) -> Finding:
-    """A finding at the line of the description that raised an error while it was asked.
+    """A finding for an error that a description raised, at the line that raised it.
 
     Raises:
-        BaseException: The same error, if the description has no part in it.
+        BaseException: The same error, if it did not arise in the description.
     """
     finding = _explained(error, entry)
     if finding is None:
@@ -65,7 +65,7 @@ def failure_of_description(error: BaseException, entry: CatalogueEntry) -> Findi
 
 
 def arose_in_description(error: BaseException, entry: CatalogueEntry) -> bool:
-    """Whether a description has a part in an error."""
+    """Whether an error arose in a description."""
     return _explained(error, entry) is not None
 
 
@@ -84,14 +84,14 @@ def _explained(error: BaseException, entry: CatalogueEntry) -> Finding | None:
 def finding_in_description(
     task: Task, code: str, message: str, name: str, node: Node | None = None
 ) -> Finding:
-    """A finding about an attribute of the description, placed where it was written.
+    """A finding about an attribute of the description, at the line where it was written.
 
     Args:
         task: The task.
         code: The finding's code.
         message: What is wrong; what would be right.
-        name: Of the attribute, or of what belongs to it.
-        node: The expression that is meant; its place is the finding's.
+        name: Name of the attribute, or of a part of it.
+        node: The expression, which gives the place of the finding.
     """
     location = None if node is None else node.origin
     file = task.file.entry.description_file
@@ -101,6 +101,6 @@ def finding_in_description(
 def finding_in_file(
     task: Task, code: str, message: str, *path: str | int, severity: Severity = "error"
 ) -> Finding:
-    """A finding about what the task file holds at a path, or about what is missing there."""
+    """A finding about a path of keys in the task file, or about a missing key there."""
     location = task.file.source.locate(path, key=True)
     return Finding(code, message, dotted(path), location, severity)

@@ -1,4 +1,4 @@
-"""Shares of episodes, with the interval that so few episodes leave them in."""
+"""Fractions of episodes with their confidence intervals."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from taskbuilder.intervals import wilson
 
 
 @dataclass(frozen=True)
-class Share:
-    """How many of some episodes went one way.
+class Proportion:
+    """A fraction of episodes.
 
     Attributes:
-        count: How many did.
-        of: How many there were, at least one.
+        count: Number of episodes that count.
+        of: Number of all episodes, at least one.
     """
 
     count: int
@@ -21,12 +21,12 @@ class Share:
 
     @property
     def value(self) -> float:
-        """The share itself, from 0 to 1."""
+        """The fraction, from 0 to 1."""
         return self.count / self.of
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Wilson's interval at 95 %."""
+        """The 95 % Wilson interval."""
         return wilson(self.count, self.of)
 
     def __str__(self) -> str:

@@ -29,18 +29,18 @@ from taskbuilder.validate.apart import (
     Level,
     Listener,
     Nobody,
-    Orders,
     Owner,
+    ValidationConfig,
     watch,
 )
+from taskbuilder.validate.checks.static import static_failure, static_family
 from taskbuilder.validate.losses import finding_of_loss, lost_family
 from taskbuilder.validate.making import Stopwatch
 from taskbuilder.validate.report import Check, FamilyResult, Progress, TaskReport
-from taskbuilder.validate.static import static_failure, static_family
 from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:  # a static validation loads no physics
-    from taskbuilder.validate.running import Run
+    from taskbuilder.validate.context import Context
 
 SEEDS = 40
 QUICK_SEEDS = 5
@@ -53,31 +53,30 @@ class Family:
     """A family of checks.
 
     Attributes:
-        name: As reports show it.
-        level: The first level that it belongs to.
-        check: Makes the checks.
-        after: Families that must have found no error for this one to mean anything: what they
-            find would show here again.
+        name: Name in reports.
+        level: The first level that includes it.
+        check: Runs its checks.
+        after: Families that must have passed for this one to be meaningful.
     """
 
     name: str
     level: Level
-    check: Callable[[Run], FamilyResult]
+    check: Callable[[Context], FamilyResult]
     after: tuple[str, ...] = ()
 
 
 def _families() -> tuple[Family, ...]:
     """All families but the static one, in order."""
     # Imported only here: these need the physics engine, which a static check never loads.
-    from taskbuilder.validate.build import build_family
-    from taskbuilder.validate.contract import contract_family
-    from taskbuilder.validate.cost import cost_family
-    from taskbuilder.validate.needs import needs_family
-    from taskbuilder.validate.pays import pays_family
-    from taskbuilder.validate.reach import reach_family
-    from taskbuilder.validate.repeat import repeat_family
-    from taskbuilder.validate.reset import reset_family
-    from taskbuilder.validate.solvable import solvable_family
+    from taskbuilder.validate.checks.build import build_family
+    from taskbuilder.validate.checks.contract import contract_family
+    from taskbuilder.validate.checks.cost import cost_family
+    from taskbuilder.validate.checks.incentives import pays_family
+    from taskbuilder.validate.checks.necessity import needs_family
+    from taskbuilder.validate.checks.reach import reach_family
+    from taskbuilder.validate.checks.repeat import repeat_family
+    from taskbuilder.validate.checks.reset import reset_family
+    from taskbuilder.validate.checks.solvable import solvable_family
 
     return (
         Family("build", "build", build_family),
@@ -103,18 +102,18 @@ def validate_task(
     only: Collection[str] | None = None,
     apart: bool = True,
 ) -> TaskReport:
-    """Try to break a task.
+    """Validate a task.
 
     Args:
-        reference: Its name in the catalogue, or the path of its YAML file.
+        reference: Name of the task, or path of its YAML file.
         level: ``static`` (no physics), ``build``, or ``full``.
-        seeds: How many episodes to sample where chance is involved.
-        catalogue: Where names are looked up; by default that of this installation.
-        progress: Wraps the seeds of a family to show progress.
-        jobs: How many processes play episodes; the results do not depend on it.
-        only: Names of families: no others are run, not even those whose errors would show in them.
-        apart: Load and play the task in processes of their own alone, which its description can
-            end, crash or hold up without harm. In this one it can be debugged.
+        seeds: Number of seeds per variation.
+        catalogue: The catalogue that names are looked up in; by default that of this installation.
+        progress: Wraps the seeds of a family to display progress.
+        jobs: Number of processes that play episodes; results do not depend on it.
+        only: Names of the families to run; by default all.
+        apart: Load and play the task only in child processes, so that a description that crashes
+            or hangs does no harm. Use False to debug a description in this process.
 
     Raises:
         UnknownNameError: There is no such task.
@@ -122,57 +121,57 @@ def validate_task(
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
-    orders = Orders(str(reference), level, seeds, catalogue, jobs, wanted)
+    config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted)
     watched = Stopwatch()
     if apart:
-        report = watch(_validated_apart, orders, progress)
+        report = watch(_validated_apart, config, progress)
     else:
-        report = _validated(orders, Nobody(progress))
+        report = _validated(config, Nobody(progress))
     return replace(report, making=watched.making(level, seeds))
 
 
-def _validated_apart(orders: Orders) -> TaskReport:
-    return _validated(orders, Owner())
+def _validated_apart(config: ValidationConfig) -> TaskReport:
+    return _validated(config, Owner())
 
 
-def _validated(orders: Orders, listener: Listener) -> TaskReport:
+def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
     started = time.perf_counter()
     try:
-        task = _loaded(orders, listener)
+        task = _loaded(config, listener)
     except FileError as error:
         failure = _timed(static_failure(error.findings), started)
-        return TaskReport(orders.reference, orders.reference, (failure,))
+        return TaskReport(config.reference, config.reference, (failure,))
     static = _timed(static_family(task), started)
-    if orders.level == "static":
+    if config.level == "static":
         return TaskReport(task.name, headline(task), (static,))
-    limit_s = orders.limits.piece(task.file.spec.timing.episode_steps)
+    limit_s = config.limits.piece(task.file.spec.timing.episode_steps)
     with workers(
-        orders.jobs if orders.level == "full" else 1,
+        config.jobs if config.level == "full" else 1,
         limit_s=limit_s,
         beat=listener.alive,
-        prepared="taskbuilder.validate.running",  # while this process does
+        prepared="taskbuilder.validate.context",  # while this process does
     ) as spread:
-        families = _wanted(orders.level, orders.only)
-        return _play(task, orders, static, families, listener, spread, limit_s)
+        families = _wanted(config.level, config.only)
+        return _play(task, config, static, families, listener, spread, limit_s)
 
 
-def _loaded(orders: Orders, listener: Listener) -> Task:
-    """The task; its description is imported first, so that what it does then can be told."""
+def _loaded(config: ValidationConfig, listener: Listener) -> Task:
+    """Load the task; its description is imported first, so that its errors can be located."""
     if not owned():
-        return load_task(orders.reference, catalogue=orders.catalogue, guarded=True)
-    entry = orders.catalogue.task(orders.reference)
-    listener.begin(IMPORT, orders.limits.import_s)
-    with suppress(FileError):  # what is wrong is found with all the rest
+        return load_task(config.reference, catalogue=config.catalogue, guarded=True)
+    entry = config.catalogue.task(config.reference)
+    listener.begin(IMPORT, config.limits.import_s)
+    with suppress(FileError):  # errors are reported with all others
         load_description(entry)
-    listener.begin(CHECK, orders.limits.import_s)
-    return load_task(orders.reference, catalogue=orders.catalogue)
+    listener.begin(CHECK, config.limits.import_s)
+    return load_task(config.reference, catalogue=config.catalogue)
 
 
 def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
     """The families of a level, or some of them.
 
     Raises:
-        UsageError: There is none of a name.
+        UsageError: There is no family of this name.
     """
     known = {family.name: family for family in _families() if level in ("full", family.level)}
     for name in only or ():
@@ -183,7 +182,7 @@ def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
 
 def _play(
     task: Task,
-    orders: Orders,
+    config: ValidationConfig,
     static: FamilyResult,
     families: tuple[Family, ...],
     listener: Listener,
@@ -191,17 +190,19 @@ def _play(
     limit_s: float,
 ) -> TaskReport:
     """Run the families that need physics."""
-    from taskbuilder.validate.running import Run
-    from taskbuilder.validate.studio import Source, close_studio
+    from taskbuilder.validate.context import Context
+    from taskbuilder.validate.env_cache import EnvSource, close_cache
 
-    source = Source(orders.reference, orders.catalogue, next(_RUNS))
-    run = Run(task, source, orders.seeds, listener.progress, spread, limit_s, listener.alive)
-    report = TaskReport(task.name, headline(task), (static,), run.measures)
-    if orders.kept:
-        report = orders.kept.report
-        run.take_over(orders.kept.state)
+    source = EnvSource(config.reference, config.catalogue, next(_RUNS))
+    context = Context(
+        task, source, config.seeds, listener.progress, spread, limit_s, listener.alive
+    )
+    report = TaskReport(task.name, headline(task), (static,), context.measures)
+    if config.kept:
+        report = config.kept.report
+        context.take_over(config.kept.state)
     else:
-        listener.done(Kept(report, run.state))
+        listener.done(Kept(report, context.state))
     done = {*report.skipped, *(family.name for family in report.families)}
     try:
         for number, family in enumerate(families):
@@ -209,52 +210,52 @@ def _play(
                 continue
             rest = tuple(later.name for later in families[number + 1 :])
             listener.begin(family.name, limit_s, rest)
-            report = replace(_with(report, run, family), measures=run.measures)
-            listener.done(Kept(report, run.state))
+            report = replace(_with(report, context, family), measures=context.measures)
+            listener.done(Kept(report, context.state))
     finally:
-        close_studio(source)
+        close_cache(source)
     return report
 
 
 FATAL = ("TB314", "TB315")
-"""Codes of findings that no other family would get past."""
+"""Codes of findings after which no other family can run."""
 
 
-def _with(report: TaskReport, run: Run, family: Family) -> TaskReport:
-    """A report with the result of one more family, or its name if it is not run."""
+def _with(report: TaskReport, context: Context, family: Family) -> TaskReport:
+    """Add the result of one more family to a report, or its name if it is skipped."""
     fatal = any(finding.code in FATAL for finding in report.findings)
     wrong = {*report.skipped, *(found.name for found in report.families if not found.ok)}
     if fatal or wrong & set(family.after):
         return replace(report, skipped=(*report.skipped, family.name))
     started = time.perf_counter()
-    result = _timed(_checked(run, family), started)
+    result = _timed(_checked(context, family), started)
     return replace(report, families=(*report.families, result))
 
 
-def _checked(run: Run, family: Family) -> FamilyResult:
-    """A family's result; what a description raises meanwhile is a finding of it."""
-    from taskbuilder.validate.places import failure_of_description, finding_at, finding_of_scene
-    from taskbuilder.validate.studio import DescriptionError
+def _checked(context: Context, family: Family) -> FamilyResult:
+    """Run a family; an error of the description becomes a finding."""
+    from taskbuilder.validate.env_cache import DescriptionError
+    from taskbuilder.validate.locate import failure_of_description, finding_at, finding_of_scene
 
     try:
-        return family.check(run)
+        return family.check(context)
     except PlacementError as error:  # from a seed that the reset family did not come to
         place = error.findings[0]
-        finding = finding_at(run.task, "TB305", place.message, place.path, "place")
+        finding = finding_at(context.task, "TB305", place.message, place.path, "place")
         check = Check("TB305", "everything finds a place", False, 1, 0, "things")
         return FamilyResult(family.name, (check,), (finding,), "something finds no place")
     except ExplosionError as error:
-        finding = finding_of_scene(run.task, "TB307", str(error))
+        finding = finding_of_scene(context.task, "TB307", str(error))
         check = Check("TB307", "the physics stays bounded", False, 1, 0, "episodes")
         return FamilyResult(family.name, (check,), (finding,), "the physics diverged")
     except LostError as error:
-        return lost_family(family.name, finding_of_loss(error.fault, run.task.file.entry))
+        return lost_family(family.name, finding_of_loss(error.fault, context.task.file.entry))
     except DescriptionError as error:
         finding = error.finding
     except BaseException as error:
         if is_interrupt(error):
             raise
-        finding = failure_of_description(error, run.task.file.entry)
+        finding = failure_of_description(error, context.task.file.entry)
     check = Check("TB314", "the description can be asked", False, 1, 0, "things")
     return FamilyResult(family.name, (check,), (finding,), "the description fails")
 

@@ -1,10 +1,9 @@
-"""The repeat family: the same seed and actions give the same episode, wherever and whenever.
+"""The repeat family: the same seed and actions give the same episode, bit for bit.
 
-Played are the expert's actions if the task has an expert, else random ones, in up to `EPISODES`
-episodes, the variations taking turns: in each of two fresh processes, and in this one, where other
-episodes have been played. Where the fresh ones differ they are asked again, to play each episode
-twice over: what differs then differs everywhere. Of the ways in which an episode can fail to repeat
-itself only the first that explains the others is reported.
+Up to `EPISODES` episodes of the expert's actions, or of random ones without an expert, are played
+in each of two fresh processes, and in this one after other episodes. The variations take turns. If
+the fresh processes differ, each plays its episodes twice, to find out whether they differ even
+within a process. Only the first difference that explains the others is reported.
 """
 
 from __future__ import annotations
@@ -18,12 +17,12 @@ from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
 from taskbuilder.task import Task
-from taskbuilder.validate.fresh import fresh_processes
-from taskbuilder.validate.places import finding_in_description
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.fresh_process import fresh_processes
+from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start, Studio
 from taskbuilder.validate.traces import (
     Difference,
     Trace,
@@ -37,32 +36,32 @@ from taskbuilder.validate.traces import (
 
 EPISODES = 3
 SAVED_AT = (0.25, 0.5, 0.75)
-"""Shares of an episode after which it is saved, to be gone back to."""
+"""Fractions of an episode at which its state is saved and restored."""
 
 
 class Script(NamedTuple):
-    """An episode that is to be repeated."""
+    """An episode to repeat."""
 
     start: Start
     actions: list[Actions]
 
 
-def repeat_family(run: Run) -> FamilyResult:
+def repeat_family(context: Context) -> FamilyResult:
     """Play the same episodes in several ways, and compare them to the bit."""
-    with fresh_processes(2, limit_s=run.limit_s, beat=run.alive) as give:
-        scripts = _scripts(run, run.some_starts(EPISODES))
-        untouched = _check_untouched(run, scripts[0])
+    with fresh_processes(2, limit_s=context.limit_s, beat=context.alive) as give:
+        scripts = _scripts(context, context.some_starts(EPISODES))
+        untouched = _check_untouched(context, scripts[0])
         if not untouched[0].ok:
             return _result([untouched], "the description changes the world")
-        fresh = give(play_scripts, run.source, scripts)
+        fresh = give(play_scripts, context.source, scripts)
         played = [
-            _with_restores(run.studio.env(start.variation), start.seed, actions)
+            _with_restores(context.cache.env(start.variation), start.seed, actions)
             for start, actions in scripts
         ]
         here = [whole for whole, _ in played]
-        results = [untouched, *_check_repeats(run, scripts, here, fresh())]
+        results = [untouched, *_check_repeats(context, scripts, here, fresh())]
     if all(check.ok or check.code == "TB503" for check, _ in results):
-        results.append(_check_restores(run, scripts, [found for _, found in played]))
+        results.append(_check_restores(context, scripts, [found for _, found in played]))
     broken = [check.name for check, _ in results if not check.ok]
     good = "bit for bit: again, after others, fresh process, restore"
     return _result(results, f"not so: {', '.join(broken)}" if broken else good)
@@ -73,12 +72,12 @@ def _result(results: Sequence[Result], summary: str) -> FamilyResult:
     return FamilyResult("repeat", checks, tuple(f for _, found in results for f in found), summary)
 
 
-def _scripts(run: Run, starts: Sequence[Start]) -> list[Script]:
-    if run.has_expert:
-        played = run.demonstrate(starts, "repeat")
+def _scripts(context: Context, starts: Sequence[Start]) -> list[Script]:
+    if context.has_expert:
+        played = context.demonstrate(starts, "repeat")
         return [Script(start, actions_of(d)) for start, d in zip(starts, played, strict=True)]
     return [
-        Script(start, list(random_actions(run.studio.env(start.variation), start.seed)))
+        Script(start, list(random_actions(context.cache.env(start.variation), start.seed)))
         for start in starts
     ]
 
@@ -86,21 +85,21 @@ def _scripts(run: Run, starts: Sequence[Start]) -> list[Script]:
 # --- TB505
 
 
-def _check_untouched(run: Run, script: Script) -> Result:
-    """Asking the description leaves the world as it was."""
-    env = run.studio.env(script.start.variation)
-    found = next(_changes(env, run.task, script), None)
+def _check_untouched(context: Context, script: Script) -> Result:
+    """Evaluating the description does not change the world."""
+    env = context.cache.env(script.start.variation)
+    found = next(_changes(env, context.task, script), None)
     findings = []
     if found:
         message = f"asking it changes the world: {script.start}, {found}; it may only look"
-        name = run.task.description.__name__
-        findings = [finding_in_description(run.task, "TB505", message, name)]
+        name = context.task.description.__name__
+        findings = [finding_in_description(context.task, "TB505", message, name)]
     wrong = len(findings)
     return Check("TB505", "the description only looks", not wrong, wrong, 0, "episodes"), findings
 
 
 def _changes(env: TaskEnv, task: Task, script: Script) -> Iterator[Difference]:
-    """What a referee changes by asking, in an episode that no other referee watches."""
+    """What the evaluation by a referee changes in an episode."""
     world, modes = env.episode.world, env.episode.actions
     referee = Referee(task.description, task.agents)
     world.reset(script.start.seed)
@@ -123,14 +122,17 @@ def _changes(env: TaskEnv, task: Task, script: Script) -> Iterator[Difference]:
 
 
 def _check_repeats(
-    run: Run, scripts: Sequence[Script], here: Sequence[Trace], fresh: Sequence[Sequence[Trace]]
+    context: Context,
+    scripts: Sequence[Script],
+    here: Sequence[Trace],
+    fresh: Sequence[Sequence[Trace]],
 ) -> Iterator[Result]:
     """An episode is the same again, after others, and in a fresh process."""
     counts = {"TB501": 0, "TB502": 0, "TB503": 0}
     findings: dict[str, list[Finding]] = {code: [] for code in counts}
     one, two = fresh
     apart = [difference(*pair) for pair in zip(one, two, strict=True)]
-    again = _again(run, scripts) if any(apart) else [None] * len(scripts)
+    again = _again(context, scripts) if any(apart) else [None] * len(scripts)
     for script, used, new, elsewhere, twice in zip(scripts, here, one, apart, again, strict=True):
         if elsewhere and twice:
             code, found = "TB501", twice
@@ -142,7 +144,7 @@ def _check_repeats(
             continue
         counts[code] += 1
         if not findings[code]:
-            findings[code] = [_differs(run.task, code, script.start, found)]
+            findings[code] = [_differs(context.task, code, script.start, found)]
     first = next((code for code in counts if counts[code]), None)
     for code, count in counts.items():
         if first in (None, code):
@@ -170,7 +172,7 @@ def _differs(task: Task, code: str, start: Start, found: Difference) -> Finding:
 
 
 def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
-    """The part of a description that differs, if one can be told."""
+    """The part of a description that differs, if it can be identified."""
     description = task.description
     terms = {f"reward/{term.label}": (f"reward.{term.label}", term) for term in description.reward}
     named = {
@@ -182,29 +184,29 @@ def _culprit(task: Task, parts: Sequence[str]) -> tuple[str, Node | None]:
     return next((known[part] for part in parts if part in known), (description.__name__, None))
 
 
-def _again(run: Run, scripts: Sequence[Script]) -> list[Difference | None]:
+def _again(context: Context, scripts: Sequence[Script]) -> list[Difference | None]:
     """Where each episode differs when it is played twice over in one process."""
-    with fresh_processes(1, limit_s=run.limit_s, beat=run.alive) as give:
-        (traces,) = give(play_scripts, run.source, [s for s in scripts for _ in "12"])()
+    with fresh_processes(1, limit_s=context.limit_s, beat=context.alive) as give:
+        (traces,) = give(play_scripts, context.source, [s for s in scripts for _ in "12"])()
     return [difference(*pair) for pair in zip(traces[::2], traces[1::2], strict=True)]
 
 
-def play_scripts(studio: Studio, scripts: Sequence[Script]) -> list[Trace]:
-    """One episode after the other."""
-    return [trace(studio.env(start.variation), start.seed, acts) for start, acts in scripts]
+def play_scripts(cache: EnvCache, scripts: Sequence[Script]) -> list[Trace]:
+    """Play episodes one after the other."""
+    return [trace(cache.env(start.variation), start.seed, acts) for start, acts in scripts]
 
 
 # --- TB504
 
 
 def _check_restores(
-    run: Run, scripts: Sequence[Script], restored: Sequence[Difference | None]
+    context: Context, scripts: Sequence[Script], restored: Sequence[Difference | None]
 ) -> Result:
-    """An episode goes on the same from a state that was saved in the middle of it."""
+    """An episode continues identically from a saved state."""
     findings: list[Finding] = []
     for script, found in zip(scripts, restored, strict=True):
         if found and not findings:
-            findings = [_differs(run.task, "TB504", script.start, found)]
+            findings = [_differs(context.task, "TB504", script.start, found)]
     count = sum(found is not None for found in restored)
     return Check("TB504", _NAMES["TB504"], not count, count, 0, "episodes"), findings
 
@@ -212,7 +214,7 @@ def _check_restores(
 def _with_restores(
     env: TaskEnv, seed: int, actions: Sequence[Actions]
 ) -> tuple[Trace, Difference | None]:
-    """An episode, and where it differs when it goes on from saved states, the latest first."""
+    """An episode, and its differences after restoring saved states, the latest first."""
     marks = {round(share * len(actions)) for share in SAVED_AT}
     saved = []
     steps = list(trace(env, seed, ()))
@@ -221,7 +223,7 @@ def _with_restores(
             saved.append((number, env.save_state()))
         steps += go_on(env, [action])
     found = None
-    if not env.episode.exploded:  # with its world, the states would have gone
+    if not env.episode.exploded:  # otherwise its states are gone with its world
         for number, state in reversed(saved):
             env.load_state(state)
             again = list(go_on(env, actions[number:]))

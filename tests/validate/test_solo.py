@@ -10,9 +10,9 @@ import pytest
 
 from taskbuilder.schema.expert import Order, Together
 from taskbuilder.task import load_task
-from taskbuilder.validate.alone import play_solo, sharers, solos
-from taskbuilder.validate.needs import _in_reach
-from taskbuilder.validate.studio import Start, Studio
+from taskbuilder.validate.checks.necessity import _in_reach
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.solo import play_solo, sharers, solos
 
 CHEST = Path(__file__).parent.parent / "proven_tasks" / "lid_by_its_knob.yaml"
 
@@ -58,8 +58,8 @@ class Bar(Description):
 def in_reach(folder, stages):
     (folder / "bar.yaml").write_text(BAR + stages)
     (folder / "bar.py").write_text(DESCRIPTION)
-    with closing(Studio(load_task(folder / "bar.yaml"))) as studio:
-        return list(_in_reach(studio, Start(0, 0)))
+    with closing(EnvCache(load_task(folder / "bar.yaml"))) as cache:
+        return list(_in_reach(cache, Start(0, 0)))
 
 
 @pytest.mark.parametrize("taken", [TAKEN_AT_ONCE, TAKEN_IN_TURN])
@@ -101,10 +101,10 @@ class TestJoints:
 
     def test_one_robot_alone_is_found_to_open_a_lid(self, task):
         (solo, _) = solos(task, task.file.spec.scene)
-        with closing(Studio(task)) as studio:
-            played = play_solo(studio.expert(0), 0, solo)
+        with closing(EnvCache(task)) as cache:
+            played = play_solo(cache.expert(0), 0, solo)
             assert played.success
-            assert math.degrees(studio.env(0).episode.world.joint("chest.hinge")) > 55
+            assert math.degrees(cache.env(0).episode.world.joint("chest.hinge")) > 55
 
 
 def test_the_report_says_where_nothing_could_be_tried_alone(prove):

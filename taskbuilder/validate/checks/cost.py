@@ -1,19 +1,19 @@
-"""The cost family: what episodes take, in figures without a verdict."""
+"""The cost family: measures speed, without a verdict."""
 
 from __future__ import annotations
 
 from taskbuilder.bench import measure_resets, measure_steps
+from taskbuilder.validate.context import Context
 from taskbuilder.validate.report import Check, FamilyResult
-from taskbuilder.validate.running import Run
 
 EPISODES, REPEATS = 1, 2
 RESETS = 20
 
 
-def cost_family(run: Run) -> FamilyResult:
-    """Time steps, resets and building in this process; a second or two in all."""
-    cost = measure_steps(run.task, episodes=EPISODES, repeats=REPEATS)
-    reset_ms = measure_resets(run.task, resets=RESETS)
+def cost_family(context: Context) -> FamilyResult:
+    """Measure the time of steps, resets and building in this process, in a second or two."""
+    cost = measure_steps(context.task, episodes=EPISODES, repeats=REPEATS)
+    reset_ms = measure_resets(context.task, resets=RESETS)
     figures = (
         ("control steps", "steps_per_second", cost.steps_per_second, "1/s"),
         (
@@ -24,7 +24,7 @@ def cost_family(run: Run) -> FamilyResult:
         ),
         ("a reset", "reset_ms", reset_ms, "ms"),
     )
-    run.measures.update({key: value for _, key, value, _ in figures})
+    context.measures.update({key: value for _, key, value, _ in figures})
     checks = tuple(
         Check("TB561", name, True, value, None, unit) for name, _, value, unit in figures
     )

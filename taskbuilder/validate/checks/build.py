@@ -1,4 +1,4 @@
-"""The build family: what shows when a task's worlds are built and left alone."""
+"""The build family: builds every variation of a task and lets it rest."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.contacts import overlap
 from taskbuilder.task import Task
-from taskbuilder.validate.places import finding_at, finding_of_scene, in_variation
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
 from taskbuilder.world.building import build_world
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
@@ -36,12 +36,12 @@ LONGEST_M = 2.0  # what is longer and far too light is a mesh in another unit
 ENERGY_PER_KG = 50.0  # J/kg: falling five metres
 
 
-def build_family(run: Run) -> FamilyResult:
-    """Build the plain scene and every variation, and let each rest for a second."""
-    task, measures = run.task, run.measures
+def build_family(context: Context) -> FamilyResult:
+    """Build every variation, and let each rest for a second."""
+    task, measures = context.task, context.measures
     checks: dict[str, Check] = {}
     findings: list[Finding] = []
-    for variation in run.progress(range(run.variations), "build"):
+    for variation in context.progress(range(context.variations), "build"):
         wrong: list[Finding] = []
         started = time.perf_counter()
         try:
@@ -76,7 +76,7 @@ _GAVE_UP = {
     "TB305": "everything finds a place",
     "TB307": "energy stays bounded",
 }
-"""Names of the checks whose failure ends the building of a variation."""
+"""Names of the checks after whose failure a variation is not checked further."""
 
 
 def _summary(checks: dict[str, Check], measures: dict[str, float]) -> str:
@@ -201,7 +201,7 @@ def check_cameras(task: Task, world: World) -> Result:
 
 
 def check_rest(task: Task, world: World) -> Iterator[Result]:
-    """Objects come to rest, near where they were put, without blowing up."""
+    """Objects come to rest near their initial positions, without gaining energy."""
     start = {name: world.position(name) for name in world.objects}
     highest = 0.0
     try:
@@ -241,6 +241,6 @@ def _at_rest(task: Task, world: World, start: dict[str, tuple[float, float, floa
 
 
 def _energy(world: World) -> float:
-    """Greatest kinetic energy of translation of any object, per kilogram."""
+    """Maximum translational kinetic energy of any object, in J/kg."""
     speeds = [norm(world.velocity(name)[0]) for name in world.objects]
     return max((speed * speed / 2.0 for speed in speeds), default=0.0)

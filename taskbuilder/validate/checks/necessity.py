@@ -1,14 +1,14 @@
-"""The needs family: nobody succeeds without all robots, nor by chance, nor by waiting.
+"""The family "needs its robots": one robot less, chance and waiting must not succeed.
 
-Every seed is played once in each of several ways, the variations taking turns: holding still, at
-random, the expert without one of the robots, and one robot alone. A robot alone takes each object
-that the success condition names, at each of its grasp points, and brings it to each place that the
-condition names, or just up; where the condition names joints, it moves their object by each of its
-grasp points along them. Of these ways up to `MOST_SOLOS` are tried from a seed, taking turns.
+Every seed is played once by each of several probes, and the variations take turns: holding still,
+random actions, the expert without one of the robots, and one robot alone. A robot alone takes each
+object in the success condition, at each of its grasp points, and brings it to each place in the
+condition, or just up. If the condition names joints, it moves their object by each of its grasp
+points along them. From each seed up to `MOST_SOLOS` of these attempts are played, in turn.
 
-Ways are judged from the simplest on, up to the first that succeeds: where waiting is enough, all
-else is, too. Where the task says ``cooperation: optional``, what robots do without each other is
-measured but is no finding.
+Probes are judged from the simplest on, up to the first that succeeds: if waiting is enough,
+everything else is, too. If the task says ``cooperation: optional``, the success of single robots is
+measured and is not a finding.
 """
 
 from __future__ import annotations
@@ -22,7 +22,13 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.ways import NOTHING, RANDOM, Kind, Way
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
-from taskbuilder.validate.alone import (
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.locate import finding_in_description, finding_in_file
+from taskbuilder.validate.playing import play_nothing, play_random
+from taskbuilder.validate.proportion import Proportion
+from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.solo import (
     fetched,
     first_grasps,
     play_solo,
@@ -30,22 +36,16 @@ from taskbuilder.validate.alone import (
     solos,
     within_reach,
 )
-from taskbuilder.validate.places import finding_in_description, finding_in_file
-from taskbuilder.validate.playing import play_nothing, play_random
-from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.shares import Share
-from taskbuilder.validate.studio import Start, Studio
 
 MOST_SOLOS = 3
 
 
 class Tried(NamedTuple):
-    """What was tried from a start.
+    """The episodes of all probes from a start.
 
     Attributes:
-        plays: What it came to, by way of playing.
-        in_reach: Grasp points that a robot could reach which is not to take them, with its name.
+        plays: The episodes, by probe.
+        in_reach: Robots with grasp points in reach that another robot should take.
     """
 
     plays: dict[Way, Rollout]
@@ -95,36 +95,36 @@ _SHORTCUTS = (
 )
 
 
-def needs_family(run: Run) -> FamilyResult:
-    """Try to succeed without the robots, and without any plan."""
-    starts = run.some_starts()
+def needs_family(context: Context) -> FamilyResult:
+    """Try to succeed without some of the robots, and without a plan."""
+    starts = context.some_starts()
     in_reach: dict[tuple[str, str], list[Start]] = {}
-    for start, tried in zip(starts, run.ask(try_ways, starts, "needs its robots"), strict=True):
+    for start, tried in zip(starts, context.ask(try_ways, starts, "needs its robots"), strict=True):
         for way, play in tried.plays.items():
-            run.plays.setdefault(way, {})[start] = play
+            context.plays.setdefault(way, {})[start] = play
         for pair in tried.in_reach:
             in_reach.setdefault(pair, []).append(start)
-    results = list(_judged(run))
-    if all(check.ok for check, _ in results) and _matters(run.task) and run.has_expert:
-        results.append(_check_out_of_reach(run, in_reach, len(starts)))
+    results = list(_judged(context))
+    if all(check.ok for check, _ in results) and _matters(context.task) and context.has_expert:
+        results.append(_check_out_of_reach(context, in_reach, len(starts)))
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
-    return FamilyResult("needs its robots", checks, findings, _summary(run))
+    return FamilyResult("needs its robots", checks, findings, _summary(context))
 
 
 def _matters(task: Task) -> bool:
-    """Whether robots must need each other."""
+    """Whether the task must need several robots."""
     return task.file.spec.cooperation == "required" and len(task.agents) > 1
 
 
-def _summary(run: Run) -> str:
+def _summary(context: Context) -> str:
     counts: Counter[Way] = Counter()
-    for way, plays in run.plays.items():
+    for way, plays in context.plays.items():
         together = Way(way.kind) if way.kind is Kind.ALONE else way
         counts[together] += sum(play.success for play in plays.values())
     order = sorted(counts, key=lambda way: (way in (NOTHING, RANDOM), way == NOTHING))
     said = ", ".join(f"{_called(way)} {counts[way]}" for way in order)
-    if run.has_expert and len(run.task.agents) > 1 and Way(Kind.ALONE) not in counts:
+    if context.has_expert and len(context.task.agents) > 1 and Way(Kind.ALONE) not in counts:
         said += "; success names nothing that a robot could take alone"
     return said
 
@@ -139,16 +139,16 @@ def _called(way: Way) -> str:
 # --- in each process
 
 
-def try_ways(studio: Studio, start: Start) -> Tried:
-    """Every way of playing that must not succeed, from a start."""
-    task, env = studio.task, studio.env(start.variation)
+def try_ways(cache: EnvCache, start: Start) -> Tried:
+    """Play all probes that must not succeed, from a start."""
+    task, env = cache.task, cache.env(start.variation)
     plays = {
         NOTHING: play_nothing(env, start.seed),
         RANDOM: play_random(env, start.seed),
     }
-    if not studio.has_expert or len(task.agents) < 2:
+    if not cache.has_expert or len(task.agents) < 2:
         return Tried(plays, ())
-    expert = studio.expert(start.variation)
+    expert = cache.expert(start.variation)
     for robot in task.agents:
         plays[Way(Kind.WITHOUT, robot=robot)] = expert.play(
             start.seed, without={robot}, persist=True
@@ -159,12 +159,12 @@ def try_ways(studio: Studio, start: Start) -> Tried:
     turns = [(first + offset) % len(listed) for offset in range(min(MOST_SOLOS, len(listed)))]
     for solo in (listed[turn] for turn in turns):
         plays[solo.way] = play_solo(expert, start.seed, solo)
-    return Tried(plays, tuple(_in_reach(studio, start)))
+    return Tried(plays, tuple(_in_reach(cache, start)))
 
 
-def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
-    """Which robots could take, at the start, what another one is to take first."""
-    task, env = studio.task, studio.env(start.variation)
+def _in_reach(cache: EnvCache, start: Start) -> Iterator[tuple[str, str]]:
+    """Robots that could take, at the start, an object that another one should take first."""
+    task, env = cache.task, cache.env(start.variation)
     env.reset(seed=start.seed)
     world = env.episode.world
     things = fetched(task, world.scene)
@@ -180,25 +180,25 @@ def _in_reach(studio: Studio, start: Start) -> Iterator[tuple[str, str]]:
 # --- the checks
 
 
-def _judged(run: Run) -> Iterator[Result]:
-    """The ways of playing, from the simplest on, up to the first that succeeds."""
+def _judged(context: Context) -> Iterator[Result]:
+    """Judge the probes, from the simplest on, up to the first that succeeds."""
     for shortcut in _SHORTCUTS:
-        plays = {way: found for way, found in run.plays.items() if way.kind is shortcut.kind}
+        plays = {way: found for way, found in context.plays.items() if way.kind is shortcut.kind}
         if not plays:
             continue
         counts = {way: sum(p.success for p in found.values()) for way, found in plays.items()}
         total = sum(counts.values())
-        excused = shortcut.code in ("TB541", "TB542") and not _matters(run.task)
+        excused = shortcut.code in ("TB541", "TB542") and not _matters(context.task)
         findings: list[Finding] = []
         if total and not excused:
             worst = max(counts, key=counts.__getitem__)
             start = next(start for start, play in plays[worst].items() if play.success)
-            share = Share(counts[worst], len(plays[worst]))
+            share = Proportion(counts[worst], len(plays[worst]))
             verb = shortcut.verb.format(way=worst)
             message = f"{verb} succeeds from {share} seeds ({start}); {shortcut.mend}"
-            success = run.task.description.success
+            success = context.task.description.success
             findings = [
-                finding_in_description(run.task, shortcut.code, message, "success", success)
+                finding_in_description(context.task, shortcut.code, message, "success", success)
             ]
         limit = None if excused else 0
         yield Check(shortcut.code, shortcut.name, not findings, total, limit, "episodes"), findings
@@ -207,9 +207,9 @@ def _judged(run: Run) -> Iterator[Result]:
 
 
 def _check_out_of_reach(
-    run: Run, in_reach: dict[tuple[str, str], list[Start]], episodes: int
+    context: Context, in_reach: dict[tuple[str, str], list[Start]], episodes: int
 ) -> Result:
-    """What one robot is to fetch starts where no other can fetch it; a warning."""
+    """An object of one robot starts out of reach of the others; otherwise a warning."""
     findings = []
     for (robot, grasp), starts in in_reach.items():
         message = (
@@ -217,7 +217,7 @@ def _check_out_of_reach(
             f"({starts[0]}), which another robot is to take; put it out of reach"
         )
         path = ("scene", "objects", grasp.partition(".")[0])
-        found = finding_in_file(run.task, "TB545", message, *path, severity="warning")
+        found = finding_in_file(context.task, "TB545", message, *path, severity="warning")
         findings.append(found)
     count = max((len(starts) for starts in in_reach.values()), default=0)
     check = Check("TB545", "objects start out of the others' reach", True, count, None, "episodes")

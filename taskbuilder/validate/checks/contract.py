@@ -1,8 +1,8 @@
-"""The contract family: what learning libraries rely on.
+"""The contract family: properties that learning libraries rely on.
 
-Agents are watched over a few episodes of the same actions: the expert's until it is done, if the
-task has an expert, and random ones from there on. Then come the tests that PettingZoo and Gymnasium
-ship; they are not run where what is observed is wrong, which they would only say in other words.
+Observations and rewards are checked over a few episodes of the same actions: those of the expert,
+if there is one, and random ones after it. Then the tests of PettingZoo and Gymnasium run, unless
+the observations were wrong, which these tests would only report again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.quiet import without_remarks
 from taskbuilder.task import Task
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import SMALL, EnvCache, Start, at_work
 from taskbuilder.validate.environments import check_ended, check_kept, check_picture, regions
+from taskbuilder.validate.locate import arose_in_description, finding_in_file
 from taskbuilder.validate.observing import (
     Find,
     check_inside,
@@ -36,11 +39,8 @@ from taskbuilder.validate.observing import (
     sees_itself,
     watch,
 )
-from taskbuilder.validate.places import arose_in_description, finding_in_file
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import SMALL, Start, Studio, at_work
 from taskbuilder.validate.traces import actions_of
 
 EPISODES = 2
@@ -48,13 +48,13 @@ MOST_CYCLES = 60
 SEED_CYCLES = 10
 
 
-def contract_family(run: Run) -> FamilyResult:
-    """Watch what agents see, and run the tests of PettingZoo and Gymnasium."""
-    env, task = run.studio.env(0), run.task
+def contract_family(context: Context) -> FamilyResult:
+    """Check observations and rewards, and run the tests of PettingZoo and Gymnasium."""
+    env, task = context.cache.env(0), context.task
     find = partial(finding_in_file, task)
     results = [_check_end(find, env)]
     if results[0][0].ok:
-        views = watch(env, range(min(run.seeds, EPISODES)), _actions(run, env))
+        views = watch(env, range(min(context.seeds, EPISODES)), _actions(context, env))
         blind = [agent for agent in task.agents if not sees_itself(task, agent)]
         results += [
             check_spaces(find, env),
@@ -69,7 +69,7 @@ def contract_family(run: Run) -> FamilyResult:
         if task.file.scenes[0].cameras:
             results.append(_check_render(find, env))
     if all(check.ok for check, _ in results):
-        results += run.spread(partial(at_work, _check_suite, run.source), SUITES)
+        results += context.spread(partial(at_work, _check_suite, context.source), SUITES)
     wrong = [check.name for check, _ in results if not check.ok]
     summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} suites"
     findings = tuple(finding for _, found in results for finding in found)
@@ -77,7 +77,7 @@ def contract_family(run: Run) -> FamilyResult:
 
 
 def _check_end(find: Find, env: TaskEnv) -> Result:
-    """An episode ends with its last control step, to which it is brought at once."""
+    """An episode ends at its last control step."""
     env.reset(seed=0)
     env.episode.steps = env.episode.horizon - 1
     if env.agents:
@@ -95,22 +95,22 @@ def _check_render(find: Find, env: TaskEnv) -> Result:
         env.render_mode = mode
 
 
-def _actions(run: Run, env: TaskEnv) -> list[Actions]:
-    """What the agents do while they are watched."""
+def _actions(context: Context, env: TaskEnv) -> list[Actions]:
+    """The actions of the checked episodes."""
     by_chance = list(random_actions(env, 0))
-    if not run.has_expert:
+    if not context.has_expert:
         return by_chance
-    (played,) = run.demonstrate([Start(0, 0)], "contract")
+    (played,) = context.demonstrate([Start(0, 0)], "contract")
     done = played.trouble.step if played.trouble else max(played.stage_ends, default=0)
     return actions_of(played)[:done] + by_chance[done:]
 
 
-def _check_suite(studio: Studio, code: str) -> Result:
-    return check_suite(studio.task, code)
+def _check_suite(cache: EnvCache, code: str) -> Result:
+    return check_suite(cache.task, code)
 
 
 def check_suite(task: Task, code: str) -> Result:
-    """The environment that a task makes passes the tests of a library, whose warnings are not ours.
+    """The environment of a task passes the tests of a library; their warnings are ignored.
 
     Args:
         task: The task.
@@ -124,7 +124,7 @@ def check_suite(task: Task, code: str) -> Result:
     try:
         with without_remarks():
             suite(task)
-    except Exception as error:  # whatever the tests of others raise
+    except Exception as error:  # the tests of other libraries may raise anything
         if arose_in_description(error, task.file.entry):
             raise
         said = f"{type(error).__name__}: {error}".splitlines()[0]
@@ -160,14 +160,14 @@ SUITES: Mapping[str, tuple[str, Callable[[Task], None]]] = MappingProxyType(
         "TB523": ("check_env", _joint),
     }
 )
-"""Code -> the tests of a library, by name."""
+"""The tests of a library, by code: name and function."""
 
 _TESTS = ("parallel_api_test", "api_test", "seed_test", "check_env")
 
 
 @contextlib.contextmanager
 def _made(task: Task) -> Iterator[TaskEnv]:
-    """An environment whose spaces are seeded, so that the tests always act alike."""
+    """An environment with seeded spaces, so that the tests always draw the same actions."""
     env = _env(task)
     for agent in env.possible_agents:
         _seed(env.observation_space(agent), env.action_space(agent))
@@ -187,5 +187,5 @@ def _seed(*spaces: Any) -> None:
 
 
 def _cycles(env: TaskEnv) -> int:
-    """Control steps that show an episode's end, or enough of a long one."""
+    """Number of control steps up to the end of an episode, or less for a long one."""
     return min(env.episode.horizon + 10, MOST_CYCLES)

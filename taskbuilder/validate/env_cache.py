@@ -1,4 +1,4 @@
-"""What a process keeps of the task that it validates: environments and experts, made once."""
+"""Caches of a validating process: the environments and experts of its task."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from taskbuilder.expert.named import has_expert
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
-from taskbuilder.validate.places import failure_of_description
+from taskbuilder.validate.locate import failure_of_description
 
 SMALL = (32, 24)
-"""Size of the pictures that agents see meanwhile; what is checked does not depend on it."""
+"""Size of observed images during validation; the checks do not depend on it."""
 
 
 class Start(NamedTuple):
@@ -31,21 +31,21 @@ class Start(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Source:
-    """Where every process of a validation finds the task.
+class EnvSource:
+    """The source of the task, for every process of a validation.
 
     Attributes:
-        reference: Its name in the catalogue, or its path.
-        catalogue: Where names are looked up.
-        run: Number of the validation: files that have changed since another are read anew.
+        reference: Name or path of the task.
+        catalogue: The catalogue that names are looked up in.
+        run: Number of the validation, so that files that have changed since another are reread.
     """
 
     reference: str
     catalogue: Catalogue
-    run: int
+    number: int
 
 
-class Studio:
+class EnvCache:
     """A task's environments in this process, one a variation, and an expert for each.
 
     Args:
@@ -59,16 +59,16 @@ class Studio:
 
     @property
     def has_expert(self) -> bool:
-        """Whether the task has an expert, and one that can be planned for."""
+        """Whether the task has an expert whose action modes can be planned for."""
         return has_expert(self.task)
 
     def env(self, variation: int, horizon: int | None = None, *, endless: bool = False) -> TaskEnv:
-        """The environment of a variation, between episodes or in one that nobody needs any more.
+        """The environment of a variation, for a new episode.
 
         Args:
-            variation: Which.
-            horizon: Control steps of an episode; by default the task's.
-            endless: Episodes end by their length alone, whatever the task's ``ends_on`` says.
+            variation: Number of the variation.
+            horizon: Length of an episode in control steps; by default the task's.
+            endless: Ignore the task's ``ends_on``, so that episodes end by their length only.
         """
         key = (variation, horizon, endless)
         if key not in self._envs:
@@ -81,14 +81,14 @@ class Studio:
     def expert(
         self, variation: int, horizon: int | None = None, *, endless: bool = False
     ) -> Expert:
-        """The expert that plays in that environment."""
+        """The expert for this environment."""
         key = (variation, horizon, endless)
         if key not in self._experts:
             self._experts[key] = Expert(self.env(variation, horizon, endless=endless))
         return self._experts[key]
 
     def close(self) -> None:
-        """Free all physics."""
+        """Close all environments."""
         for expert in self._experts.values():
             expert.close()
         for env in self._envs.values():
@@ -98,41 +98,41 @@ class Studio:
 
 
 def _endless(task: Task) -> Task:
-    """The task with episodes that neither success nor failure ends."""
+    """The task without termination by success or failure."""
     spec = task.file.spec
     timing = spec.timing.model_copy(update={"ends_on": ()})
     return replace(task, file=replace(task.file, spec=spec.model_copy(update={"timing": timing})))
 
 
-_STUDIOS: dict[Source, Studio] = {}
-"""Those of this process; a worker's go with the worker."""
+_CACHES: dict[EnvSource, EnvCache] = {}
+"""The caches of this process."""
 
 
-def open_studio(source: Source, task: Task | None = None) -> Studio:
-    """This process's studio for a validation.
+def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
+    """Open this process's cache for a validation.
 
     Args:
-        source: Where the task is found.
-        task: The task, where it has been loaded already.
+        source: The source of the task.
+        task: The task, if it has been loaded already.
     """
-    if source not in _STUDIOS:
+    if source not in _CACHES:
         loaded = task or load_task(source.reference, catalogue=source.catalogue)
-        _STUDIOS[source] = Studio(loaded)
-    return _STUDIOS[source]
+        _CACHES[source] = EnvCache(loaded)
+    return _CACHES[source]
 
 
-def close_studio(source: Source) -> None:
-    """Free what this process keeps for a validation, if it keeps anything."""
-    studio = _STUDIOS.pop(source, None)
-    if studio is not None:
-        studio.close()
+def close_cache(source: EnvSource) -> None:
+    """Close the cache of this process for a validation, if there is one."""
+    cache = _CACHES.pop(source, None)
+    if cache is not None:
+        cache.close()
 
 
 class DescriptionError(Exception):
-    """A description raised an error while it was asked.
+    """A description raised an error.
 
     Attributes:
-        finding: Which, and at which line.
+        finding: The error and its line.
     """
 
     def __init__(self, finding: Finding) -> None:
@@ -140,21 +140,21 @@ class DescriptionError(Exception):
         self.finding = finding
 
 
-def at_work(function: Callable[[Studio, Any], Any], source: Source, item: Any) -> Any:
-    """Do a piece of work in this process; what a worker is sent.
+def at_work(function: Callable[[EnvCache, Any], Any], source: EnvSource, item: Any) -> Any:
+    """Run a unit of work in this process; sent to workers.
 
     Args:
-        function: Of a module, to be called with the process's studio and the item.
-        source: Where the task is found.
-        item: What the work is about.
+        function: A function of a module, called with the process's cache and the item.
+        source: The source of the task.
+        item: The item of work.
 
     Raises:
         DescriptionError: The description raised an error.
     """
-    studio = open_studio(source)
+    cache = open_cache(source)
     try:
-        return function(studio, item)
+        return function(cache, item)
     except BaseException as error:
         if is_interrupt(error):
             raise
-        raise DescriptionError(failure_of_description(error, studio.task.file.entry)) from None
+        raise DescriptionError(failure_of_description(error, cache.task.file.entry)) from None

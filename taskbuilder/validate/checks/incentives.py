@@ -1,16 +1,16 @@
-"""The pays family: nothing that is easier than success earns as much as the expert does.
+"""The family "pays for success": no probe earns as much as the expert.
 
-Every seed from which the expert succeeds is played again up to the end of each of its stages; from
-there on all hold still, or fail on purpose: from half of the seeds they drop what they hold, from
-the others they throw it away, because playing both from all would take half as long again. What
-random play, waiting, and the expert without a robot earn is known from the needs family.
+Every seed from which the expert succeeds is played again up to the end of each of its stages. From
+there on the robots hold still, or fail on purpose: they drop their objects from half of the seeds,
+and throw them from the others, which saves a third of the time. The returns of random actions,
+waiting, and the expert without a robot are known from the family "needs its robots".
 
-Compared are returns from the same seeds, pair by pair, undiscounted and at a discount of 0.95. The
-expert must earn more beyond doubt: the interval of the mean difference, at 95 %, lies above zero.
-Episodes that succeed are no rivals to success, whoever plays them; how many do is shown.
+Returns from the same seeds are compared pair by pair, undiscounted and at a discount of 0.95. The
+95 % interval of the mean difference must lie above zero. Episodes of a probe that succeed are left
+out; the report shows their number.
 
-Ways are judged in a fixed order, up to the first sort that pays as well as success; the finding
-names the closest of that sort, and how many others pay as well: they tend to have one reason.
+Probes are judged in a fixed order, up to the first kind that earns as much as success. The finding
+names the closest probe of that kind and the number of others, which usually have the same cause.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import in_words
-from taskbuilder.validate.places import finding_in_description
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import DISCOUNT, LARGEST, DropAll, ThrowAll, wild_terms
 from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start, Studio
 
 LEAST_PAIRS = 3
-"""Episodes that did not succeed, for a way that mostly succeeds to be held against the expert."""
+"""Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
 
 Plays = Mapping[Way, Mapping[Start, Rollout]]
-"""What was played, by way of playing, and by how the episode began."""
+"""Episodes by probe and start."""
 
 
 class Replayed(NamedTuple):
-    """An episode of the expert that is to be left at each of its stages."""
+    """An episode of the expert that probes leave after each of its stages."""
 
     start: Start
     rollout: Rollout
@@ -49,12 +49,12 @@ class Replayed(NamedTuple):
 
 @dataclass(frozen=True)
 class _Sort:
-    """A sort of playing that must not earn as much as success.
+    """A kind of probe that must not earn as much as success.
 
     Attributes:
-        code: Of the check.
-        name: What the check is about.
-        kinds: The kinds of its ways.
+        code: Code of the check.
+        name: Name of the check.
+        kinds: Prefixes of the names of its probes.
     """
 
     code: str
@@ -70,20 +70,20 @@ _SORTS = (
 )
 
 
-def pays_family(run: Run) -> FamilyResult:
-    """Compare what the expert earns with what is easier."""
+def pays_family(context: Context) -> FamilyResult:
+    """Compare the returns of the expert with those of the probes."""
     plays: dict[Way, Mapping[Start, Rollout]] = {}
-    if run.has_expert:
-        starts = run.some_starts()
-        played = zip(starts, run.demonstrate(starts, "pays for success"), strict=True)
+    if context.has_expert:
+        starts = context.some_starts()
+        played = zip(starts, context.demonstrate(starts, "pays for success"), strict=True)
         jobs = [Replayed(start, demo) for start, demo in played if demo.success]
         plays[EXPERT] = {job.start: job.rollout for job in jobs}
-        plays |= _left(run, jobs)
-    plays |= {way: found for way, found in run.plays.items() if way.kind is not Kind.ALONE}
-    bounded = _check_terms(run, plays)
+        plays |= _left(context, jobs)
+    plays |= {way: found for way, found in context.plays.items() if way.kind is not Kind.ALONE}
+    bounded = _check_terms(context, plays)
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
-        results += _compared(run, plays)
+        results += _compared(context, plays)
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     probes = tuple(_probe(way, found) for way, found in plays.items() if found)
@@ -96,10 +96,10 @@ def pays_family(run: Run) -> FamilyResult:
     return FamilyResult("pays for success", checks, findings, summary, probes=probes)
 
 
-def _left(run: Run, jobs: Sequence[Replayed]) -> Plays:
+def _left(context: Context, jobs: Sequence[Replayed]) -> Plays:
     found: dict[Way, dict[Start, Rollout]] = {}
     starts = [job.start for job in jobs]
-    asked = run.ask(leave_stages, starts, "pays for success", about=jobs)
+    asked = context.ask(leave_stages, starts, "pays for success", about=jobs)
     for start, plays in zip(starts, asked, strict=True):
         for way, play in plays.items():
             found.setdefault(way, {})[start] = play
@@ -117,7 +117,7 @@ def _probe(way: Way, found: Mapping[Start, Rollout]) -> Probe:
 
 
 def _summary(plays: Plays) -> str:
-    """The closest rival of all, and by how much the expert leads it."""
+    """The closest probe, and the expert's lead over it."""
     rivals = [rival for sort in _SORTS for rival in _rivals(sort, plays)]
     if not rivals:
         return "every way of playing succeeds"
@@ -135,15 +135,15 @@ def _mean(values: Iterable[float]) -> float:
 # --- in each process
 
 
-def leave_stages(studio: Studio, job: Replayed) -> dict[Way, Rollout]:
-    """What comes of leaving the expert's way after each of its stages."""
-    env, whole = studio.env(job.start.variation), job.rollout
-    last = len(studio.task.file.spec.expert)
+def leave_stages(cache: EnvCache, job: Replayed) -> dict[Way, Rollout]:
+    """The episodes that leave the expert's script after each of its stages."""
+    env, whole = cache.env(job.start.variation), job.rollout
+    last = len(cache.task.file.spec.expert)
 
     def who(number: int) -> Mapping[Kind, Policy]:
-        odd = job.start.seed // len(studio.task.file.scenes) % 2
+        odd = job.start.seed // len(cache.task.file.scenes) % 2
         ways: dict[Kind, Policy] = {Kind.FAIL: ThrowAll() if odd else DropAll()}
-        # After the last one the expert itself holds still.
+        # After the last stage the expert itself holds still.
         return {**ways, Kind.STALL: HoldStill()} if number < last else ways
 
     return leave_after_stages(env, whole, who)
@@ -152,7 +152,7 @@ def leave_stages(studio: Studio, job: Replayed) -> dict[Way, Rollout]:
 # --- the checks
 
 
-def _check_terms(run: Run, plays: Plays) -> Result:
+def _check_terms(context: Context, plays: Plays) -> Result:
     """Every reward term is finite, and not huge."""
     wild: dict[str, tuple[float, Way, Start]] = {}
     for way, found in plays.items():
@@ -160,7 +160,7 @@ def _check_terms(run: Run, plays: Plays) -> Result:
             for label, pay in wild_terms(play).items():
                 wild.setdefault(label, (pay, way, start))
     findings = []
-    for term in run.task.description.reward:
+    for term in context.task.description.reward:
         if term.label in wild:
             pay, way, start = wild[term.label]
             message = (
@@ -168,22 +168,22 @@ def _check_terms(run: Run, plays: Plays) -> Result:
                 f"{-LARGEST:,.0f} to {LARGEST:,.0f} is what learners can count with"
             )
             name = f"reward.{term.label}"
-            findings.append(finding_in_description(run.task, "TB551", message, name, term))
+            findings.append(finding_in_description(context.task, "TB551", message, name, term))
     count = len(findings)
     return Check("TB551", "reward terms are finite", not count, count, 0, "terms"), findings
 
 
-def _compared(run: Run, plays: Plays) -> Iterator[Result]:
-    """The sorts of playing in order, up to the first that pays as well as success."""
+def _compared(context: Context, plays: Plays) -> Iterator[Result]:
+    """Compare the kinds of probes in order, up to the first that earns as much as success."""
     for sort in _SORTS:
-        if sort.code == "TB554" and run.task.file.spec.cooperation != "required":
+        if sort.code == "TB554" and context.task.file.spec.cooperation != "required":
             continue
         rivals = list(_rivals(sort, plays))
         if not rivals:
             continue
         closest = min(rivals, key=_closeness)
         better = {rival.way for rival in rivals if not rival.lead.low > 0.0}
-        findings = [_finding(run, sort, closest, len(better))] if better else []
+        findings = [_finding(context, sort, closest, len(better))] if better else []
         margin = closest.lead.low / closest.steps
         yield Check(sort.code, sort.name, not findings, margin, 0.0, "a step"), findings
         if findings:
@@ -192,15 +192,15 @@ def _compared(run: Run, plays: Plays) -> Iterator[Result]:
 
 @dataclass(frozen=True)
 class _Rival:
-    """What a way of playing earns beside the expert, from the same seeds.
+    """The returns of a probe and the expert, from the same seeds.
 
     Attributes:
-        way: The way.
-        discount: Of both returns.
-        expert: What the expert earns, in the mean.
-        earned: What this way earns, in the mean.
-        lead: The expert's return minus this way's, pair by pair.
-        steps: Control steps of the episode, each weighted by the discount to its power.
+        way: Name of the probe.
+        discount: Discount of the returns.
+        expert: Mean return of the expert.
+        earned: Mean return of the probe.
+        lead: The expert's return minus the probe's, pair by pair.
+        steps: Discounted number of control steps of the episode.
     """
 
     way: Way
@@ -216,7 +216,7 @@ def _pairs(rival: _Rival) -> str:
 
 
 def _closeness(rival: _Rival) -> tuple[bool, float]:
-    """How close a rival comes, least first; undiscounted returns come first if they are equal."""
+    """Sort key: the expert's lead, smallest first; for equal leads, undiscounted returns first."""
     return rival.lead.low > 0.0, rival.lead.low / rival.steps
 
 
@@ -230,10 +230,10 @@ def _rivals(sort: _Sort, plays: Plays) -> Iterator[_Rival]:
 def _beside_expert(
     way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout]
 ) -> Iterator[_Rival]:
-    """A way of playing beside the expert, undiscounted and discounted.
+    """Compare a probe with the expert, undiscounted and discounted.
 
-    Episodes that succeed are left out: they are what is paid for. So is a way of which fewer than
-    `LEAST_PAIRS` episodes are left while others succeed.
+    Successful episodes of the probe are left out, since the reward is meant for them. A probe is
+    left out if some of its episodes succeed and fewer than `LEAST_PAIRS` others remain.
     """
     common = [start for start, play in found.items() if start in expert and not play.success]
     if len(common) < (LEAST_PAIRS if len(common) < len(found) else 1):
@@ -248,20 +248,20 @@ def _beside_expert(
         yield _Rival(way, discount, _mean(ours), _mean(theirs), lead, weighted)
 
 
-def _finding(run: Run, sort: _Sort, rival: _Rival, better: int) -> Finding:
+def _finding(context: Context, sort: _Sort, rival: _Rival, better: int) -> Finding:
     at = f" at a discount of {rival.discount:g}" if rival.discount < 1.0 else ""
     plural = "way pays" if better == 2 else "ways pay"
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
     message = (
-        f"{_in_words(run, rival.way)} earns {rival.earned:.1f} in the mean, the expert "
+        f"{_in_words(context, rival.way)} earns {rival.earned:.1f} in the mean, the expert "
         f"{rival.expert:.1f}{at}: its lead is {rival.lead} over {_pairs(rival)}, which is not "
         f"surely more than 0; pay more for success, or less for this{others}"
     )
-    term = run.task.description.reward[0] if run.task.description.reward else None
-    return finding_in_description(run.task, sort.code, message, "reward", term)
+    term = context.task.description.reward[0] if context.task.description.reward else None
+    return finding_in_description(context.task, sort.code, message, "reward", term)
 
 
-def _in_words(run: Run, way: Way) -> str:
+def _in_words(context: Context, way: Way) -> str:
     """What is done in a way of playing, with the stage after which the expert's way is left."""
     match way.kind:
         case Kind.NOTHING:
@@ -271,5 +271,5 @@ def _in_words(run: Run, way: Way) -> str:
         case Kind.WITHOUT:
             return f"playing without {way.robot}"
     what = "stalling" if way.kind is Kind.STALL else "dropping everything, or throwing it away,"
-    stage = run.task.file.spec.expert[way.stage - 1]
+    stage = context.task.file.spec.expert[way.stage - 1]
     return f"{what} after stage {way.stage} ({in_words(stage)})"

@@ -1,4 +1,4 @@
-"""The reset family: what shows over many episodes' beginnings."""
+"""The reset family: checks of the initial states of many episodes."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.places import (
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import Start
+from taskbuilder.validate.locate import (
     failure_of_description,
     finding_at,
     finding_of_scene,
     in_variation,
 )
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
 SETTLING_M = 0.003
-"""How far beyond its region a thing may come to rest: it is put down and settles."""
+"""Tolerance in metres for an object that settles at the edge of its region."""
 
 
 @dataclass
 class _Tally:
-    """What was seen over the beginnings of episodes."""
+    """Results collected over the resets."""
 
     episodes: int = 0
     misplaced: dict[str, Finding] = field(default_factory=dict)
@@ -41,21 +41,21 @@ class _Tally:
     failed: list[str] = field(default_factory=list)
     exploded: list[str] = field(default_factory=list)
     raised: list[Finding] = field(default_factory=list)
-    places: dict[tuple[str, int], list[Vec3]] = field(default_factory=dict)
+    positions: dict[tuple[str, int], list[Vec3]] = field(default_factory=dict)
     seconds: list[float] = field(default_factory=list)
 
 
-def reset_family(run: Run) -> FamilyResult:
-    """Begin episodes of the plain scene and of every variation, and look at each."""
-    task, measures = run.task, run.measures
+def reset_family(context: Context) -> FamilyResult:
+    """Reset episodes of every variation, and check each initial state."""
+    task, measures = context.task, context.measures
     tally = _Tally()
-    for variation in range(run.variations):
+    for variation in range(context.variations):
         world = build_world(task.file, variation=variation)
         referee = Referee(task.description, task.agents)
         world.watch_forces(referee.force_pairs)
         label = f"reset, variation {variation}" if variation else "reset"
         try:
-            for seed in run.progress(range(run.seeds), label):
+            for seed in context.progress(range(context.seeds), label):
                 if not _begin(world, referee, Start(variation, seed), tally):
                     break
         finally:
@@ -76,7 +76,7 @@ def _summary(tally: _Tally, measures: dict[str, float]) -> str:
 
 
 def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
-    """Begin an episode and look at it; False if no further one can begin in this world."""
+    """Reset an episode and check it; False if the world can no longer be used."""
     started = time.perf_counter()
     try:
         world.reset(start.seed)
@@ -90,7 +90,7 @@ def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
     tally.seconds.append(time.perf_counter() - started)
     tally.episodes += 1
     for name, place in _regions(world.scene):
-        tally.places.setdefault((name, start.variation), []).append(world.position(name))
+        tally.positions.setdefault((name, start.variation), []).append(world.position(name))
         if _outside(world, name, place):
             tally.strayed[name] = tally.strayed.get(name, 0) + 1
     try:
@@ -164,7 +164,7 @@ def _varies(task: Task, tally: _Tally) -> Result:
     findings: list[Finding] = []
     sized = {name: place for name, place in _regions(task.file.spec.scene) if any(place.size)}
     spreads = []
-    for (name, variation), points in tally.places.items():
+    for (name, variation), points in tally.positions.items():
         if len(points) < 2 or name not in sized:
             continue
         spread = max(math.dist(points[0], point) for point in points[1:])

@@ -1,7 +1,7 @@
-"""What one robot could do alone, as success names it.
+"""Attempts of a single robot at a task, derived from the names in the success condition.
 
-It takes an object and brings it somewhere; or it takes an articulated object by a grasp point and
-moves it along a joint, to either end.
+It takes an object and brings it somewhere, or takes an articulated object by a grasp point and
+moves it along a joint to either end.
 """
 
 from __future__ import annotations
@@ -23,38 +23,38 @@ from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
+from taskbuilder.validate.checks.reach import reaches
 from taskbuilder.validate.playing import DropAll
-from taskbuilder.validate.reach import reaches
 from taskbuilder.world.world import World
 
 LIFT_M = 0.2
-"""How far something is lifted where it is only to be taken."""
+"""Height in metres to which an object is lifted if it is only taken."""
 
 CLEARANCE_M = 0.02
-"""How far above a body something is brought that is to be let go there."""
+"""Height in metres above a body at which an object is released."""
 
 WAYPOINTS = 6
-"""In how many straight motions a grasp point is moved along a joint."""
+"""Number of straight motions in which a grasp point is moved along a joint."""
 
 LEAST_WAY = 0.05
-"""How far from the start the end of a joint is to be worth a try, in rad or m."""
+"""Minimum distance from the start to an end of a joint for an attempt, in rad or m."""
 
 ENDLESS = math.pi
-"""How far a joint is turned, or slid, that has no end."""
+"""Distance that a joint without limits is moved, in rad or m."""
 
 _PLACES = ("body", "surface", "site", "frame", "container")
 
 
 @dataclass(frozen=True)
 class Solo:
-    """Something that one robot tries alone.
+    """An attempt of a single robot.
 
     Attributes:
-        robot: Who.
-        grasp: Grasp point that it takes, as ``stick.left_end``.
-        place: Frame that it brings the object to; "" to lift it only.
-        joint: Joint that it moves instead, as ``chest.hinge``; "" for none.
-        by: How far, in rad or m.
+        robot: The robot.
+        grasp: The grasp point, such as ``stick.left_end``.
+        place: The frame that it brings the object to; "" to lift it only.
+        joint: The joint that it moves instead, such as ``chest.hinge``; "" for none.
+        by: Distance of the joint, in rad or m.
     """
 
     robot: str
@@ -70,7 +70,7 @@ class Solo:
 
     @property
     def way(self) -> Way:
-        """The way of playing that tries it."""
+        """The key of this attempt among the probes."""
         return Way(Kind.ALONE, robot=self.robot, attempt=self)
 
     @property
@@ -80,7 +80,7 @@ class Solo:
 
 
 def named(task: Task) -> tuple[str, ...]:
-    """What the success condition names: objects, parts, sites and frames of robots."""
+    """The names in the success condition: objects, parts, sites and frames of robots."""
     references = [
         name
         for node in walk((task.description.success,))
@@ -91,16 +91,16 @@ def named(task: Task) -> tuple[str, ...]:
 
 
 def fetched(task: Task, scene: SceneSpec) -> tuple[str, ...]:
-    """The movable objects that the success condition names."""
+    """The movable objects in the success condition."""
     owners = dict.fromkeys(name.partition(".")[0] for name in named(task))
     return tuple(name for name in owners if name in scene.objects and not scene.objects[name].fixed)
 
 
 def solos(task: Task, scene: SceneSpec) -> list[Solo]:
-    """Everything to try.
+    """All attempts.
 
-    Each robot takes each object by each grasp and brings it to each place, and up; and it moves
-    each articulated object by each grasp along each joint that success names.
+    Each robot takes each object by each grasp point and brings it to each place, or up. It also
+    moves each articulated object by each grasp point along each joint in the success condition.
     """
     places = named(task)
     brought = [
@@ -122,7 +122,7 @@ def solos(task: Task, scene: SceneSpec) -> list[Solo]:
 
 
 def _joints(task: Task) -> Iterator[tuple[str, UrdfJoint]]:
-    """The joints that the success condition names, each with its object."""
+    """The joints in the success condition, each with its object."""
     names = [
         name
         for node in walk((task.description.success,))
@@ -137,7 +137,7 @@ def _joints(task: Task) -> Iterator[tuple[str, UrdfJoint]]:
 
 
 def _ways(joint: UrdfJoint, spec: ObjectSpec) -> Iterator[float]:
-    """How far a joint is from each of its ends at the start, where it is away from it."""
+    """Distances of a joint from its ends at the start, if it is not already there."""
     said = spec.joint(joint.name, turns=joint.type != "prismatic")
     start = said.begin or 0.0
     lower, upper = said.range or (joint.lower, joint.upper)
@@ -148,9 +148,9 @@ def _ways(joint: UrdfJoint, spec: ObjectSpec) -> Iterator[float]:
 
 
 def play_solo(expert: Expert, seed: int, solo: Solo) -> Rollout:
-    """Try it: take, bring and hold on; then the same, but let go at the end.
+    """Play an attempt twice: once holding on at the end, once letting go.
 
-    The better of the two counts.
+    Returns the better of the two episodes.
     """
     env = expert.env
     env.reset(seed=seed)
@@ -186,7 +186,7 @@ def _stages(env: TaskEnv, solo: Solo) -> tuple[ExpertStage, ...]:
 
 
 def _along_joint(world: World, solo: Solo) -> Iterator[Order]:
-    """Orders that move a tool with a grasp point along a joint."""
+    """Orders that move a tool along the path of a grasp point on a joint."""
     urdf = world.task.assets[solo.thing]
     if not isinstance(urdf, Urdf):
         raise TypeError(f"{solo.thing} has no joints")
@@ -206,7 +206,7 @@ def _solid(world: World, place: str) -> bool:
 
 
 def _clearance(world: World, solo: Solo) -> float:
-    """How far above a body's frame an object must be brought to be just above the body."""
+    """Height above a body's frame at which an object is just above the body."""
     owner = solo.place.partition(".")[0]
     top = world.box(owner).seen_from(world.pose(owner)).high[2]
     low = world.box(solo.thing).seen_from(world.pose(solo.thing)).low[2]
@@ -214,13 +214,13 @@ def _clearance(world: World, solo: Solo) -> float:
     return top + rise + CLEARANCE_M - world.position(solo.place)[2]
 
 
-# --- where things start
+# --- initial positions
 
 
 def first_grasps(stages: Sequence[ExpertStage]) -> dict[str, str]:
-    """For each grasp point by which an object is first taken: the robot that takes it.
+    """The robot that first takes each object, by grasp point.
 
-    Several where several robots take an object in the same stage.
+    There are several if several robots take an object in the same stage.
     """
     found: dict[str, str] = {}
     taken: set[str] = set()
@@ -238,9 +238,9 @@ def first_grasps(stages: Sequence[ExpertStage]) -> dict[str, str]:
 
 
 def sharers(stages: Sequence[ExpertStage]) -> dict[str, set[str]]:
-    """For each object, the robots that have a part in it beside the one that takes it.
+    """For each object, the robots that handle it besides the one that takes it.
 
-    They take it in the same stage as others or carry it together with them; or they push it.
+    They take it in the same stage, carry it together with others, or push it.
     """
     found: dict[str, set[str]] = {}
     holds: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""The reach family: every pose that the expert asks for is one that its robot can take.
+"""The reach family: every pose that the expert needs is reachable for its robot.
 
 A dry run goes through the stages without physics, from every seed in every variation. For each
 order the pose that lies farthest from the robot's shoulder is tried farther out still, along the
@@ -21,38 +21,38 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.script.dry_run import Asked, dry_run
 from taskbuilder.geometry import Pose, Vec3, add, norm, scale, subtract
 from taskbuilder.sim.kinematics import solve
-from taskbuilder.validate.places import finding_in_file, in_variation
+from taskbuilder.validate.context import Context
+from taskbuilder.validate.env_cache import EnvCache, Start
+from taskbuilder.validate.locate import finding_in_file, in_variation
 from taskbuilder.validate.report import Check, FamilyResult
-from taskbuilder.validate.running import Run
-from taskbuilder.validate.studio import Start, Studio
 from taskbuilder.world.robot import Robot
 
 NEAR_M, NEAR_TURN = 0.004, math.radians(3.0)
-"""How near to a pose the tcp must come, which is what experts are content with."""
+"""Maximum deviation of the tcp from a pose (m, rad), the same as for experts."""
 
 FARTHEST_M = 0.5
-"""How far beyond a pose, or before it, is looked for the edge of what can be reached."""
+"""Maximum distance from a pose at which the edge of the workspace is searched, in metres."""
 
 HALVINGS = 6
 ATTEMPTS = 6
-"""Beginnings of inverse kinematics while the edge is looked for; a pose itself gets more."""
+"""Starts of inverse kinematics in the search for the edge; a pose itself gets more."""
 
 
 Key = tuple[int, str, str]
-"""An order: the number of its stage, its robot, and what is to be done."""
+"""An order: the number of its stage, its robot, and its words."""
 
 Verdict = Literal["fine", "warning", "error", ""]
 
 
 class Reached(NamedTuple):
-    """Whether a robot can take a pose that was asked of it.
+    """Whether a robot can reach a required pose.
 
     Attributes:
-        start: How the episode begins.
-        asked: What was asked.
-        pose: The pose of its tcp in the world: the first that can be taken, or else the first.
-        ok: Whether it can be taken.
-        distance: Of the pose from the robot's shoulder, in metres.
+        start: The start of the episode.
+        asked: The required pose with its alternatives.
+        pose: World pose of the tcp: the first reachable alternative, or else the first.
+        ok: Whether it is reachable.
+        distance: Distance of the pose from the robot's shoulder, in metres.
     """
 
     start: Start
@@ -68,24 +68,24 @@ class Reached(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """How far a pose is from the edge of what its robot can reach.
+    """The distance of a pose from the edge of the workspace.
 
     Attributes:
         reached: The pose.
-        metres: How much farther out it could be, below 0 where it must come nearer.
+        metres: How much farther out it could be; negative if it must be closer.
     """
 
     reached: Reached
     metres: float
 
 
-def reach_family(run: Run) -> FamilyResult:
+def reach_family(context: Context) -> FamilyResult:
     """Rehearse the expert's stages from every seed."""
-    if not run.task.file.spec.expert:
+    if not context.task.file.spec.expert:
         return FamilyResult("reach", (), (), "no expert")
-    starts = run.every_start
-    found = [reached for each in run.ask(dry_run_from, starts, "reach") for reached in each]
-    judged = [(reached, _verdict(run, reached)) for reached in _play_missed(run, found)]
+    starts = context.every_start
+    found = [reached for each in context.ask(dry_run_from, starts, "reach") for reached in each]
+    judged = [(reached, _verdict(context, reached)) for reached in _play_missed(context, found)]
     missed = [(reached, verdict) for reached, verdict in judged if verdict and not reached.ok]
     extremes: dict[Key, Reached] = {}
     for reached, verdict in judged:
@@ -93,29 +93,31 @@ def reach_family(run: Run) -> FamilyResult:
         if verdict and (known is None or _severity(reached) > _severity(known)):
             extremes[reached.key] = reached
     listed = sorted(extremes.values(), key=lambda reached: reached.start)
-    margins = list(run.ask(find_margin, [r.start for r in listed], "reach, margins", about=listed))
+    margins = list(
+        context.ask(find_margin, [r.start for r in listed], "reach, margins", about=listed)
+    )
     worst = min(margins, key=lambda margin: margin.metres, default=None)
-    findings = _findings(run, missed, margins)
+    findings = _findings(context, missed, margins)
     value = worst.metres * 100.0 if worst and math.isfinite(worst.metres) else None
     ok = all(verdict == "warning" for _, verdict in missed)
     check = Check("TB511", "the expert's poses can be reached", ok, value, 0.0, "cm")
-    return FamilyResult("reach", (check,), tuple(findings), _summary(run, found, worst))
+    return FamilyResult("reach", (check,), tuple(findings), _summary(context, found, worst))
 
 
-def _play_missed(run: Run, found: Sequence[Reached]) -> Sequence[Reached]:
-    """Have the expert play from every start from which a pose seems out of reach."""
+def _play_missed(context: Context, found: Sequence[Reached]) -> Sequence[Reached]:
+    """Play the expert from every start with a pose that seems out of reach."""
     starts = sorted({reached.start for reached in found if not reached.ok})
-    if starts and run.has_expert:
-        for _ in run.demonstrate(starts, "reach, played"):
+    if starts and context.has_expert:
+        for _ in context.demonstrate(starts, "reach, played"):
             pass  # they are kept by the run
     return found
 
 
-def _verdict(run: Run, reached: Reached) -> Verdict:
-    """What it means that a pose is, or is not, in reach; "" where physics shows otherwise."""
+def _verdict(context: Context, reached: Reached) -> Verdict:
+    """The verdict on a pose; "" if the simulation shows that it is reachable."""
     if reached.ok:
         return "fine"
-    asked, played = reached.asked, run.demonstrations.get(reached.start)
+    asked, played = reached.asked, context.demonstrations.get(reached.start)
     if played is None:  # the expert cannot be played
         return "warning" if asked.guess else "error"
     if len(played.stage_ends) >= asked.stage:
@@ -131,8 +133,8 @@ def _severity(reached: Reached) -> tuple[bool, float]:
     return not reached.ok, reached.distance
 
 
-def _summary(run: Run, found: Sequence[Reached], worst: Margin | None) -> str:
-    stages = len(run.task.file.spec.expert)
+def _summary(context: Context, found: Sequence[Reached], worst: Margin | None) -> str:
+    stages = len(context.task.file.spec.expert)
     counted = f"{stages} stage{'s' * (stages != 1)}"
     if not found:
         return f"{counted}, which ask for no pose"
@@ -148,9 +150,9 @@ def _summary(run: Run, found: Sequence[Reached], worst: Margin | None) -> str:
 
 
 def _findings(
-    run: Run, missed: Sequence[tuple[Reached, Verdict]], margins: Sequence[Margin]
+    context: Context, missed: Sequence[tuple[Reached, Verdict]], margins: Sequence[Margin]
 ) -> list[Finding]:
-    """One for each order that asks for what cannot be reached."""
+    """A finding for each order with an unreachable pose."""
     short = {margin.reached.key: margin for margin in margins}
     findings: list[Finding] = []
     for key in dict.fromkeys(reached.key for reached, _ in missed):
@@ -162,14 +164,14 @@ def _findings(
         x, y, z = margin.reached.pose.position
         message = (
             f"{robot} cannot reach what it is to {order}, ({x:.2f}, {y:.2f}, {z:.2f}), from "
-            f"{len(starts)} of {len(run.every_start)} placements: at worst, from "
+            f"{len(starts)} of {len(context.every_start)} placements: at worst, from "
             f"{margin.reached.start}, {_far(margin.metres)}"
         )
-        if not wrong and run.has_expert:
+        if not wrong and context.has_expert:
             message += "; the expert succeeds without it"
         severity: Literal["error", "warning"] = "error" if wrong else "warning"
         path = ("expert", stage - 1, robot)
-        found = finding_in_file(run.task, "TB511", message, *path, severity=severity)
+        found = finding_in_file(context.task, "TB511", message, *path, severity=severity)
         findings += in_variation(starts[0].variation, [found], findings)
     return findings
 
@@ -183,9 +185,9 @@ def _far(metres: float) -> str:
 # --- in each process
 
 
-def dry_run_from(studio: Studio, start: Start) -> list[Reached]:
-    """Every pose that the expert asks for from a start."""
-    env = studio.env(start.variation)
+def dry_run_from(cache: EnvCache, start: Start) -> list[Reached]:
+    """All poses that the expert needs from a start."""
+    env = cache.env(start.variation)
     env.reset(seed=start.seed)
     world = env.episode.world
     found = []
@@ -198,9 +200,9 @@ def dry_run_from(studio: Studio, start: Start) -> list[Reached]:
     return found
 
 
-def find_margin(studio: Studio, reached: Reached) -> Margin:
-    """How much farther from the shoulder a pose could be, by halving."""
-    robot = studio.env(reached.start.variation).episode.world.robots[reached.asked.robot]
+def find_margin(cache: EnvCache, reached: Reached) -> Margin:
+    """How much farther from the shoulder a pose could be, by bisection."""
+    robot = cache.env(reached.start.variation).episode.world.robots[reached.asked.robot]
     away = subtract(reached.pose.position, _shoulder(robot))
     outwards = scale(away, 1.0 / max(norm(away), 1e-9))
     within, beyond = (0.0, FARTHEST_M) if reached.ok else (-FARTHEST_M, 0.0)
@@ -231,7 +233,7 @@ def reaches(robot: Robot, pose: Pose, attempts: int = 20) -> bool:
 
 
 def _shoulder(robot: Robot) -> Vec3:
-    """Where an arm's first joint is, in the world."""
+    """The position of an arm's first joint in the world."""
     x, y, z = (float(value) for value in robot.chain.frames[0][:3, 3])
     return robot.body.pose().apply((x, y, z))
 

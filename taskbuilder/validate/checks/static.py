@@ -1,4 +1,4 @@
-"""The static family: what can be said of a task without physics."""
+"""The static family: checks of a task without physics."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ GROUPS: Mapping[str, tuple[str, str]] = {
     "TB3": ("TB300", "robots and joint values fit their URDFs"),
     "TB4": ("TB400", "assets are there and sound"),
 }
-"""First letters of a finding's code -> code and name of the check that it belongs to."""
+"""Prefix of a finding's code -> code and name of its check."""
 
 
 def static_family(task: Task) -> FamilyResult:
-    """The result for a task that loaded: its warnings, and how much was resolved."""
+    """The result for a task that could be loaded: its warnings, and the number of names."""
     names = task.file.names
     count = len({*names.known("frame"), *names.robots, *names.cameras, *names.known("joint")})
     checks = _checks(task.warnings)
@@ -31,7 +31,7 @@ def static_family(task: Task) -> FamilyResult:
 
 
 def _check_variations(task: Task) -> Result:
-    """No variation has the scene of the plain task, or of another variation."""
+    """No two variations have the same scene."""
     scenes = task.file.scenes
     findings = []
     for number, scene in enumerate(scenes[1:], start=1):
@@ -46,7 +46,7 @@ def _check_variations(task: Task) -> Result:
 
 
 def static_failure(findings: tuple[Finding, ...]) -> FamilyResult:
-    """The result for a task that did not load."""
+    """The result for a task that could not be loaded."""
     errors = sum(finding.severity == "error" for finding in findings)
     summary = f"{errors} error{'s' * (errors != 1)}"
     return FamilyResult("static", _checks(findings), findings, summary)
