@@ -126,6 +126,24 @@ class TestWhatIsForeseen:
         assert drawer.choices[0].position == pytest.approx(begin.choices[0].position)
 
 
+class TestWhatIsSeenOfAKnob:
+    @pytest.mark.parametrize("observe", ["task", "scene"])
+    def test_an_agent_sees_it_where_the_drawer_has_taken_it(self, observe):
+        env = parallel_env(load_task(HERE / "drawer_by_its_knob.yaml"), observe=observe, flat=False)
+        channel = "cabinet.knob.position" + (" in self.tcp" if observe == "scene" else "")
+        expert = Expert(env)
+        seen = []
+        expert.play(0, watch=lambda *_: seen.append(env.observe()["left"][channel]))
+        at = env.episode.world.position("cabinet.knob")
+        tcp = env.episode.world.pose("left.tcp")
+        expert.close()
+        env.close()
+        wanted = tcp.inverse().apply(at) if observe == "scene" else at
+        assert seen[-1] == pytest.approx(wanted, abs=1e-5)
+        if observe == "task":
+            assert seen[0][1] - seen[-1][1] > 0.1
+
+
 class TestLocks:
     def test_the_hatch_stays_shut_unless_the_button_is_held_down(self):
         with playing("hatch_by_a_button") as (env, expert):
