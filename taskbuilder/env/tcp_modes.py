@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taskbuilder.env.arm_modes import Arm, Targets
+from taskbuilder.env.arm_modes import ArmMode, Targets
 from taskbuilder.geometry import (
     NO_TURN,
     Pose,
@@ -29,7 +29,7 @@ LAG_STEPS = 2.0
 
 
 @dataclass(frozen=True)
-class TcpDeltaMode:
+class TcpDeltaMode(ArmMode):
     """Moves the commanded tool by a step, and turns it.
 
     Numbers: a translation (m), then by `turn` nothing, an angle about the tool's axis, or a
@@ -37,7 +37,7 @@ class TcpDeltaMode:
     `max_turn_deg`. The tool keeps its tilt from home unless `turn` is full.
     """
 
-    arm: Arm
+    space = "tool"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
@@ -98,14 +98,14 @@ class TcpDeltaMode:
 
 
 @dataclass(frozen=True)
-class TcpPoseMode:
+class TcpPoseMode(ArmMode):
     """Moves the tool towards a pose, by at most a step of `tcp_delta` at a time.
 
     Numbers: a position (m) relative to the arm's home tool position, in `frame`; then by `turn`
     nothing, an angle about the tool's axis from home, or a rotation vector from home (rad).
     """
 
-    arm: Arm
+    space = "tool"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
@@ -159,7 +159,7 @@ class TcpPoseMode:
 
 
 @dataclass(frozen=True)
-class TcpPathMode:
+class TcpPathMode(ArmMode):
     """Moves to a pose in joint space, for scripts and for slow control.
 
     The numbers are those of `TcpPoseMode`. The inverse kinematics of the pose is solved with
@@ -168,7 +168,7 @@ class TcpPathMode:
     millisecond.
     """
 
-    arm: Arm
+    space = "tool"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from env_tasks import near, tcp, write_task
 
+from taskbuilder.env.actions import ARM_MODES
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.geometry import (
     Pose,
@@ -25,6 +26,7 @@ from taskbuilder.geometry import (
     subtract,
     turn_between,
 )
+from taskbuilder.schema.scene import ActionSpec
 
 MODELS = ("ur5e", "xarm6", "panda")
 DOF = {"ur5e": 6, "xarm6": 6, "panda": 7}
@@ -176,6 +178,11 @@ def about(vector: Vec3) -> Quat:
     angle = norm(vector)
     x, y, z = scale(vector, math.sin(angle / 2) / angle)
     return (x, y, z, math.cos(angle / 2))
+
+
+def test_every_mode_of_task_files_is_built_and_tried_here():
+    written = get_args(ActionSpec.model_fields["arm"].annotation)
+    assert {*written} == {*ARM_MODES} == {*TCP_MODES, *JOINT_MODES}
 
 
 # --- bounds
