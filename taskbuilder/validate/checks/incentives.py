@@ -1,9 +1,9 @@
-"""The pays family: no probe earns as much as the expert.
+"""The family "pays for success": no probe earns as much as the expert.
 
 Every seed from which the expert succeeds is played again up to the end of each of its stages. From
 there on the robots hold still, or fail on purpose: they drop their objects from half of the seeds,
 and throw them from the others, which saves a third of the time. The returns of random actions,
-waiting, and the expert without a robot are known from the needs family.
+waiting, and the expert without a robot are known from the family "needs its robots".
 
 Returns from the same seeds are compared pair by pair, undiscounted and at a discount of 0.95. The
 95 % interval of the mean difference must lie above zero. Episodes of a probe that succeed are left

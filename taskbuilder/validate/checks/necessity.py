@@ -1,4 +1,4 @@
-"""The needs family: the task cannot be done without all robots, by chance, or by waiting.
+"""The family "needs its robots": one robot less, chance and waiting must not succeed.
 
 Every seed is played once by each of several probes, and the variations take turns: holding still,
 random actions, the expert without one of the robots, and one robot alone. A robot alone takes each
