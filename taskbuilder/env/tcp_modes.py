@@ -24,6 +24,9 @@ from taskbuilder.geometry import (
 )
 from taskbuilder.sim.kinematics import solve
 
+TURN_NUMBERS = {"none": 0, "yaw": 1, "full": 3}
+"""How many numbers say how the tool turns."""
+
 LAG_STEPS = 2.0
 """Maximum lead of the commanded tool over the measured one, in steps."""
 
@@ -43,8 +46,7 @@ class TcpDeltaMode(ArmMode):
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         step, turn = self.arm.spec.max_step, math.radians(self.arm.spec.max_turn_deg)
-        turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
-        return ((-step, step),) * 3 + ((-turn, turn),) * turns
+        return ((-step, step),) * 3 + ((-turn, turn),) * TURN_NUMBERS[self.arm.spec.turn]
 
     def command(self, values: Sequence[float]) -> Targets:
         """Command the tool by the numbers of an action."""
@@ -111,8 +113,7 @@ class TcpPoseMode(ArmMode):
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         reach = self.arm.reach
-        turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
-        return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * turns
+        return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * TURN_NUMBERS[self.arm.spec.turn]
 
     def command(self, values: Sequence[float]) -> Targets:
         """Command the tool by the numbers of an action."""

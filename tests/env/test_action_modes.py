@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import closing
 from itertools import product
 from pathlib import Path
 from typing import Any, get_args
@@ -14,6 +15,7 @@ from env_tasks import near, tcp, write_task
 
 from taskbuilder.env.actions import ARM_MODES
 from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.env.tcp_modes import TcpDeltaMode
 from taskbuilder.geometry import (
     Pose,
     Quat,
@@ -468,3 +470,12 @@ def test_a_binary_gripper_changes_its_mind_only_for_a_clear_command(arms):
         (-1, 0),
     ):
         assert openings(value) == pytest.approx([expected] * len(names), abs=0.05), value
+
+
+def test_the_previous_action_is_as_long_as_the_mode_s_whatever_it_is_called(tmp_path, monkeypatch):
+    monkeypatch.setitem(ARM_MODES, "joint_delta", TcpDeltaMode)
+    ways = {"arm": {"arm": "joint_delta", "turn": "none"}}
+    path = write_task(tmp_path, field("ur5e", ways), DESCRIPTION.format(agent="arm"))
+    with closing(parallel_env(path, flat=False)) as env:
+        seen, _ = env.reset(seed=0)
+        assert len(seen["arm"]["self.previous_action"]) == env.episode.actions["arm"].size == 4
