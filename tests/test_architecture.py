@@ -188,6 +188,16 @@ def test_the_page_has_the_same_layers_in_the_same_order():
     assert shown == [name for name in LAYERS if not name.startswith("_")]
 
 
+def test_the_page_names_files_that_are_there():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    section = page.partition("## How to extend it\n")[2].partition("\n## ")[0]
+    named = set(re.findall(r"`([\w/]+/(?:\w+\.\w+)?)`", section))
+    assert len(named) > 30
+    folders = (ROOT, ROOT / "taskbuilder")
+    lost = [name for name in named if not any((folder / name).exists() for folder in folders)]
+    assert [name for name in lost if "NAME" not in name] == []
+
+
 def test_no_modules_import_each_other():
     assert circle(import_graph(ROOT)) == []
 
