@@ -164,8 +164,10 @@ class World(Single):
         """
         motors = [group for robot in self.robots.values() for group in (robot.arm, robot.gripper)]
         sites = {name: site.pose for name, site in self.sites.items()}
-        found = contacts(self.client)
-        touches = tuple({(c.body_a, c.link_a, c.body_b, c.link_b): c for c in found}.values())
+        loosest: dict[tuple[int, ...], ContactPoint] = {}  # contact of each two links
+        for c in sorted(contacts(self.client), key=lambda contact: -contact.distance):
+            loosest.setdefault((c.body_a, c.link_a, c.body_b, c.link_b), c)
+        touches = tuple(reversed(loosest.values()))
         snapshot = save(self.client, motors)
         return WorldState(
             snapshot, self.time, sites, self.quantities, touches, self._forces.readings
@@ -212,6 +214,10 @@ class World(Single):
         Bullet restores the contacts of two links only if it finds them near each other then, and
         of links of several shapes it looks closer than when it keeps a contact up: a gap of a
         few micrometres, as between a grip and what it holds, is enough to lose it.
+
+        Args:
+            touches: A contact of each two links, the loosest last: to press one finger against what
+                is held pulls the other off, which only the tighter contacts stand.
         """
         bodies = {robot.body.id: robot.body for robot in self.robots.values()}
         bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
