@@ -95,7 +95,7 @@ class World(Single):
         self.floor = floor
         self.warnings = warnings
         self.time = 0.0
-        self.quantities: Mapping[str, Any] = written(self)
+        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize)
         self.onlooker: Iterator[None] | None = None
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
@@ -123,7 +123,7 @@ class World(Single):
         randomness = EpisodeRandomness(seed)
         self.restore(self._built or self.keep_as_built())
         if randomized:
-            self._set_quantities(drawn(self, randomness.quantities()))
+            self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
         place_all(self, randomness.placement())
         self.step()
         self.time = 0.0
@@ -232,7 +232,8 @@ class World(Single):
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
-        apply(self, {k: value for k, value in values.items() if value != self.quantities[k]})
+        changed = {k: value for k, value in values.items() if value != self.quantities[k]}
+        apply(self.objects, self.sites, changed)
         self.quantities = values
 
     def _check(self) -> None:
