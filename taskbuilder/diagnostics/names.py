@@ -21,7 +21,8 @@ ENTRIES = {
     ),
     "TB202": Code(
         "Name used twice",
-        "Robots, objects, sites and cameras share one namespace.",
+        "Robots, objects, sites and cameras share one namespace, and so do the links and grasp "
+        "points of a URDF object.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),
@@ -107,9 +108,9 @@ ENTRIES = {
     ),
     "TB214": Code(
         "No such condition",
-        "An expert waits for a condition that the description does not have. It can wait for a "
-        "stage, for success and failure, and for any condition that is an attribute of the "
-        "class.",
+        "An expert waits for a condition, or a lock of a joint names one, that the description "
+        "does not have. It can be a stage, success or failure, or any condition that is an "
+        "attribute of the class.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example, block, within
+from taskbuilder.diagnostics.entry import Code, Example, block, cabinet, within
 
 ENTRIES = {
     "TB300": Code(
@@ -11,14 +11,15 @@ ENTRIES = {
     ),
     "TB301": Code(
         "Does not fit the URDF",
-        "A robot.yaml, or the joints of an object, refer to a link or a moving joint that the "
-        "URDF does not have, or give a gripper a position beyond its joint's limits.",
+        "A robot.yaml, or the joints and grasp points of an object, refer to a link or a moving "
+        "joint that the URDF does not have, or give a gripper a position beyond its joint's "
+        "limits.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
         "Joint value beyond its limits",
-        "A position is outside the limits of its joint, or the number of positions is not the "
-        "number of joints.",
+        "A position, or a limit in the task file, is outside the limits of its joint, or the "
+        "number of positions is not the number of joints.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -132,6 +133,15 @@ ENTRIES = {
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
             "class Example(Description):\n    ...\n    failure = up()",
             "class Example(Description):\n    ...\n    failure = Above('cube', height=0.6)",
+        ),
+    ),
+    "TB316": Code(
+        "Grasp point that stays behind",
+        "A grasp point of an articulated object is fixed to its base, but the nearest link moves. "
+        "When that link moves, grasps miss, and rewards pay for the wrong place. A warning.",
+        cabinet(
+            "grasps: {knob: {at: [0, -0.07, 0.03]}}",
+            "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",
         ),
     ),
     "TB400": Code(

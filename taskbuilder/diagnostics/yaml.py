@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example, within
+from taskbuilder.diagnostics.entry import Code, Example, cabinet, within
 
 ENTRIES = {
     "TB000": Code(
@@ -59,7 +59,7 @@ ENTRIES = {
     ),
     "TB100": Code(
         "Keys, types and units are right",
-        "The check that gathers TB101 to TB109: the form of the task or robot file.",
+        "The check that gathers TB101 to TB110: the form of the task or robot file.",
     ),
     "TB101": Code(
         "Something is missing",
@@ -123,6 +123,12 @@ ENTRIES = {
         "The name of a task must be the name of its file without .yaml; the name of a robot "
         "must be the name of the folder of its robot.yaml.",
         Example("task", "task: exmaple", "task: example"),
+    ),
+    "TB110": Code(
+        "Unit of another kind of joint",
+        "start, limits and rest are in metres, for prismatic joints; start_deg, limits_deg and "
+        "rest_deg are in degrees, for revolute joints.",
+        cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
 }
 """Code -> what it stands for."""

@@ -246,7 +246,12 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
     """
     robots = ("self", *(name for name in world.robots if name != agent))
     moving = {name: thing for name, thing in world.objects.items() if not thing.spec.fixed}
-    grasps = [f"{name}.{grasp}" for name, thing in moving.items() for grasp in thing.spec.grasps]
+    grasps = [
+        f"{name}.{key}"
+        for name, thing in world.objects.items()
+        for key, grasp in thing.spec.grasps.items()
+        if name in moving or grasp.link is not None
+    ]
     return (
         *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
         *(f"{name}.pose" for name in moving),

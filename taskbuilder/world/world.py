@@ -17,10 +17,11 @@ from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import ContactPoint, contacts
 from taskbuilder.sim.single import Single
-from taskbuilder.sim.snapshots import Snapshot, release, restore, save
+from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
 from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
 from taskbuilder.world.frames import SceneFrames
+from taskbuilder.world.locks import locks_of
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.robot import Robot
@@ -97,6 +98,10 @@ class World(Single):
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize)
         self.onlooker: Iterator[None] | None = None
+        self._locks = locks_of(objects)
+        self._springs = tuple(
+            joint for thing in objects.values() for joint in thing.passive.values() if joint.acts
+        )
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
@@ -144,6 +149,7 @@ class World(Single):
         targets = arm_targets or {}
         drives = [self.robots[name].ramp(to, timing.substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
+        drives += [joint.act() for joint in self._springs]
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
@@ -151,6 +157,20 @@ class World(Single):
         self.time += 1.0 / timing.control_hz
         self.refresh()
         self._check()
+
+    def set_locks(self, conditions: Mapping[str, bool]) -> None:
+        """Lock and free joints as the description's conditions say; all are locked after `reset`.
+
+        Args:
+            conditions: Whether each condition of the description holds, by its name.
+        """
+        for lock in self._locks:
+            lock.obey(conditions)
+
+    @property
+    def locked(self) -> Mapping[str, str]:
+        """The joints that are locked now, as ``box.hinge``, and the condition that frees each."""
+        return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
 
     def refresh(self) -> None:
         """Clear the cached values."""
@@ -162,10 +182,14 @@ class World(Single):
 
         `release` the state when it is no longer needed.
         """
-        motors = [group for robot in self.robots.values() for group in (robot.arm, robot.gripper)]
+        motors: list[Commanded] = [lock.joint for lock in self._locks]
+        for robot in self.robots.values():
+            motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        found = contacts(self.client)
-        touches = tuple({(c.body_a, c.link_a, c.body_b, c.link_b): c for c in found}.values())
+        loosest: dict[tuple[int, ...], ContactPoint] = {}  # contact of each two links
+        for c in sorted(contacts(self.client), key=lambda contact: -contact.distance):
+            loosest.setdefault((c.body_a, c.link_a, c.body_b, c.link_b), c)
+        touches = tuple(reversed(loosest.values()))
         snapshot = save(self.client, motors)
         return WorldState(
             snapshot, self.time, sites, self.quantities, touches, self._forces.readings
@@ -212,6 +236,10 @@ class World(Single):
         Bullet restores the contacts of two links only if it finds them near each other then, and
         of links of several shapes it looks closer than when it keeps a contact up: a gap of a
         few micrometres, as between a grip and what it holds, is enough to lose it.
+
+        Args:
+            touches: A contact of each two links, the loosest last: to press one finger against what
+                is held pulls the other off, which only the tighter contacts stand.
         """
         bodies = {robot.body.id: robot.body for robot in self.robots.values()}
         bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
