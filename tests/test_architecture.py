@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -126,6 +127,11 @@ def modules_below(root: Path) -> dict[str, Path]:
     return {name.removesuffix(".__init__"): file for name, file in dotted.items()}
 
 
+def is_lazy(file: Path) -> bool:
+    """Whether it is a package that imports what it exports when that is first used."""
+    return "exported(__name__" in file.read_text(encoding="utf-8")
+
+
 def import_graph(root: Path) -> dict[str, set[str]]:
     """Modules and those that they import, for type checkers alone or inside functions too.
 
@@ -134,8 +140,7 @@ def import_graph(root: Path) -> dict[str, set[str]]:
     modules = modules_below(root)
     graph: dict[str, set[str]] = {}
     for module, file in modules.items():
-        lazy = "exported(__name__" in file.read_text(encoding="utf-8")
-        names = [] if lazy else [name for _, name in imports(str(file))]
+        names = [] if is_lazy(file) else [name for _, name in imports(str(file))]
         nearest = (name if name in modules else name.rpartition(".")[0] for name in names)
         graph[module] = {name for name in nearest if name in modules and name != module}
     return graph
@@ -177,6 +182,21 @@ def test_a_module_imports_no_part_that_its_layer_may_not(file):
         and [*name.split("."), ""][1] not in allowed
     ]
     assert not wrong
+
+
+@pytest.mark.parametrize("file", [file for file in LIBRARY if is_lazy(ROOT / file)])
+def test_a_package_that_imports_on_first_use_tells_type_checkers_the_same(file):
+    seen = {name.rpartition(".")[2]: name.rpartition(".")[0] for _, name in imports(file)}
+    body = ast.parse((ROOT / file).read_text(encoding="utf-8")).body
+    (homes,) = [
+        ast.literal_eval(node.value)
+        for node in body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_HOMES"
+    ]
+    assert homes == {name: seen.get(name) for name in homes}
+    package = import_module(file.removesuffix("/__init__.py").replace("/", "."))
+    assert set(homes) <= set(package.__all__)
+    assert all(hasattr(package, name) for name in package.__all__)
 
 
 def test_the_page_has_the_same_layers_in_the_same_order():
