@@ -83,12 +83,11 @@ def verbs(_: str) -> str:
 
 def manners(_: str) -> str:
     """What an order may say besides its verb."""
-    with_ = {"to": ("bring",), **ONLY_WITH}
     own = [key for key in expert.Order.model_fields if key not in VERBS]
     rows = []
     for key, row in zip(own, _rows("Order", own), strict=True):
         default = "required" if key == "to" else row[2]
-        rows.append([row[0], row[1], default, ", ".join(map(code, with_[key])), row[3]])
+        rows.append([row[0], row[1], default, ", ".join(map(code, ONLY_WITH[key])), row[3]])
     return as_table(["key", "value", "default", "with", "meaning"], rows)
 
 

@@ -96,7 +96,7 @@ class World(Single):
         self.floor = floor
         self.warnings = warnings
         self.time = 0.0
-        self.quantities: Mapping[str, Any] = written(self)
+        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize)
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
         self._springs = tuple(
@@ -128,7 +128,7 @@ class World(Single):
         randomness = EpisodeRandomness(seed)
         self.restore(self._built or self.keep_as_built())
         if randomized:
-            self._set_quantities(drawn(self, randomness.quantities()))
+            self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
         place_all(self, randomness.placement())
         self.step()
         self.time = 0.0
@@ -186,8 +186,10 @@ class World(Single):
         for robot in self.robots.values():
             motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        found = contacts(self.client)
-        touches = tuple({(c.body_a, c.link_a, c.body_b, c.link_b): c for c in found}.values())
+        loosest: dict[tuple[int, ...], ContactPoint] = {}  # contact of each two links
+        for c in sorted(contacts(self.client), key=lambda contact: -contact.distance):
+            loosest.setdefault((c.body_a, c.link_a, c.body_b, c.link_b), c)
+        touches = tuple(reversed(loosest.values()))
         snapshot = save(self.client, motors)
         return WorldState(
             snapshot, self.time, sites, self.quantities, touches, self._forces.readings
@@ -234,6 +236,10 @@ class World(Single):
         Bullet restores the contacts of two links only if it finds them near each other then, and
         of links of several shapes it looks closer than when it keeps a contact up: a gap of a
         few micrometres, as between a grip and what it holds, is enough to lose it.
+
+        Args:
+            touches: A contact of each two links, the loosest last: to press one finger against what
+                is held pulls the other off, which only the tighter contacts stand.
         """
         bodies = {robot.body.id: robot.body for robot in self.robots.values()}
         bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
@@ -248,7 +254,8 @@ class World(Single):
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
-        apply(self, {k: value for k, value in values.items() if value != self.quantities[k]})
+        changed = {k: value for k, value in values.items() if value != self.quantities[k]}
+        apply(self.objects, self.sites, changed)
         self.quantities = values
 
     def _check(self) -> None:

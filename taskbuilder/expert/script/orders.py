@@ -170,7 +170,9 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
     if order.close is not None:
         thing = "" if order.close == NOTHING else order.close
         return (lambda _: Grip(robot, 0.0, thing),)
-    return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+    if order.release:
+        return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+    raise NotImplementedError(f"{order.verb} has no phases")
 
 
 def _take(now: Situation, robot: str, point: str) -> Grip:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import NamedTuple
 
+from taskbuilder.env.actions import can_be_planned
 from taskbuilder.errors import Finding
 from taskbuilder.rollout.play import play, resume
 from taskbuilder.rollout.players import HoldStill, RecordedActions
@@ -86,7 +87,9 @@ def solvable_family(context: Context) -> FamilyResult:
 
 def _without_expert(context: Context) -> FamilyResult:
     if context.task.file.spec.expert:
-        message = "no expert can plan for the action mode joint_torque, so nothing shows a way"
+        actions = (robot.action for robot in context.task.file.spec.scene.robots.values())
+        mode = next(action.arm for action in actions if not can_be_planned(action))
+        message = f"no expert can plan for the action mode {mode}, so nothing shows a way"
     else:
         message = "the task has no expert, so nothing shows that it can be done; write its stages"
     finding = finding_in_file(context.task, "TB533", message, "expert", severity="warning")
