@@ -11,6 +11,7 @@ from taskbuilder.description.check import check_description
 from taskbuilder.description.description import Description
 from taskbuilder.description.load import load_description, try_import
 from taskbuilder.errors import FileError, Finding, Location
+from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
@@ -82,17 +83,18 @@ def load_task(
         wrong = tuple(check_description(description, names, _where(description, entry)))
         findings += wrong
         if file is not None and not any(finding.code == "TB210" for finding in wrong):
-            findings += _check_waits(file, description)
+            findings += _check_conditions(file, description)
         findings += file.warnings if file is not None else ()
         if file is not None and not any(finding.severity == "error" for finding in findings):
             return Task(file, description, tuple(findings))
     raise FileError(findings)
 
 
-def _check_waits(file: TaskFile, description: type[Description]) -> Iterator[Finding]:
-    """Every condition that the expert waits for and that the description does not name."""
+def _check_conditions(file: TaskFile, description: type[Description]) -> Iterator[Finding]:
+    """Every condition that experts and locks go by and that the description does not name."""
     known = description.conditions()
-    for path, name in waits(file.spec.expert):
+    locked = dict.fromkeys(lock for scene in file.scenes for lock in locks(scene))
+    for path, name in (*waits(file.spec.expert), *locked):
         if name not in known:
             message = f'"{name}" is no condition; {suggestion(name, known, what="it has")}'
             yield Finding("TB214", message, dotted(path), file.source.locate(path))

@@ -1,10 +1,13 @@
-"""Which part of the library may import which. The table is the documentation of the layers."""
+"""Which part of the library may import which; the page on the architecture shows these layers."""
 
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -46,24 +49,24 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "rollout": ("env", "arrays", *SIMULATED),
     "env": ("processes", *SIMULATED),
     "reference": ("diagnostics", "description", *FILES),
-    "diagnostics": (),
+    "task": ("description", *FILES),
+    "world": ("sim", *FILES),
+    "description": ("processes", *FILES),
+    "sim": ("assets", *FOUNDATION),
+    "schema": ("assets", "_library", *FOUNDATION),
+    "assets": FOUNDATION,
     "jobs": ("processes", "errors"),
+    "processes": ("interpreters",),
     "machine": ("digests",),
     "digests": (),
     "arrays": ("files", *FOUNDATION),
     "files": (),
-    "task": ("description", *FILES),
-    "world": ("sim", *FILES),
-    "sim": ("assets", *FOUNDATION),
-    "description": ("processes", *FILES),
-    "schema": ("assets", "_library", *FOUNDATION),
-    "assets": FOUNDATION,
-    "processes": ("interpreters",),
+    "diagnostics": (),
     "geometry": (),
-    "intervals": (),
-    "quiet": (),
     "errors": (),
     "wording": (),
+    "intervals": (),
+    "quiet": (),
     "interpreters": (),
     "_lazy": (),
     "_library": (),
@@ -117,6 +120,42 @@ def imports(file: str) -> Iterator[tuple[int, str]]:
             yield from ((node.lineno, str(name.value)) for name in names)
 
 
+def modules_below(root: Path) -> dict[str, Path]:
+    """Every module of the library by its dotted name; packages by theirs."""
+    files = (root / "taskbuilder").rglob("*.py")
+    dotted = {".".join(file.relative_to(root).with_suffix("").parts): file for file in files}
+    return {name.removesuffix(".__init__"): file for name, file in dotted.items()}
+
+
+def is_lazy(file: Path) -> bool:
+    """Whether it is a package that imports what it exports when that is first used."""
+    return "exported(__name__" in file.read_text(encoding="utf-8")
+
+
+def import_graph(root: Path) -> dict[str, set[str]]:
+    """Modules and those that they import, for type checkers alone or inside functions too.
+
+    Packages that import what they export when it is first used count as importing nothing.
+    """
+    modules = modules_below(root)
+    graph: dict[str, set[str]] = {}
+    for module, file in modules.items():
+        names = [] if is_lazy(file) else [name for _, name in imports(str(file))]
+        nearest = (name if name in modules else name.rpartition(".")[0] for name in names)
+        graph[module] = {name for name in nearest if name in modules and name != module}
+    return graph
+
+
+def circle(graph: dict[str, set[str]]) -> list[str]:
+    """Modules each of which is imported by the next, the first again at the end, or none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        found: list[str] = error.args[1]
+        return found
+    return []
+
+
 def part_of(file: str) -> str:
     return file.removeprefix("taskbuilder/").partition("/")[0].removesuffix(".py")
 
@@ -143,6 +182,60 @@ def test_a_module_imports_no_part_that_its_layer_may_not(file):
         and [*name.split("."), ""][1] not in allowed
     ]
     assert not wrong
+
+
+@pytest.mark.parametrize("file", [file for file in LIBRARY if is_lazy(ROOT / file)])
+def test_a_package_that_imports_on_first_use_tells_type_checkers_the_same(file):
+    seen = {name.rpartition(".")[2]: name.rpartition(".")[0] for _, name in imports(file)}
+    body = ast.parse((ROOT / file).read_text(encoding="utf-8")).body
+    (homes,) = [
+        ast.literal_eval(node.value)
+        for node in body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_HOMES"
+    ]
+    assert homes == {name: seen.get(name) for name in homes}
+    package = import_module(file.removesuffix("/__init__.py").replace("/", "."))
+    assert set(homes) <= set(package.__all__)
+    assert all(hasattr(package, name) for name in package.__all__)
+
+
+def test_the_page_has_the_same_layers_in_the_same_order():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = page.partition("| layer | what it has |\n|---|---|\n")[2].partition("\n\n")[0]
+    shown = [
+        name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1])
+    ]
+    assert shown == [name for name in LAYERS if not name.startswith("_")]
+
+
+def test_the_page_names_files_that_are_there():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    section = page.partition("## How to extend it\n")[2].partition("\n## ")[0]
+    named = set(re.findall(r"`([\w/]+/(?:\w+\.\w+)?)`", section))
+    assert len(named) > 30
+    folders = (ROOT, ROOT / "taskbuilder")
+    lost = [name for name in named if not any((folder / name).exists() for folder in folders)]
+    assert [name for name in lost if "NAME" not in name] == []
+
+
+def test_no_modules_import_each_other():
+    assert circle(import_graph(ROOT)) == []
+
+
+def test_a_circle_is_found_even_where_it_is_for_type_checkers_alone(tmp_path):
+    (tmp_path / "taskbuilder").mkdir()
+    texts = {
+        "low": "if TYPE_CHECKING:\n    from taskbuilder.high import High",
+        "middle": "def f():\n    from taskbuilder import low",
+        "high": "from taskbuilder.middle import f",
+        "lazy": "if TYPE_CHECKING:\n    from taskbuilder.user import f\n"
+        "__getattr__, __dir__ = exported(__name__, {})",
+        "user": "from taskbuilder.lazy import f",
+    }
+    for name, text in texts.items():
+        (tmp_path / "taskbuilder" / f"{name}.py").write_text(text)
+    found = circle(import_graph(tmp_path))
+    assert {*found} == {f"taskbuilder.{name}" for name in ("low", "middle", "high")}
 
 
 @pytest.mark.parametrize("file", LIBRARY)

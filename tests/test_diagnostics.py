@@ -66,6 +66,25 @@ ATTRIBUTES = """class Example(Description):
     success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)
     reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"))
 """
+CABINET = """<robot name="cabinet">
+  <link name="case">
+    <inertial><mass value="2"/>
+      <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 0.07"/><geometry><box size="0.1 0.1 0.01"/></geometry></collision>
+    <visual><origin xyz="0 0 0.07"/><geometry><box size="0.1 0.1 0.01"/></geometry></visual>
+  </link>
+  <link name="drawer">
+    <inertial><mass value="0.2"/>
+      <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.09 0.12 0.04"/></geometry></collision>
+    <visual><geometry><box size="0.09 0.12 0.04"/></geometry></visual>
+  </link>
+  <joint name="slide" type="prismatic">
+    <parent link="case"/><child link="drawer"/><origin xyz="0 0 0.03"/><axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.08" effort="50" velocity="1"/>
+  </joint>
+</robot>
+"""
 # They have tests of their own, below.
 OF_FOLDERS = {"TB001", "TB008"}
 GATHERING = {"TB000", "TB100", "TB200", "TB300", "TB400"}
@@ -191,6 +210,7 @@ def findings(folder: Path, example: Example, snippet: str, code: str) -> tuple[F
         task = TASK.replace("model: ur5e", "model: ur5e/robot.yaml", 1)
     encoding = "latin-1" if snippet.endswith("Latin-1") else "utf-8"
     (folder / "example.yaml").write_text(task, encoding=encoding)
+    (folder / "cabinet.urdf").write_text(CABINET)
     if example.where != "folder" or "example.py" in snippet:
         (folder / "example.py").write_text(description)
     if code < "TB303":

@@ -30,6 +30,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "experts": results.experts,
     "file": tasks.shown_file,
     "gallery": tasks.gallery,
+    "holding": results.holding,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
     "learning": results.learning,

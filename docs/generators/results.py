@@ -26,6 +26,23 @@ def probes(task: str) -> str:
     )
 
 
+def holding(task: str) -> str:
+    """What the expert earns, and those who stop half-way or do nothing, the best first."""
+    ways = [way for way in _read("holding_on.json")["ways"] if way["task"] == task]
+    if not ways:
+        raise LookupError(f"holding_on.json has no task {task!r}")
+    rows = []
+    for way in sorted(ways, key=lambda way: -way["return"]):
+        row = [way["way"], f"{way['successes']} of {way['episodes']}"]
+        for column in ("return", "discounted_return"):
+            lead, half = way[f"{column}_behind"]
+            behind = f"{_signed(lead, 2)} ± {half:.2f}"
+            row += [_signed(way[column], 2), "" if way["way"] == "expert" else behind]
+        rows.append(row)
+    head = ["", "success", "return", "lead of the expert", "discounted return"]
+    return table([*head, "lead of the expert"], rows)
+
+
 def experts(_: str) -> str:
     """Success rates and times of the experts."""
     rows = []
@@ -112,5 +129,5 @@ def _read(name: str) -> Any:
     return json.loads((RESULTS / name).read_text(encoding="utf-8"))
 
 
-def _signed(value: float) -> str:
-    return f"{value:.1f}".replace("-", "−")
+def _signed(value: float, digits: int = 1) -> str:
+    return f"{value:.{digits}f}".replace("-", "−")

@@ -37,7 +37,7 @@ def _verb(order: Order | Together) -> str:
         return "close on nothing" if order.close == NOTHING else f"close on `{order.close}`"
     if order.release:
         return "release"
-    return f"{order.verb} `{order.grasp or order.reach}`"
+    return f"{order.verb} `{getattr(order, order.verb)}`"
 
 
 def _manner(order: Order | Together) -> Iterator[str]:

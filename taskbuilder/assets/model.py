@@ -150,6 +150,19 @@ class Urdf:
         self.link(link)
         return next((joint for joint in self.joints if joint.child == link), None)
 
+    def moving_joints_above(self, link: str) -> tuple[UrdfJoint, ...]:
+        """The joints with a degree of freedom between a link and the root, the nearest first.
+
+        Raises:
+            UnknownNameError: There is no such link.
+        """
+        found = []
+        joint = self.joint_above(link)
+        while joint is not None:
+            found += [joint] if joint.moves else []
+            joint = self.joint_above(joint.parent)
+        return tuple(found)
+
 
 def _no_such(kind: str, name: str, urdf: Urdf, names: list[str]) -> str:
     right = suggestion(name, names, what="it has")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from taskbuilder.assets import codes
@@ -10,7 +11,7 @@ from taskbuilder.assets.files import Files
 from taskbuilder.assets.joints import check_mimics, joint_moves, read_joint
 from taskbuilder.assets.links import read_link, read_material
 from taskbuilder.assets.markup import MAX_BYTES, Element, parse, serialized
-from taskbuilder.assets.model import Urdf, UrdfJoint, UrdfLink
+from taskbuilder.assets.model import JointType, Urdf, UrdfJoint, UrdfLink
 from taskbuilder.assets.paths import AssetError, require_readable
 from taskbuilder.assets.report import Report
 from taskbuilder.assets.schema import cleaned
@@ -64,6 +65,43 @@ def read_urdf(path: Path, roots: Sequence[Path], *, trusted: bool = False) -> Ur
         files={**files.meshes, **files.textures},
         tree=robot,
     )
+
+
+def with_limits(urdf: Urdf, limits: Mapping[str, tuple[float, float]]) -> Urdf:
+    """The same with other limits of some joints; one that turned without end has an end then.
+
+    Args:
+        urdf: What was read.
+        limits: Least and greatest position (rad or m) by the name of the joint.
+    """
+    if not limits:
+        return urdf
+    joints = tuple(
+        replace(joint, type=_LIMITED.get(joint.type, joint.type), lower=ends[0], upper=ends[1])
+        if (ends := limits.get(joint.name))
+        else joint
+        for joint in urdf.joints
+    )
+    children = tuple(
+        _with_ends(child, *limits[child.attributes["name"]])
+        if child.tag == "joint" and child.attributes["name"] in limits
+        else child
+        for child in urdf.tree.children
+    )
+    return replace(urdf, joints=joints, tree=urdf.tree.with_children(children))
+
+
+_LIMITED: Mapping[JointType, JointType] = {"continuous": "revolute"}
+
+
+def _with_ends(joint: Element, lower: float, upper: float) -> Element:
+    """A joint's element with other limits."""
+    limit = joint.first("limit") or Element("limit", {}, joint.line, joint.column)
+    limit = limit.with_attributes(lower=repr(lower), upper=repr(upper))
+    others = tuple(child for child in joint.children if child.tag != "limit")
+    joint = joint.with_children((*others, limit))
+    kind = "revolute" if joint.get("type") == "continuous" else joint.attributes["type"]
+    return joint.with_attributes(type=kind)
 
 
 def resolved_text(urdf: Urdf) -> str:

@@ -14,6 +14,7 @@ from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import whole
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
+from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.wording import suggestion
 
 _COMMANDS = (
@@ -183,7 +184,7 @@ def _add_validate(adder: Adder) -> None:
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
-        choices=("text", "json", "junit", "github"),
+        choices=("text", "json", *DOCUMENTS, "github"),
         default="text",
         help="format of the report (default text)",
     )

@@ -6,9 +6,8 @@ import argparse
 import json
 import shlex
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from functools import partial
-from os.path import relpath
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +16,14 @@ from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin
+from taskbuilder.cli.trials import play_arms, trial_of
+from taskbuilder.cli.verifying import verify
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
-from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.arms import SUBJECT, Job, TrialConfig, by_arm, jobs_of, play_all
-from taskbuilder.trial.certificate import Trial, certificate, write_certificate
+from taskbuilder.trial.arms import SUBJECT, jobs_of
+from taskbuilder.trial.certificate import certificate, write_certificate
 from taskbuilder.trial.results import Arms, as_data, compare, record
 from taskbuilder.visual.capture import Frame
 from taskbuilder.visual.film import save_film
@@ -35,8 +35,6 @@ CONTROLS = 20
 def run(arguments: argparse.Namespace) -> int:
     """Measure what a policy achieves; low success is a result, not a failure."""
     if arguments.verify:
-        from taskbuilder.cli.verifying import verify
-
         return verify(arguments)
     if not arguments.policy:
         raise UsageError("which policy? name one, such as zoo:handover/demos or expert:handover")
@@ -96,32 +94,6 @@ def _compared(arguments: argparse.Namespace) -> int:
     if asked is not None:
         return asked
     return int(arguments.episodes) if arguments.certificate else CONTROLS
-
-
-def play_arms(config: TrialConfig, jobs: Sequence[Job], asked: int | None) -> Arms:
-    """Play all episodes, over as many processes as are asked for."""
-    count = min(asked or cores(), len(jobs))
-    with ExitStack() as stack:
-        spread = stack.enter_context(workers(count)) if count > 1 else None
-        episodes = stack.enter_context(closing(play_all(config, jobs, spread)))
-        return by_arm(progress(episodes, "episodes", len(jobs)))
-
-
-def trial_of(found: Evaluated, beside: Path, seeds: Sequence[int], compared: int) -> Trial:
-    """What a certificate in a file is about; a policy's file is named from its folder on.
-
-    Args:
-        found: Who is evaluated.
-        beside: The certificate.
-        seeds: Of all episodes.
-        compared: From how many of them all arms played.
-    """
-    named, name = named_player(found.name), found.name
-    if named is not None:
-        name = f"{named[0]}:{found.task.name}"
-    elif not name.startswith("zoo:"):
-        name = Path(relpath(Path(name).resolve(), beside.resolve().parent)).as_posix()
-    return Trial(found.task, name, found.file, found.options, tuple(seeds), compared)
 
 
 def _episodes(seeds: range) -> str:

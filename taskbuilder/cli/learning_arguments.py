@@ -8,6 +8,7 @@ from typing import Protocol
 
 from taskbuilder.cli.argument_types import share, variation, whole
 from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
+from taskbuilder.learn.algorithms import ALGORITHMS
 
 
 class CommandAdder(Protocol):
@@ -30,8 +31,9 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="RUN", help="folder of the run (default runs/TASK-TRACK-SEED)"
     )
+    *most, last = ALGORITHMS
     parser.add_argument(
-        "--algorithm", metavar="A", help="maddpg, maddpg_openai or ppo (default maddpg)"
+        "--algorithm", metavar="A", help=f"{', '.join(most)} or {last} (default maddpg)"
     )
     parser.add_argument("--preset", metavar="P", help="a named set of settings, such as paper")
     parser.add_argument(

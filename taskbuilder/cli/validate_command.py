@@ -16,6 +16,7 @@ from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.validate.formats import document
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
@@ -134,9 +135,7 @@ def _print_end(reports: Sequence[TaskReport], form: str, seconds: float, page: s
         return
     if form == "json":
         print_json(as_data(reports))
-    elif form == "junit":
-        from taskbuilder.validate.formats.junit import junit_xml
-
-        emit(junit_xml(reports))
+    else:
+        emit(document(form, reports))
     if named:
         print(named, file=sys.stderr)

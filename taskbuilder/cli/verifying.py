@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from taskbuilder.cli.evaluate_command import play_arms, trial_of
 from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.output import paint, print_json, print_table
 from taskbuilder.cli.tasks import catalogue_of
+from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.digests import digest, digests_of_folder
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.zoo import policy_file

@@ -52,6 +52,12 @@ def within(under: str, bad: str, good: str) -> Example:
     return Example("task", bad, good, under)
 
 
+def cabinet(bad: str, good: str) -> Example:
+    """What is said of a cabinet with a drawer, badly and well."""
+    begin = "cabinet: {shape: {urdf: cabinet.urdf}, fixed: true, position: [0, 0.35, 0.401], "
+    return within("scene.objects", f"{begin}{bad}}}", f"{begin}{good}}}")
+
+
 def block(bad: str, good: str) -> Example:
     """A block that is put somewhere, badly and well."""
     begin = "block: {shape: {box: [0.06, 0.06, 0.06]}, mass: 0.1, "

@@ -21,7 +21,8 @@ ENTRIES = {
     ),
     "TB202": Code(
         "Name used twice",
-        "Robots, objects, sites and cameras share one namespace.",
+        "Robots, objects, sites and cameras share one namespace, and so do the links and grasp "
+        "points of a URDF object.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),
@@ -109,9 +110,9 @@ ENTRIES = {
     ),
     "TB214": Code(
         "Unknown condition",
-        "The expert waits for a condition that the description does not have. It can wait for "
-        "success, for failure, for a stage, and for any other condition that is an attribute of "
-        "the description class.",
+        "The expert waits for a condition that the description does not have, or the lock of a "
+        "joint depends on one. The condition can be success, failure, a stage, or any other "
+        "attribute of the description class that is a condition.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),
 }

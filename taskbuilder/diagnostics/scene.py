@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example, block, within
+from taskbuilder.diagnostics.entry import Code, Example, block, cabinet, within
 
 ENTRIES = {
     "TB300": Code(
@@ -12,14 +12,15 @@ ENTRIES = {
     ),
     "TB301": Code(
         "Does not match the URDF",
-        "A robot.yaml, or the joints of an object, name a link or a movable joint that the URDF "
-        "does not have. Or a gripper position is beyond the limits of its joint.",
+        "A robot.yaml, or the joints or grasp points of an object, name a link or a movable "
+        "joint that the URDF does not have. Or a gripper position is beyond the limits of its "
+        "joint.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
         "Joint value out of limits",
-        "A joint position is outside the limits of its joint, or there are too many or too few "
-        "joint positions.",
+        "A joint position, or a limit in the task file, is outside the limits of the joint in "
+        "the URDF. Or there are too many or too few joint positions.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -137,6 +138,16 @@ ENTRIES = {
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
             "class Example(Description):\n    ...\n    failure = up()",
             "class Example(Description):\n    ...\n    failure = Above('cube', height=0.6)",
+        ),
+    ),
+    "TB316": Code(
+        "Grasp point on the wrong link",
+        "A grasp point of an articulated object is fixed to the object's base, but the link "
+        "nearest to it moves. When that link moves, the grasp point stays behind, so grasps miss "
+        "and rewards refer to the wrong place. This is a warning.",
+        cabinet(
+            "grasps: {knob: {at: [0, -0.07, 0.03]}}",
+            "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",
         ),
     ),
     "TB400": Code(

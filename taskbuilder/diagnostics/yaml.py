@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example, within
+from taskbuilder.diagnostics.entry import Code, Example, cabinet, within
 
 ENTRIES = {
     "TB000": Code(
@@ -59,7 +59,7 @@ ENTRIES = {
     ),
     "TB100": Code(
         "Keys, types and units",
-        "Summary of TB101 to TB109, which check the keys, types and units of a task or robot file.",
+        "Summary of TB101 to TB110, which check the keys, types and units of a task or robot file.",
     ),
     "TB101": Code(
         "Missing key",
@@ -124,6 +124,12 @@ ENTRIES = {
         "A task must have the name of its file without .yaml. A robot must have the name of the "
         "folder of its robot.yaml.",
         Example("task", "task: exmaple", "task: example"),
+    ),
+    "TB110": Code(
+        "Wrong unit for the joint",
+        "start, limits and rest are in metres and are for prismatic joints. start_deg, "
+        "limits_deg and rest_deg are in degrees and are for revolute joints.",
+        cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
 }
 """Code -> what it stands for."""

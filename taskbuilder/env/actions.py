@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,7 +21,7 @@ from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
-ARM_MODES: Mapping[str, Callable[[Arm], ArmMode]] = {
+ARM_MODES: Mapping[str, type[ArmMode]] = {
     "tcp_delta": TcpDeltaMode,
     "tcp_pose": TcpPoseMode,
     "tcp_path": TcpPathMode,
@@ -31,6 +31,12 @@ ARM_MODES: Mapping[str, Callable[[Arm], ArmMode]] = {
     "joint_torque": JointTorqueMode,
 }
 """Arm modes by the name that task files give them."""
+
+
+def can_be_planned(spec: ActionSpec) -> bool:
+    """Whether a planned motion can be written as actions of this kind."""
+    return ARM_MODES[spec.arm].space != "torque"
+
 
 HYSTERESIS = 0.2
 """A binary gripper ignores commands up to this size, of at most 1."""
@@ -82,7 +88,7 @@ class RobotActions:
 
     def __init__(self, world: World, robot: Robot, spec: ActionSpec, dt: float) -> None:
         self.arm = Arm.of(world, robot, spec, dt)
-        self._mode: ArmMode = ARM_MODES[spec.arm](self.arm)
+        self._mode = ARM_MODES[spec.arm](self.arm)
         self._gripper = GripperMode(robot, spec.gripper)
         self._bounds = (*self._mode.bounds, self._gripper.bounds)
         self._spans = tuple(((low + high) / 2.0, (high - low) / 2.0) for low, high in self._bounds)

@@ -8,10 +8,11 @@ last commanded joints are those of the motors, which snapshots save.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import ClassVar, Literal
 
 from taskbuilder.geometry import Pose, Quat, norm
 from taskbuilder.schema.scene import ActionSpec
@@ -74,13 +75,30 @@ class Arm:
         return [begin + gap / max(share, 1.0) for begin, gap in zip(joints, gaps, strict=True)]
 
 
-class ArmMode(Protocol):
-    """One way to command an arm."""
+@dataclass(frozen=True)
+class ArmMode(ABC):
+    """One way to command an arm.
+
+    Attributes:
+        space: What the numbers command: the tool's motion, the joints' motion, or the joints'
+            torques, for which no motion can be planned.
+        arm: What they command.
+    """
+
+    space: ClassVar[Literal["tool", "joint", "torque"]]
+    arm: Arm
 
     @property
+    def longest(self) -> tuple[float, ...]:
+        """Maximum motion of each joint per control step, in rad or m."""
+        return self.arm.longest
+
+    @property
+    @abstractmethod
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
 
+    @abstractmethod
     def command(self, values: Sequence[float]) -> Targets:
         """Command the motors by the numbers of an action.
 
@@ -88,6 +106,7 @@ class ArmMode(Protocol):
             Joint positions for the end of the control step, or None if motors have other commands.
         """
 
+    @abstractmethod
     def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions.
 

@@ -190,6 +190,7 @@ class Episode(Single):
             self._give_up()
             raise
         self.outcome = self._referee.start(self.world)
+        self.world.set_locks(self.outcome.conditions)
         self.failed = self.outcome.failure
         self.over, self.begun = False, True
 
@@ -219,6 +220,7 @@ class Episode(Single):
             self._give_up()
             return
         self.outcome = self._referee.judge(self.world)
+        self.world.set_locks(self.outcome.conditions)
         self.failed = self.failed or self.outcome.failure
         self.succeeded = self.succeeded or (self.outcome.success and not self.failed)
         self.over = self.terminated or self.truncated

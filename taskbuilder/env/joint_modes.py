@@ -6,24 +6,28 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from taskbuilder.env.arm_modes import Arm, Targets
+from taskbuilder.env.arm_modes import ArmMode, Targets
 
 
 @dataclass(frozen=True)
-class JointDeltaMode:
+class JointDeltaMode(ArmMode):
     """Moves each commanded joint by a step: rad, at most `max_turn_deg`; m, at most `max_step`."""
 
-    arm: Arm
+    space = "joint"
+
+    @property
+    def longest(self) -> tuple[float, ...]:
+        """Maximum motion of each joint per control step, in rad or m."""
+        spec = self.arm.spec
+        return tuple(
+            min(most, math.radians(spec.max_turn_deg) if turns else spec.max_step)
+            for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
+        )
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
-        spec = self.arm.spec
-        steps = [
-            min(most, math.radians(spec.max_turn_deg) if turns else spec.max_step)
-            for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
-        ]
-        return tuple((-step, step) for step in steps)
+        return tuple((-step, step) for step in self.longest)
 
     def command(self, values: Sequence[float]) -> Targets:
         """Command the joints by the numbers of an action."""
@@ -41,10 +45,10 @@ class JointDeltaMode:
 
 
 @dataclass(frozen=True)
-class JointPositionMode:
+class JointPositionMode(ArmMode):
     """Moves the joints towards positions within their limits, at most at their speed limits."""
 
-    arm: Arm
+    space = "joint"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
@@ -65,10 +69,10 @@ class JointPositionMode:
 
 
 @dataclass(frozen=True)
-class JointVelocityMode:
+class JointVelocityMode(ArmMode):
     """Moves the joints at velocities, rad/s or m/s."""
 
-    arm: Arm
+    space = "joint"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
@@ -89,10 +93,10 @@ class JointVelocityMode:
 
 
 @dataclass(frozen=True)
-class JointTorqueMode:
+class JointTorqueMode(ArmMode):
     """Applies torques (Nm) or forces (N) to the joints, without gravity compensation."""
 
-    arm: Arm
+    space = "torque"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:

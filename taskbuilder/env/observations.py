@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.env.actions import RobotActions
 from taskbuilder.geometry import Pose, Quat, multiply
 from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
 from taskbuilder.schema.task import Noise
@@ -173,16 +174,15 @@ def _robot_parts(channel: Channel, world: World) -> _Parts:
             fingers = len(robot.fingers)
             return (lambda e: e.forces(name)), (0.0,) * fingers, (_FORCE_LIMIT,) * fingers, None
         case "previous_action":
-            size = world_action_size(world, name)
+            size = _action_size(world, name)
             return (lambda e: e.previous_action(name)), *_around(size, 1.0), None
     raise ValueError(f"a robot has no channel {channel.quantity}")
 
 
-def world_action_size(world: World, name: str) -> int:
+def _action_size(world: World, name: str) -> int:
     """Size of a robot's action."""
-    spec = world.scene.robots[name].action
-    turns = {"none": 0, "yaw": 1, "full": 3}[spec.turn]
-    return (3 + turns if spec.arm.startswith("tcp") else len(world.robots[name].arm.indices)) + 1
+    dt = 1.0 / world.spec.timing.control_hz
+    return RobotActions(world, world.robots[name], world.scene.robots[name].action, dt).size
 
 
 def _frame_parts(subject: str, quantity: str, frame: str) -> _Parts:
@@ -246,7 +246,12 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
     """
     robots = ("self", *(name for name in world.robots if name != agent))
     moving = {name: thing for name, thing in world.objects.items() if not thing.spec.fixed}
-    grasps = [f"{name}.{grasp}" for name, thing in moving.items() for grasp in thing.spec.grasps]
+    grasps = [
+        f"{name}.{key}"
+        for name, thing in world.objects.items()
+        for key, grasp in thing.spec.grasps.items()
+        if name in moving or grasp.link is not None
+    ]
     return (
         *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
         *(f"{name}.pose" for name in moving),

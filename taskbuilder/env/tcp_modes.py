@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taskbuilder.env.arm_modes import Arm, Targets
+from taskbuilder.env.arm_modes import ArmMode, Targets
 from taskbuilder.geometry import (
     NO_TURN,
     Pose,
@@ -24,12 +24,15 @@ from taskbuilder.geometry import (
 )
 from taskbuilder.sim.kinematics import solve
 
+TURN_NUMBERS = {"none": 0, "yaw": 1, "full": 3}
+"""How many numbers say how the tool turns."""
+
 LAG_STEPS = 2.0
 """Maximum lead of the commanded tool over the measured one, in steps."""
 
 
 @dataclass(frozen=True)
-class TcpDeltaMode:
+class TcpDeltaMode(ArmMode):
     """Moves the commanded tool by a step, and turns it.
 
     Numbers: a translation (m), then by `turn` nothing, an angle about the tool's axis, or a
@@ -37,14 +40,13 @@ class TcpDeltaMode:
     `max_turn_deg`. The tool keeps its tilt from home unless `turn` is full.
     """
 
-    arm: Arm
+    space = "tool"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         step, turn = self.arm.spec.max_step, math.radians(self.arm.spec.max_turn_deg)
-        turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
-        return ((-step, step),) * 3 + ((-turn, turn),) * turns
+        return ((-step, step),) * 3 + ((-turn, turn),) * TURN_NUMBERS[self.arm.spec.turn]
 
     def command(self, values: Sequence[float]) -> Targets:
         """Command the tool by the numbers of an action."""
@@ -98,21 +100,20 @@ class TcpDeltaMode:
 
 
 @dataclass(frozen=True)
-class TcpPoseMode:
+class TcpPoseMode(ArmMode):
     """Moves the tool towards a pose, by at most a step of `tcp_delta` at a time.
 
     Numbers: a position (m) relative to the arm's home tool position, in `frame`; then by `turn`
     nothing, an angle about the tool's axis from home, or a rotation vector from home (rad).
     """
 
-    arm: Arm
+    space = "tool"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         reach = self.arm.reach
-        turns = {"none": 0, "yaw": 1, "full": 3}[self.arm.spec.turn]
-        return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * turns
+        return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * TURN_NUMBERS[self.arm.spec.turn]
 
     def command(self, values: Sequence[float]) -> Targets:
         """Command the tool by the numbers of an action."""
@@ -159,7 +160,7 @@ class TcpPoseMode:
 
 
 @dataclass(frozen=True)
-class TcpPathMode:
+class TcpPathMode(ArmMode):
     """Moves to a pose in joint space, for scripts and for slow control.
 
     The numbers are those of `TcpPoseMode`. The inverse kinematics of the pose is solved with
@@ -168,7 +169,7 @@ class TcpPathMode:
     millisecond.
     """
 
-    arm: Arm
+    space = "tool"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from taskbuilder.env.actions import can_be_planned
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.expert.script.player import Expert
@@ -34,5 +35,5 @@ def policy_named(name: str) -> Callable[[TaskEnv], Policy]:
 def has_expert(task: Task) -> bool:
     """Whether a task has an expert whose action modes can be planned for."""
     spec = task.file.spec
-    modes = {robot.action.arm for robot in spec.scene.robots.values()}
-    return bool(spec.expert) and "joint_torque" not in modes
+    robots = spec.scene.robots.values()
+    return bool(spec.expert) and all(can_be_planned(robot.action) for robot in robots)

@@ -77,11 +77,11 @@ def _public() -> Iterator[Entry]:
         thing = getattr(description, name)
         if callable(thing):
             text = f"`{name}{signature(thing)}`\n\n{prose(inspect.getdoc(thing) or '')}"
-            yield Entry(name, _kind(name, thing), text)
+            yield Entry(name, _kind(thing), text)
 
 
-def _kind(name: str, thing: object) -> str:
-    bases = (base for base in vocabulary.BASES if vocabulary.is_a(name, thing, base))
+def _kind(thing: object) -> str:
+    bases = (base for base in vocabulary.BASES if vocabulary.is_a(thing, base))
     return f"{next(bases, 'name').lower()} of descriptions"
 
 

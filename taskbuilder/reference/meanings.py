@@ -21,6 +21,9 @@ SECTIONS: Mapping[str, str] = {
     "Cylinder": "cylinder",
     "PartSpec": "part",
     "Grasp": "grasp point",
+    "JointSpec": "joint",
+    "Spring": "spring",
+    "Lock": "lock",
     "Place": "place",
     "SiteSpec": "site",
     "Marker": "marker",
@@ -93,6 +96,9 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "rpy_deg": "Orientation in the body's frame.",
     },
     "Grasp": {},
+    "JointSpec": {},
+    "Spring": {},
+    "Lock": {},
     "Place": {
         "center": "Middle of the region: [x, y] on a surface, [x, y, z] without.",
         "size": "Full edge lengths of the region; 0 fixes an axis.",
@@ -159,6 +165,7 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("Together", "touching"): "list of objects",
     ("Repeat", "stages"): "list of [stages](#expert)",
     ("Noise", "std"): "number, 0 to 100",
-    ("ObjectSpec", "joints"): "joint → number",
+    ("ObjectSpec", "joints"): "joint → [joint](#joint), or a number: its start",
+    ("Grasp", "link"): "name in the URDF",
 }
 """Values that a type says less well than words."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping
-from typing import Annotated, get_args, get_origin
+from typing import Annotated, get_args, get_origin, get_type_hints
 
 from taskbuilder import description
 from taskbuilder.description import Condition, Measure, Term, WorldView
@@ -13,8 +13,6 @@ from taskbuilder.schema import channels as spec_channels
 from taskbuilder.schema.names import Refers
 
 BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
-_FUNCTIONS = {"Level": "Condition"}
-"""Public functions that make what reads like a class."""
 
 _KINDS: Mapping[str, str] = {
     "robot": "a robot",
@@ -56,7 +54,7 @@ def nodes(base: str) -> str:
     rows = [
         [code(_call(name, thing)), first_sentences(thing.__doc__)]
         for name, thing in _public()
-        if is_a(name, thing, base)
+        if is_a(thing, base)
     ]
     if not rows:
         raise ValueError(f"no {base} is public")
@@ -116,11 +114,11 @@ def _public() -> Iterator[tuple[str, object]]:
     return ((name, getattr(description, name)) for name in description.__all__)
 
 
-def is_a(name: str, thing: object, base: str) -> bool:
-    """Whether a public name is a kind of Condition, Measure or Term."""
-    if name in _FUNCTIONS:
-        return _FUNCTIONS[name] == base
+def is_a(thing: object, base: str) -> bool:
+    """Whether a public thing is a kind of Condition, Measure or Term."""
     wanted = BASES[base]
+    if inspect.isfunction(thing):  # makes one, and reads like a class
+        return get_type_hints(thing).get("return") is wanted
     return isinstance(thing, type) and issubclass(thing, wanted) and thing is not wanted
 
 

@@ -34,8 +34,6 @@ from taskbuilder.schema.values import (
 )
 from taskbuilder.wording import closest
 
-VERBS = ("grasp", "reach", "bring", "retreat", "release", "close")
-
 NOTHING = "nothing"
 """What a gripper closes on that is to push, or to get out of the way."""
 
@@ -156,6 +154,7 @@ class Order(Model):
 
 
 ONLY_WITH = {
+    "to": ("bring",),
     "approach": ("grasp", "reach"),
     "rpy_deg": ("reach",),
     "align": ("bring",),
@@ -167,6 +166,9 @@ ONLY_WITH = {
     "tolerance": ("grasp", "reach", "bring", "retreat"),
 }
 """Key of an order -> the verbs that it goes with."""
+
+VERBS = tuple(key for key in Order.model_fields if key not in ONLY_WITH)
+"""Keys that say what to do: those that go with no other."""
 
 _OTHERWISE_TURNED = {
     "grasp": "; a grasp point says how it is taken, by its approach and across",

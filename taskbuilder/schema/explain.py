@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from types import UnionType
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import Tag, ValidationError
@@ -216,6 +217,10 @@ def _unwrap(annotation: Any) -> Any:
             annotation = get_args(annotation)[0]
             continue
         members = [a for a in get_args(annotation) if a is not type(None)]
+        models = [a for a in members if isinstance(a, type) and issubclass(a, Model)]
+        if get_origin(annotation) is UnionType and len(models) == 1:
+            annotation = models[0]
+            continue
         if type(None) in get_args(annotation) and len(members) == 1:
             annotation = members[0]
             continue

@@ -12,6 +12,7 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
+from taskbuilder.schema.articulation import check_object
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.explain import parse
 from taskbuilder.schema.names import ObjectNames, SceneNames
@@ -233,9 +234,7 @@ def _check_joints(loading: _Loading, scene: SceneSpec) -> Iterator[Finding]:
         if model is not None and robot.home is not None and robot.home.joints_deg is not None:
             yield from _check_home(loading.source, name, model, robot.home.joints_deg)
     for name, thing in scene.objects.items():
-        asset = loading.assets.get(name)
-        if isinstance(asset, Urdf):
-            yield from _check_object_joints(loading.source, name, asset, thing.joints)
+        yield from check_object(loading.source, name, thing, loading.assets.get(name))
 
 
 def _check_home(
@@ -247,21 +246,6 @@ def _check_home(
         yield Finding("TB302", message, dotted(path), source.locate(path))
     else:
         yield from check_joint_values(source, path, model.arm, joints_deg)
-
-
-def _check_object_joints(
-    source: Source, name: str, urdf: Urdf, joints: Mapping[str, float]
-) -> Iterator[Finding]:
-    moving = {joint.name: joint for joint in urdf.moving_joints}
-    for joint, value in joints.items():
-        path: Path_ = ("scene", "objects", name, "joints", joint)
-        if joint not in moving:
-            message = f'the URDF has no joint "{joint}" that moves; '
-            message += suggestion(joint, moving, what="it has")
-            yield Finding("TB301", message, dotted(path), source.locate(path, key=True))
-            continue
-        for finding in check_joint_values(source, path, [moving[joint]], [value]):
-            yield replace(finding, path=dotted(path), location=source.locate(path))
 
 
 def _check_instructions(

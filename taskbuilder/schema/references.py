@@ -65,6 +65,7 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
 def check_names(source: Source, names: SceneNames) -> Iterator[Finding]:
     """Every name of a task file that is used twice, stands for nothing, or runs in a circle."""
     yield from _clashes(source)
+    yield from _shadowed(source, names)
     for reference in _references(TaskSpec, source.data):
         if problem := names.problem(reference.kind, reference.name):
             location = source.locate(reference.path, key=reference.on_key)
@@ -82,6 +83,18 @@ def _clashes(source: Source) -> Iterator[Finding]:
                 message = f'"{name}" is also {dotted(first[name])}; every name stands for one thing'
                 yield Finding("TB202", message, dotted(path), source.locate(path, key=True))
             first.setdefault(name, path)
+
+
+def _shadowed(source: Source, names: SceneNames) -> Iterator[Finding]:
+    """Grasp points named as a link of their object, which may be somewhere else."""
+    for name, inside in names.objects.items():
+        if source.get("scene", "objects", name, "shape", "urdf") is None:
+            continue
+        for grasp in inside.grasps:
+            if grasp in inside.parts:
+                path: Path_ = ("scene", "objects", name, "grasps", grasp)
+                message = f'"{grasp}" is also a link of {name}; every name stands for one thing'
+                yield Finding("TB202", message, dotted(path), source.locate(path, key=True))
 
 
 def _references(hint: Any, value: Any, path: Path_ = ()) -> Iterator[_Reference]:

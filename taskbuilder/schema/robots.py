@@ -126,7 +126,7 @@ def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: CatalogueEntry) -
     for name, ends in spec.gripper.joints.items():
         for key, value in (("open", ends.open), ("closed", ends.closed)):
             path = ("gripper", "joints", name, key)
-            if problem := _beyond(moving[name], value):
+            if problem := beyond_limits(moving[name], value):
                 yield finding(path, problem)
 
 
@@ -169,12 +169,13 @@ def check_joint_values(
     """Joint values, as files write them, that lie beyond the joints' limits."""
     values = joint_values(joints, written)
     for index, (joint, value) in enumerate(zip(joints, values, strict=True)):
-        if problem := _beyond(joint, value):
+        if problem := beyond_limits(joint, value):
             place = (*path, index)
             yield Finding("TB302", problem, dotted(place), source.locate(place))
 
 
-def _beyond(joint: UrdfJoint, value: float) -> str | None:
+def beyond_limits(joint: UrdfJoint, value: float) -> str | None:
+    """What is wrong with a position (rad or m) beyond a joint's limits, or None."""
     if joint.lower is None or joint.upper is None:
         return None
     slack = 1e-4  # degrees are written rounded

@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.values import (
     Color,
@@ -27,6 +28,7 @@ from taskbuilder.schema.values import (
     Mass,
     Model,
     Name,
+    OrNumber,
     Pixels,
     Position,
     Positive,
@@ -105,13 +107,17 @@ PRIMITIVES = SHAPES[:4]
 class Grasp(Model):
     """Where and how a gripper can take a body."""
 
-    at: Position = Field((0.0, 0.0, 0.0), description="Point in the body's frame.")
+    at: Position = Field((0.0, 0.0, 0.0), description="Point in the body's frame, or the link's.")
+    link: Reference | None = Field(
+        None, description="Link of a URDF that the point is fixed to; by default the base."
+    )
     approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
         "down",
-        description="Direction in which the tool approaches: down in the world, or a body axis.",
+        description="Direction in which the tool approaches: down in the world, or an axis of that "
+        "frame.",
     )
     across: Literal["x", "y", "z"] = Field(
-        "y", description="Body axis along which the fingers close."
+        "y", description="Axis of that frame along which the fingers close."
     )
 
 
@@ -182,10 +188,16 @@ class ObjectSpec(_Placed):
     grasps: Annotated[Mapping[Name, Grasp], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({})
     )
-    joints: Annotated[Mapping[Reference, float], AfterValidator(frozen)] = Field(
+    joints: Annotated[
+        Mapping[Reference, Annotated[JointSpec | float, OrNumber()]], AfterValidator(frozen)
+    ] = Field(
         default_factory=lambda: frozen({}),
-        description="Initial joint values of a URDF: metres, or degrees for a revolute joint.",
+        description="Start, limits, spring, damping, friction and lock of joints of a URDF.",
     )
+
+    def joint(self, name: str, *, turns: bool) -> JointSpec:
+        """What the file says of a joint, or what holds where it says nothing."""
+        return JointSpec.of(self.joints.get(name, JointSpec()), turns=turns)
 
     @property
     def urdf(self) -> str | None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, NoReturn, TypeVar
+from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -80,6 +81,27 @@ class Shorthand:
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         return {"anyOf": [{"const": self.word}, handler(schema)]}
+
+
+@dataclass(frozen=True)
+class OrNumber:
+    """In an annotation: files may write a number in place of the mapping."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        model = next(kind for kind in get_args(source) if kind is not float)
+
+        def choose(value: Any, parse: core_schema.ValidatorFunctionWrapHandler) -> Any:
+            plain = isinstance(value, int | float) and not isinstance(value, bool)
+            return float(value) if plain and math.isfinite(value) else parse(value)
+
+        return core_schema.no_info_wrap_validator_function(choose, handler(model))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "number"}, handler(schema)]}
 
 
 RESERVED = {

@@ -193,6 +193,10 @@ class Body:
             self.id, index, p.VELOCITY_CONTROL, targetVelocity=0.0, force=force
         )
 
+    def drop_joint_damping(self, index: int) -> None:
+        """Take away the damping that a joint has by its URDF."""
+        self._bullet.changeDynamics(self.id, index, jointDamping=0.0)
+
     # Properties
 
     @property

@@ -4,9 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.motors import Command, Motors
+from taskbuilder.sim.motors import Command
+
+
+class Commanded(Protocol):
+    """What goes on with its last command: a group of motors, a joint with a lock."""
+
+    command: Command
+
+    def issue(self, command: Command) -> None:
+        """Give a command, perhaps one remembered from earlier."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,15 +26,15 @@ class Snapshot:
     Attributes:
         client: The client it was taken of, and the only one it can be restored to.
         state: Bullet's number of the saved state.
-        commands: Each group of motors and what it had been told.
+        commands: What goes on with its last command, and that command.
     """
 
     client: Client
     state: int
-    commands: tuple[tuple[Motors, Command], ...]
+    commands: tuple[tuple[Commanded, Command], ...]
 
 
-def save(client: Client, motors: Sequence[Motors] = ()) -> Snapshot:
+def save(client: Client, motors: Sequence[Commanded] = ()) -> Snapshot:
     """Keep poses, velocities, joints, contacts and the commands of the given motors.
 
     Not kept: masses, friction, colours, gravity and the time step; whoever changes them must

@@ -21,7 +21,6 @@ from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together
-from taskbuilder.schema.robots import joint_values
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.checks.reach import reaches
@@ -139,8 +138,10 @@ def _joints(task: Task) -> Iterator[tuple[str, UrdfJoint]]:
 
 def _ways(joint: UrdfJoint, spec: ObjectSpec) -> Iterator[float]:
     """Distances of a joint from its ends at the start, if it is not already there."""
-    (start,) = joint_values([joint], [spec.joints.get(joint.name, 0.0)])
-    for end, endless in ((joint.upper, ENDLESS), (joint.lower, -ENDLESS)):
+    said = spec.joint(joint.name, turns=joint.type != "prismatic")
+    start = said.begin or 0.0
+    lower, upper = said.range or (joint.lower, joint.upper)
+    for end, endless in ((upper, ENDLESS), (lower, -ENDLESS)):
         way = endless if end is None else end - start
         if abs(way) > LEAST_WAY:
             yield way
@@ -191,8 +192,11 @@ def _along_joint(world: World, solo: Solo) -> Iterator[Order]:
         raise TypeError(f"{solo.thing} has no joints")
     joint = urdf.joint(solo.joint.partition(".")[2])
     child, grasp = world.pose(f"{solo.thing}.{joint.child}"), world.pose(solo.grasp)
+    link = world.objects[solo.thing].spec.grasps[solo.grasp.partition(".")[2]].link
+    rides = link is not None and joint in urdf.moving_joints_above(link)
     for number in range(1, WAYPOINTS + 1):
-        moved = displaced(joint, child, solo.by * number / WAYPOINTS)
+        # A grasp point that rides on the link has come along by then, each time as far.
+        moved = displaced(joint, child, solo.by * (1 if rides else number) / WAYPOINTS)
         offset = grasp.inverse().apply(moved.apply(grasp.position))
         yield Order(reach=solo.grasp, offset=offset, straight=True, touching=(solo.thing,))
 

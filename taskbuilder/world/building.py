@@ -3,37 +3,40 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 
-from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.model import Urdf, UrdfJoint
+from taskbuilder.assets.urdf import with_limits
 from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robots import joint_values
 from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
-from taskbuilder.sim.body import Body
+from taskbuilder.sim.body import BASE, Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.islands import unite
 from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
+from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.world.gripper import build_gripper
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.placement import placement_order, put
 from taskbuilder.world.robot import Robot
-from taskbuilder.world.scene_objects import SceneObject, Site
+from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
 from taskbuilder.world.world import World
 
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
 ARM_SPEED = 3.14  # rad/s or m/s, likewise
 ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
-JOINT_FRICTION = 0.5  # N or N m: what keeps a drawer where it was left
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
@@ -132,16 +135,23 @@ def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> SceneObject:
     body = loader.body(parts, name, spec)
     boxes = {part: bounds(made.shape) for part, made in parts.items()}
     frames = {part: written.pose for part, written in (spec.parts or {}).items()}
-    return SceneObject(name, spec, body, boxes, frames | _grasp_frames(spec))
+    in_body = {part: ObjectFrame(pose) for part, pose in frames.items()}
+    return SceneObject(name, spec, body, boxes, in_body | _grasp_frames(spec, body))
 
 
-def _grasp_frames(spec: ObjectSpec) -> dict[str, Pose]:
-    return {name: Pose(grasp.at) for name, grasp in spec.grasps.items()}
+def _grasp_frames(spec: ObjectSpec, body: Body) -> dict[str, ObjectFrame]:
+    return {
+        name: ObjectFrame(Pose(grasp.at), BASE if grasp.link is None else body.links[grasp.link])
+        for name, grasp in spec.grasps.items()
+    }
 
 
 def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) -> SceneObject:
     size = (spec.shape.scale if spec.shape else None) or 1.0
-    body = loader.urdf(urdf, name, spec.pose, fixed=spec.fixed, size=size)
+    moving = urdf.moving_joints
+    said = {j.name: spec.joint(j.name, turns=j.type != "prismatic") for j in moving}
+    limited = with_limits(urdf, _limits(moving, said, size))
+    body = loader.urdf(limited, name, spec.pose, fixed=spec.fixed, size=size)
     body.set_friction(spec.friction)
     # What a task file leaves open stays as the URDF says.
     if "color" in spec.model_fields_set:
@@ -150,14 +160,47 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
         body.set_rolling_friction(spec.rolling_friction)
     if "restitution" in spec.model_fields_set:
         body.set_restitution(spec.restitution)
-    moving = urdf.moving_joints
     indices = tuple(body.joints[joint.name].index for joint in moving)
-    written = [spec.joints.get(joint.name, 0.0) for joint in moving]
-    body.reset_joints(indices, joint_values(moving, written))
-    for index in indices:
-        body.set_joint_friction(index, JOINT_FRICTION)
+    body.reset_joints(indices, [joint.begin or 0.0 for joint in said.values()])
+    passive = {
+        joint: made
+        for index, (joint, how) in zip(indices, said.items(), strict=True)
+        if (made := _build_passive(body, index, how))
+    }
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
-    return SceneObject(name, spec, body, boxes, _grasp_frames(spec), indices)
+    return SceneObject(name, spec, body, boxes, _grasp_frames(spec, body), indices, passive)
+
+
+def _limits(
+    moving: Sequence[UrdfJoint], said: Mapping[str, JointSpec], size: float
+) -> dict[str, tuple[float, float]]:
+    """Limits that a task file gives joints, as the URDF has them before it is scaled."""
+    scales = {joint.name: size if joint.type == "prismatic" else 1.0 for joint in moving}
+    return {
+        name: (how.range[0] / scales[name], how.range[1] / scales[name])
+        for name, how in said.items()
+        if how.range is not None
+    }
+
+
+def _build_passive(body: Body, index: int, how: JointSpec) -> PassiveJoint | None:
+    """What acts on a joint; None where constant friction is all."""
+    if how.damping is not None:
+        body.drop_joint_damping(index)
+    if not (how.damping or how.spring or how.lock):
+        body.set_joint_friction(index, how.friction)
+        return None
+    joint = PassiveJoint(
+        body,
+        index,
+        friction=how.friction,
+        damping=how.damping or 0.0,
+        stiffness=how.spring.stiffness if how.spring else 0.0,
+        rest=how.spring.at if how.spring else 0.0,
+    )
+    if how.lock is not None:
+        joint.lock()  # until the description is asked
+    return joint
 
 
 def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:

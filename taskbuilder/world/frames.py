@@ -100,7 +100,11 @@ class SceneFrames:
             if not inner:
                 return thing.body.pose()
             if inner in thing.frames:
-                return self.pose(owner) @ thing.frames[inner]
+                fixed = thing.frames[inner]
+                carrier = (
+                    self.pose(owner) if fixed.link == BASE else thing.body.link_pose(fixed.link)
+                )
+                return carrier @ fixed.pose
             if inner in thing.body.links:
                 return thing.body.link_pose(thing.body.links[inner])
         elif owner in self._robots and inner in ("tcp", "base"):
@@ -116,8 +120,9 @@ class SceneFrames:
             robot = self._robots[owner]
             return robot.body.link_state(robot.tcp_link if inner == "tcp" else BASE)
         thing = self._objects[owner]
-        fixed_to_base = not inner or inner in thing.frames
-        return thing.body.link_state(BASE if fixed_to_base else thing.body.links[inner])
+        if inner in thing.frames:
+            return thing.body.link_state(thing.frames[inner].link)
+        return thing.body.link_state(thing.body.links[inner] if inner else BASE)
 
     def _site(self, name: str) -> Site:
         if name not in self._sites:

@@ -7,20 +7,19 @@ thing, with all that goes with it, is tried up to `TRIES` times.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import Protocol
 
 import numpy as np
 
 from taskbuilder.errors import Finding, PlacementError
-from taskbuilder.geometry import Pose, from_rpy_deg, multiply
+from taskbuilder.geometry import Box, Pose, from_rpy_deg, multiply
+from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import closest_distance
+from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
-
-if TYPE_CHECKING:
-    from taskbuilder.world.world import World
 
 TRIES = 100
 GAP = 0.005
@@ -31,6 +30,39 @@ SINK = 0.002
 
 LIFT = 0.0005
 """Metres above its surface at which a thing is put, to settle from."""
+
+
+class PlacementWorld(Protocol):
+    """What placement needs of a `World`."""
+
+    @property
+    def task(self) -> TaskFile:
+        """The task file, where findings are located."""
+
+    @property
+    def scene(self) -> SceneSpec:
+        """The scene that was built."""
+
+    @property
+    def robots(self) -> Mapping[str, Robot]:
+        """The agents."""
+
+    @property
+    def objects(self) -> Mapping[str, SceneObject]:
+        """The bodies that are not robots."""
+
+    @property
+    def sites(self) -> Mapping[str, Site]:
+        """The named frames without a body."""
+
+    def pose(self, frame: str) -> Pose:
+        """The pose of a named frame in the world."""
+
+    def box(self, body: str) -> Box:
+        """Bounding box of an object, a part or a site's marker, in its own frame."""
+
+    def refresh(self) -> None:
+        """Clear the cached values."""
 
 
 def placement_order(scene: SceneSpec) -> tuple[str, ...]:
@@ -50,7 +82,7 @@ def placement_order(scene: SceneSpec) -> tuple[str, ...]:
     return tuple(order)
 
 
-def place_all(world: World, rng: np.random.Generator) -> None:
+def place_all(world: PlacementWorld, rng: np.random.Generator) -> None:
     """Put every placed thing, and what goes with it, where its region says.
 
     Args:
@@ -61,13 +93,13 @@ def place_all(world: World, rng: np.random.Generator) -> None:
         PlacementError: A thing found no free place.
     """
     moved = _moved(world.scene)
-    settled = [name for name in world.object_names if name not in moved]
+    settled = [name for name in world.objects if name not in moved]
     for group in _groups(world.scene):
         _place_group(world, group, settled, rng)
         settled += [name for name in group if name in world.objects]
 
 
-def put(world: World, name: str) -> None:
+def put(world: PlacementWorld, name: str) -> None:
     """Put a thing with a written position there, in the frame it is given in."""
     thing = world.objects.get(name)
     spec = thing.spec if thing else world.sites[name].spec
@@ -111,7 +143,7 @@ def _groups(scene: SceneSpec) -> list[list[str]]:
 
 
 def _place_group(
-    world: World, group: list[str], settled: list[str], rng: np.random.Generator
+    world: PlacementWorld, group: list[str], settled: list[str], rng: np.random.Generator
 ) -> None:
     first, *followers = group
     spec = world.scene.objects.get(first) or world.scene.sites[first]
@@ -141,7 +173,7 @@ def _does_not_fit(name: str, in_the_way: Counter[str]) -> Finding:
     return Finding("TB305", message, name)
 
 
-def _sample(world: World, name: str, place: Place, rng: np.random.Generator) -> Pose:
+def _sample(world: PlacementWorld, name: str, place: Place, rng: np.random.Generator) -> Pose:
     """A pose drawn from a region, in the world."""
     low = [c - s / 2 for c, s in zip(place.center, place.size, strict=True)]
     high = [c + s / 2 for c, s in zip(place.center, place.size, strict=True)]
@@ -160,7 +192,7 @@ def _sample(world: World, name: str, place: Place, rng: np.random.Generator) -> 
     return Pose((x, y, top - reach_down + lift), pose.quaternion)
 
 
-def _move(world: World, name: str, pose: Pose) -> None:
+def _move(world: PlacementWorld, name: str, pose: Pose) -> None:
     if name in world.objects:
         world.objects[name].body.place(pose)
     else:
@@ -176,7 +208,9 @@ def _move_site(site: Site, world_pose: Pose) -> None:
         site.marker.place(world_pose)
 
 
-def _obstacle(world: World, group: list[str], settled: list[str], place: Place) -> str | None:
+def _obstacle(
+    world: PlacementWorld, group: list[str], settled: list[str], place: Place
+) -> str | None:
     """The first thing that a group overlaps or comes too near, or None."""
     bodies = [world.objects[name] for name in group if name in world.objects]
     surface = (place.surface or "").partition(".")[0]

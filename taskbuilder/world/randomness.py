@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.task import Distribution
 from taskbuilder.schema.values import rgb
-
-if TYPE_CHECKING:
-    from taskbuilder.world.world import World
+from taskbuilder.sim.body import Body
+from taskbuilder.world.scene_objects import SceneObject, Site
 
 
 @dataclass(frozen=True)
@@ -45,19 +45,24 @@ class EpisodeRandomness:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 
 
-def written(world: World) -> dict[str, Any]:
-    """The quantities that the task can randomise, as its file writes them."""
-    things = {**world.scene.objects, **world.scene.sites}
+def written(scene: SceneSpec, randomize: Iterable[str]) -> dict[str, Any]:
+    """The quantities that the task can randomise, as its file writes them.
+
+    Args:
+        scene: The scene that was built.
+        randomize: Names of the quantities, such as ``stick.mass``.
+    """
+    things = {**scene.objects, **scene.sites}
     values = {}
-    for key in world.spec.randomize:
+    for key in randomize:
         thing, _, quantity = key.rpartition(".")
         values[key] = getattr(things[thing], quantity)
     return values
 
 
-def drawn(world: World, rng: np.random.Generator) -> dict[str, Any]:
-    """The quantities that the task can randomise, drawn."""
-    return {key: draw(distribution, rng) for key, distribution in world.spec.randomize.items()}
+def drawn(randomize: Mapping[str, Distribution], rng: np.random.Generator) -> dict[str, Any]:
+    """A value for each quantity that the task can randomise, by name."""
+    return {key: draw(distribution, rng) for key, distribution in randomize.items()}
 
 
 def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
@@ -68,16 +73,17 @@ def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
     return choices[int(rng.integers(len(choices)))]
 
 
-def apply(world: World, values: Mapping[str, Any]) -> None:
-    """Give quantities of a world, such as ``stick.mass``, their values."""
+def apply(
+    objects: Mapping[str, SceneObject], sites: Mapping[str, Site], values: Mapping[str, Any]
+) -> None:
+    """Give quantities of objects and of sites, such as ``stick.mass``, their values."""
     for key, value in values.items():
         thing, _, quantity = key.rpartition(".")
-        _set(world, thing, quantity, value)
+        marker = sites[thing].marker if thing in sites else None
+        _set(marker or objects[thing].body, quantity, value)
 
 
-def _set(world: World, thing: str, quantity: str, value: Any) -> None:
-    marker = world.sites[thing].marker if thing in world.sites else None
-    body = marker or world.objects[thing].body
+def _set(body: Body, quantity: str, value: Any) -> None:
     if quantity == "color":
         body.set_color((*rgb(value), 1.0))
     else:

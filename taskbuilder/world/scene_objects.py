@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from taskbuilder.geometry import Box, Pose
 from taskbuilder.schema.scene import ObjectSpec, SiteSpec
-from taskbuilder.sim.body import Body
+from taskbuilder.sim.body import BASE, Body
+from taskbuilder.sim.passive_joints import PassiveJoint
+
+
+@dataclass(frozen=True)
+class ObjectFrame:
+    """A named frame of an object: a part's, or a grasp point's.
+
+    Attributes:
+        pose: In the frame of the link that it is fixed to.
+        link: Index of that link.
+    """
+
+    pose: Pose
+    link: int = BASE
 
 
 @dataclass(frozen=True)
@@ -19,16 +33,18 @@ class SceneObject:
         spec: What the task file says of it.
         body: Its body in the simulation.
         boxes: Bounding box of each part or link, in its own frame.
-        frames: Pose of each part and grasp point, in the object's frame.
+        frames: Each part and grasp point.
         joints: Indices of the joints that move.
+        passive: What acts on those that have more than constant friction, by name.
     """
 
     name: str
     spec: ObjectSpec
     body: Body
     boxes: Mapping[str, Box]
-    frames: Mapping[str, Pose]
+    frames: Mapping[str, ObjectFrame]
     joints: tuple[int, ...] = ()
+    passive: Mapping[str, PassiveJoint] = field(default_factory=dict)
 
 
 @dataclass

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfShape
-from taskbuilder.geometry import Box, Pose, Vec3, bounding_box
+from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, scale
 from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec
 from taskbuilder.schema.scene import Shape as ShapeSpec
 from taskbuilder.schema.values import rgb
@@ -17,6 +19,7 @@ from taskbuilder.sim.shapes import (
     Part,
     Shape,
     SphereShape,
+    bounds,
     placed_bounds,
 )
 
@@ -61,6 +64,21 @@ def link_box(shapes: tuple[UrdfShape, ...], size: float) -> Box:
         (box.center[0] * size, box.center[1] * size, box.center[2] * size),
         (box.half[0] * size, box.half[1] * size, box.half[2] * size),
     )
+
+
+def distance_from(shapes: tuple[UrdfShape, ...], size: float, point: Vec3) -> float:
+    """How far a point in a link's frame is from its collision shapes, taken for boxes, in metres.
+
+    It is infinite where there are none.
+    """
+    unscaled = scale(point, 1.0 / size)
+    gaps = []
+    for shape in shapes:
+        box = bounds(_urdf_shape(shape))
+        seen = shape.pose.inverse().apply(unscaled)
+        out = [max(abs(seen[i] - box.center[i]) - box.half[i], 0.0) for i in range(3)]
+        gaps.append(math.hypot(*out) * size)
+    return min(gaps, default=math.inf)
 
 
 def _urdf_shape(shape: UrdfShape) -> Shape:

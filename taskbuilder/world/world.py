@@ -17,10 +17,11 @@ from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import ContactPoint, contacts
 from taskbuilder.sim.single import Single
-from taskbuilder.sim.snapshots import Snapshot, release, restore, save
+from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
 from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
 from taskbuilder.world.frames import SceneFrames
+from taskbuilder.world.locks import locks_of
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.robot import Robot
@@ -95,8 +96,12 @@ class World(Single):
         self.floor = floor
         self.warnings = warnings
         self.time = 0.0
-        self.quantities: Mapping[str, Any] = written(self)
+        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize)
         self.onlooker: Iterator[None] | None = None
+        self._locks = locks_of(objects)
+        self._springs = tuple(
+            joint for thing in objects.values() for joint in thing.passive.values() if joint.acts
+        )
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
@@ -124,7 +129,7 @@ class World(Single):
         randomness = EpisodeRandomness(seed)
         self.restore(self._built or self.keep_as_built())
         if randomized:
-            self._set_quantities(drawn(self, randomness.quantities()))
+            self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
         place_all(self, randomness.placement())
         self.step()
         self.time = 0.0
@@ -145,6 +150,7 @@ class World(Single):
         targets = arm_targets or {}
         drives = [self.robots[name].ramp(to, timing.substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
+        drives += [joint.act() for joint in self._springs]
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
@@ -152,6 +158,20 @@ class World(Single):
         self.time += 1.0 / timing.control_hz
         self.refresh()
         self._check()
+
+    def set_locks(self, conditions: Mapping[str, bool]) -> None:
+        """Lock and free joints as the description's conditions say; all are locked after `reset`.
+
+        Args:
+            conditions: Whether each condition of the description holds, by its name.
+        """
+        for lock in self._locks:
+            lock.obey(conditions)
+
+    @property
+    def locked(self) -> Mapping[str, str]:
+        """The joints that are locked now, as ``box.hinge``, and the condition that frees each."""
+        return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
 
     def refresh(self) -> None:
         """Clear the cached values."""
@@ -163,10 +183,14 @@ class World(Single):
 
         `release` the state when it is no longer needed.
         """
-        motors = [group for robot in self.robots.values() for group in (robot.arm, robot.gripper)]
+        motors: list[Commanded] = [lock.joint for lock in self._locks]
+        for robot in self.robots.values():
+            motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        found = contacts(self.client)
-        touches = tuple({(c.body_a, c.link_a, c.body_b, c.link_b): c for c in found}.values())
+        loosest: dict[tuple[int, ...], ContactPoint] = {}  # contact of each two links
+        for c in sorted(contacts(self.client), key=lambda contact: -contact.distance):
+            loosest.setdefault((c.body_a, c.link_a, c.body_b, c.link_b), c)
+        touches = tuple(reversed(loosest.values()))
         snapshot = save(self.client, motors)
         return WorldState(
             snapshot, self.time, sites, self.quantities, touches, self._forces.readings
@@ -213,6 +237,10 @@ class World(Single):
         Bullet restores the contacts of two links only if it finds them near each other then, and
         of links of several shapes it looks closer than when it keeps a contact up: a gap of a
         few micrometres, as between a grip and what it holds, is enough to lose it.
+
+        Args:
+            touches: A contact of each two links, the loosest last: to press one finger against what
+                is held pulls the other off, which only the tighter contacts stand.
         """
         bodies = {robot.body.id: robot.body for robot in self.robots.values()}
         bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
@@ -227,7 +255,8 @@ class World(Single):
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
-        apply(self, {k: value for k, value in values.items() if value != self.quantities[k]})
+        changed = {k: value for k, value in values.items() if value != self.quantities[k]}
+        apply(self.objects, self.sites, changed)
         self.quantities = values
 
     def _check(self) -> None:

@@ -11,8 +11,10 @@ from xml.etree import ElementTree
 import pytest
 
 from taskbuilder import jobs
+from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.validate.report import TaskReport
 
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
 TASK_KEYS = {"task", "ok", "findings", "checks", "measures", "probes"}
 FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path"}
 CHECK_KEYS = {"code", "family", "name", "ok", "value", "limit", "unit"}
@@ -62,6 +64,14 @@ def test_a_finding_in_json_is_placed(run, broken):
     assert (finding["line"], finding["column"]) == (7, 52)
     assert (finding["code"], finding["severity"]) == ("TB103", "error")
     assert finding["path"] == "scene.objects.cube.mass"
+
+
+@pytest.mark.parametrize("form", ["text", "json", "github", *DOCUMENTS])
+def test_every_format_speaks_of_the_task_and_is_on_the_page(form, run, broken):
+    ran = run("validate", "--level", "static", "--format", form, "broken.yaml")
+    assert (ran.status, ran.err) == (1, "")
+    assert "broken" in ran.out
+    assert f"| `--format {form}`" in PAGE.read_text(encoding="utf-8")
 
 
 def test_levels_add_families(run, good):

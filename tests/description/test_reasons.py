@@ -7,10 +7,12 @@ import math
 import pytest
 from fake_world import A, B, C, Fact, describe
 
+from taskbuilder import description
 from taskbuilder.description import (
     Above,
     AtLeast,
     Below,
+    Condition,
     Contact,
     EmptyHanded,
     ForceAbove,
@@ -199,3 +201,14 @@ def test_ones_own_conditions_are_told_too(world, why):
     assert why(higher("cube", "tray")) == [
         "higher(upper='cube', lower='tray'): does not hold (from the start)"
     ]
+
+
+def test_every_condition_has_its_figure_or_names_the_parts_to_blame():
+    public = (getattr(description, name) for name in description.__all__)
+    silent = {
+        thing.__name__
+        for thing in public
+        if isinstance(thing, type) and issubclass(thing, Condition) and thing is not Condition
+        if thing.figure is Condition.figure and thing.blamed is Condition.blamed
+    }
+    assert silent == set()

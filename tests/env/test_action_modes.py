@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import closing
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from env_tasks import near, tcp, write_task
 
+from taskbuilder.env.actions import ARM_MODES
 from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.env.tcp_modes import TcpDeltaMode
 from taskbuilder.geometry import (
     Pose,
     Quat,
@@ -25,6 +28,7 @@ from taskbuilder.geometry import (
     subtract,
     turn_between,
 )
+from taskbuilder.schema.scene import ActionSpec
 
 MODELS = ("ur5e", "xarm6", "panda")
 DOF = {"ur5e": 6, "xarm6": 6, "panda": 7}
@@ -176,6 +180,11 @@ def about(vector: Vec3) -> Quat:
     angle = norm(vector)
     x, y, z = scale(vector, math.sin(angle / 2) / angle)
     return (x, y, z, math.cos(angle / 2))
+
+
+def test_every_mode_of_task_files_is_built_and_tried_here():
+    written = get_args(ActionSpec.model_fields["arm"].annotation)
+    assert {*written} == {*ARM_MODES} == {*TCP_MODES, *JOINT_MODES}
 
 
 # --- bounds
@@ -461,3 +470,12 @@ def test_a_binary_gripper_changes_its_mind_only_for_a_clear_command(arms):
         (-1, 0),
     ):
         assert openings(value) == pytest.approx([expected] * len(names), abs=0.05), value
+
+
+def test_the_previous_action_is_as_long_as_the_mode_s_whatever_it_is_called(tmp_path, monkeypatch):
+    monkeypatch.setitem(ARM_MODES, "joint_delta", TcpDeltaMode)
+    ways = {"arm": {"arm": "joint_delta", "turn": "none"}}
+    path = write_task(tmp_path, field("ur5e", ways), DESCRIPTION.format(agent="arm"))
+    with closing(parallel_env(path, flat=False)) as env:
+        seen, _ = env.reset(seed=0)
+        assert len(seen["arm"]["self.previous_action"]) == env.episode.actions["arm"].size == 4

@@ -7,10 +7,28 @@ import math
 import pytest
 from written_experts import RIGHT, made
 
+from taskbuilder.expert.script.orders import phases
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.geometry import turn_between
+from taskbuilder.schema.expert import NOTHING, VERBS, Order
 
 GRASP = "arm: {grasp: block.middle}"
+
+ORDERS = {
+    "grasp": Order(grasp="block.middle"),
+    "reach": Order(reach="spot"),
+    "bring": Order(bring="block", to="goal"),
+    "retreat": Order(retreat=0.1),
+    "release": Order(release=True),
+    "close": Order(close=NOTHING),
+}
+"""Verb -> an order."""
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_phases(verb):
+    assert ORDERS[verb].verb == verb
+    assert phases("arm", ORDERS[verb])
 
 
 @pytest.fixture

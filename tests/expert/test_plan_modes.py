@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from plan_scenes import Scene, facing, made, walled
 
+from taskbuilder.env.actions import ARM_MODES, can_be_planned
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.planner import Move, PlanningError, Trajectory
 from taskbuilder.geometry import Pose, from_rpy_deg, norm, subtract, turn_between
+from taskbuilder.schema.scene import ActionSpec
 
 BEYOND = (0.45, 0.25, 0.3)
 """On the other side of the wall."""
@@ -27,6 +29,11 @@ MODES = (
     "arm: joint_position",
     "arm: joint_velocity",
 )
+
+
+def test_every_mode_that_can_be_planned_is_tried_here():
+    planned = {name for name in ARM_MODES if can_be_planned(ActionSpec(arm=name))}
+    assert {mode.split(": ")[1].partition(",")[0] for mode in MODES} == planned
 
 
 @pytest.fixture

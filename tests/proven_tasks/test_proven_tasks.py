@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from taskbuilder.env.parallel import parallel_env
+from taskbuilder.errors import FileError
 from taskbuilder.expert.script.dry_run import dry_run
 from taskbuilder.expert.script.foresight import Foresight
 from taskbuilder.expert.script.player import Expert
@@ -90,6 +91,121 @@ class TestWhatIsForeseen:
             (*_, begin) = dry_run(env.episode.world, (where,))
             (*_, knob) = dry_run(env.episode.world, (take, below, where))
         assert knob.choices[0].position == pytest.approx(begin.choices[0].position, abs=1e-6)
+
+    def test_a_knob_is_where_its_drawer_was_pulled_to_and_no_farther_than_it_goes(self):
+        there = ({"right": Order(reach="cabinet.knob")},)
+        farther = ({"left": Order(reach="cabinet.knob", offset=(0.0, -0.1, 0.0))},)
+        with playing("drawer_by_its_knob") as (env, _):
+            stages = env.task.file.spec.expert
+            env.reset(seed=0)
+            (*_, begin) = dry_run(env.episode.world, there)
+            (*_, knob) = dry_run(env.episode.world, (*stages[:2], *there))
+            (*_, end) = dry_run(env.episode.world, (*stages[:2], *farther, *there))
+        at = [asked.choices[0].position for asked in (begin, knob, end)]
+        assert at[0][1] - at[1][1] == pytest.approx(0.13, abs=1e-3)
+        assert at[0][1] - at[2][1] == pytest.approx(0.14, abs=1e-6)  # its limit in the task file
+        assert {asked.guess for asked in (begin, knob, end)} == {""}
+
+    def test_what_is_held_is_the_link_that_the_task_file_says(self, tmp_path):
+        for file in HERE.glob("drawer_by_its_knob.*"):
+            text = file.read_text(encoding="utf-8")
+            (tmp_path / file.name).write_text(text, encoding="utf-8")
+        task = tmp_path / "drawer_by_its_knob.yaml"
+        text = task.read_text(encoding="utf-8")
+        handle = "{at: [-0.09, -0.145, 0.07], link: case, across: x}"
+        task.write_text(
+            text.replace("{at: [-0.09, -0.135, 0.05], link: drawer, across: x}", handle)
+        )
+        there = ({"right": Order(reach="cabinet.drawer")},)
+        env = parallel_env(load_task(task))
+        env.reset(seed=0)
+        stages = env.task.file.spec.expert
+        (*_, begin) = dry_run(env.episode.world, there)
+        (*_, drawer) = dry_run(env.episode.world, (*stages[:2], *there))
+        env.close()
+        assert drawer.choices[0].position == pytest.approx(begin.choices[0].position)
+
+
+class TestWhatIsSeenOfAKnob:
+    @pytest.mark.parametrize("observe", ["task", "scene"])
+    def test_an_agent_sees_it_where_the_drawer_has_taken_it(self, observe):
+        env = parallel_env(load_task(HERE / "drawer_by_its_knob.yaml"), observe=observe, flat=False)
+        channel = "cabinet.knob.position" + (" in self.tcp" if observe == "scene" else "")
+        expert = Expert(env)
+        seen = []
+        expert.play(0, watch=lambda *_: seen.append(env.observe()["left"][channel]))
+        at = env.episode.world.position("cabinet.knob")
+        tcp = env.episode.world.pose("left.tcp")
+        expert.close()
+        env.close()
+        wanted = tcp.inverse().apply(at) if observe == "scene" else at
+        assert seen[-1] == pytest.approx(wanted, abs=1e-5)
+        if observe == "task":
+            assert seen[0][1] - seen[-1][1] > 0.1
+
+
+class TestLocks:
+    def test_the_hatch_stays_shut_unless_the_button_is_held_down(self):
+        with playing("hatch_by_a_button") as (env, expert):
+            played = expert.play(0, without=("right",), persist=True)
+            assert not played.success
+            assert env.episode.world.joint("chest.hinge") == pytest.approx(0.0, abs=0.01)
+            assert env.episode.world.locked == {"chest.hinge": "button_down"}
+
+    def test_a_lock_opens_with_its_condition_and_shuts_with_it(self):
+        with playing("hatch_by_a_button") as (env, expert):
+            seen = []
+            expert.play(
+                0,
+                watch=lambda *_: seen.append(
+                    (env.episode.outcome.conditions["button_down"], bool(env.episode.world.locked))
+                ),
+            )
+        assert {down for down, _ in seen} == {True, False}
+        assert all(down is not locked for down, locked in seen)
+
+    def test_an_episode_goes_on_from_either_side_of_a_lock_as_it_did(self):
+        with playing("hatch_by_a_button") as (env, expert):
+            saved = {}
+            played = expert.play(
+                1, after_stage=lambda number: saved.update({number: env.save_state()})
+            )
+            ends = played.stage_ends
+            final = {}
+            for stage in (1, 5, 6):
+                env.load_state(saved[stage])
+                for step in range(ends[stage - 1], played.steps):
+                    env.step({agent: path[step] for agent, path in played.actions.items()})
+                world = env.episode.world
+                final[stage] = world.joint("chest.hinge"), world.joint("button.press")
+        assert len(set(final.values())) == 1
+
+    def test_the_proof_names_a_lock_that_never_opens(self, tmp_path):
+        for file in (*HERE.glob("hatch_by_a_button.*"), HERE / "lid_by_its_knob.urdf"):
+            text = file.read_text(encoding="utf-8")
+            (tmp_path / file.name).write_text(text, encoding="utf-8")
+        task = tmp_path / "hatch_by_a_button.yaml"
+        text = task.read_text(encoding="utf-8").replace("  - {until: button_down}\n", "")
+        task.write_text(text.replace("offset: [0, 0, -0.03]", "offset: [0, 0, 0.01]"))
+        report = validate_task(task, seeds=1, only=("solvable",))
+        (finding,) = report.findings
+        assert finding.code == "TB531"
+        assert finding.message.endswith('chest.hinge stayed locked, as "button_down" never held')
+
+    def test_a_lock_that_names_no_condition_is_refused(self, tmp_path):
+        for file in (*HERE.glob("hatch_by_a_button.*"), HERE / "lid_by_its_knob.urdf"):
+            text = file.read_text(encoding="utf-8")
+            (tmp_path / file.name).write_text(text, encoding="utf-8")
+        task = tmp_path / "hatch_by_a_button.yaml"
+        text = task.read_text(encoding="utf-8")
+        task.write_text(text.replace("unless: button_down", "unless: buton_down"))
+        with pytest.raises(FileError) as caught:
+            load_task(task)
+        (finding,) = caught.value.findings
+        assert finding.code == "TB214"
+        assert finding.path == "scene.objects.chest.joints.hinge.lock.unless"
+        assert finding.message == '"buton_down" is no condition; did you mean "button_down"?'
+        assert (finding.location.line, finding.location.column) == (21, 39)
 
 
 class TestPhysicsDecides:

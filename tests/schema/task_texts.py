@@ -122,7 +122,16 @@ scene:
     cabinet:
       shape: {urdf: assets/cabinet.urdf, scale: 0.5}
       fixed: true
-      joints: {slide: 0.05, hinge: 30}
+      grasps: {handle: {at: [0.05, 0, 0], link: drawer}}
+      joints:
+        slide:
+          start: 0.05
+          limits: [0, 0.1]
+          spring: {stiffness: 40, rest: 0.02}
+          damping: 2
+          friction: 1
+          lock: {unless: tray at goal}
+        hinge: {start_deg: 30, limits_deg: [0, 60], spring: {stiffness: 0.5, rest_deg: -10}}
       position: [0, 0.5, 0.5]
   sites:
     goal:

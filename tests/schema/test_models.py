@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -108,6 +109,7 @@ def test_variations_change_what_they_name_and_nothing_else(everything):
     assert second.objects["pebble"].place.center == (0.01, 0)
     assert second.sites["goal"].place.center == (0, 0, 0.9)
     assert third.objects["cabinet"].joints == {"slide": 0.1}
+    assert plain.objects["cabinet"].joints["hinge"].begin == pytest.approx(math.radians(30))
     assert third.robots["left"].home.joints_deg == (0, -90, 90, -90, -90, 0)
     assert first.objects["table"] == plain.objects["table"]
     assert first.robots == plain.robots

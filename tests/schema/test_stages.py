@@ -163,17 +163,17 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         ),
         (
             "{stages: [{left: release}]}",
-            "27:5: error[TB101] expert[1].repeat: missing; how many times at most",
+            "27:5: error[TB101] expert[1].repeat: missing; maximum number of rounds",
         ),
         (
             "{within: 2}",
             "27:5: error[TB101] expert[1].until: missing; "
             "success, failure, a stage or another condition of the description",
         ),
-        ("{repeat: 2}", "27:5: error[TB101] expert[1].stages: missing; what is repeated"),
+        ("{repeat: 2}", "27:5: error[TB101] expert[1].stages: missing; the stages to repeat"),
         (
             "{together: [left, right], bring: cube}",
-            "27:5: error[TB101] expert[1].to: missing; frame that it goes to",
+            "27:5: error[TB101] expert[1].to: missing; frame to bring it to",
         ),
         # values
         (

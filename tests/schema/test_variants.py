@@ -233,6 +233,123 @@ def test_joint_values_of_variations_are_checked_too(findings, cabinet):
     assert "error[TB302] variations[1]: scene.objects.cabinet.joints.slide: 0.5 m is bey" in found
 
 
+def test_joint_values_of_a_scaled_urdf_are_checked_as_it_is_built(findings, cabinet):
+    half = ("urdf: cabinet.urdf}", "urdf: cabinet.urdf, scale: 0.5}")
+    (found,) = findings(cabinet("joints: {slide: 0.2, hinge: 90}"), half)
+    assert "0.2 m is beyond the limits of slide; from 0 m to 0.15 m" in found
+
+
+HERE = "scene.objects.cabinet.joints"
+
+
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        (
+            "{slid: {start: 0.1}}",
+            f'error[TB301] {HERE}.slid: the URDF has no joint "slid" that moves; did you mean',
+        ),
+        (
+            "{slide: {strat: 0.1}}",
+            f'error[TB102] {HERE}.slide.strat: unknown key; did you mean "st',
+        ),
+        ("{slide: {damping: -1}}", f"error[TB104] {HERE}.slide.damping: is -1; must be at least 0"),
+        ("{slide: {friction: -1}}", f"error[TB104] {HERE}.slide.friction: is -1; must be at le"),
+        ("{slide: open}", f'error[TB103] {HERE}.slide: is the text "open"; a mapping is needed'),
+        ("{slide: {start: 3 cm}}", f'error[TB103] {HERE}.slide.start: is the text "3 cm"; a num'),
+        (
+            "{slide: {start_deg: 10}}",
+            f"error[TB110] {HERE}.slide.start_deg: slide slides; write start, in metres",
+        ),
+        (
+            "{hinge: {limits: [0, 0.5]}}",
+            f"error[TB110] {HERE}.hinge.limits: hinge turns; write limits_deg, in degrees",
+        ),
+        (
+            "{hinge: {spring: {stiffness: 1, rest: 0.5}}}",
+            f"error[TB110] {HERE}.hinge.spring.rest: hinge turns; write rest_deg, in degrees",
+        ),
+        (
+            "{hinge: {start: 0.1, start_deg: 5}}",
+            f"error[TB106] {HERE}.hinge: start is for a prismatic joint and start_deg for a revo",
+        ),
+        (
+            "{slide: {limits: [0.2, 0.1]}}",
+            f"error[TB106] {HERE}.slide: limits is [least, greatest]; swap them",
+        ),
+        (
+            "{slide: {limits: [0, 0.4]}}",
+            f"error[TB302] {HERE}.slide.limits: 0.4 m is beyond the limits of slide; from 0",
+        ),
+        (
+            "{slide: {start: 0.2, limits: [0, 0.1]}}",
+            f"error[TB302] {HERE}.slide.start: 0.2 m is beyond the limits of slide; from 0",
+        ),
+        (
+            "{hinge: {limits_deg: [10, 20]}}",
+            f"error[TB302] {HERE}.hinge.limits_deg: it starts at 0, and 0° is beyond the limits of "
+            "hinge; from 10° to 20°; write start_deg",
+        ),
+        (
+            "{slide: {spring: {rest: 0}}}",
+            f"error[TB101] {HERE}.slide.spring.stiffness: missing; in N/m, or N m/rad",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_joint_is_marked_where_it_stands(findings, cabinet, joints, message):
+    (found,) = findings(cabinet(f"joints: {joints}"))
+    assert found.startswith("17:")
+    assert message in found
+
+
+def test_a_joint_may_say_all_there_is(findings, cabinet):
+    said = "limits: [0, 0.1], start: 0.1, spring: {stiffness: 9, rest: -1}, damping: 2, friction: 0"
+    assert not findings(cabinet(f"joints: {{slide: {{{said}}}, hinge: {{start_deg: 90}}}}"))
+
+
+@pytest.mark.parametrize(
+    ("grasps", "message"),
+    [
+        (
+            "{knob: {link: drawr}}",
+            "17:100: error[TB301] scene.objects.cabinet.grasps.knob.link: the URDF has no link "
+            '"drawr"; did you mean "drawer"?',
+        ),
+        (
+            "{knob: {link: 3}}",
+            "17:100: error[TB103] scene.objects.cabinet.grasps.knob.link: is 3; text is needed",
+        ),
+        (
+            "{drawer: {at: [0.1, 0, 0]}}",
+            '17:87: error[TB202] scene.objects.cabinet.grasps.drawer: "drawer" is also a link of '
+            "cabinet; every name stands for one thing",
+        ),
+    ],
+)
+def test_the_link_of_a_grasp_point_is_checked(findings, cabinet, grasps, message):
+    assert findings(cabinet(f"grasps: {grasps}")) == [message]
+
+
+def test_a_grasp_point_of_what_is_no_urdf_has_no_link(findings):
+    (found,) = findings(("{middle: {", "{middle: {link: cube, "))
+    assert "error[TB106] scene.objects.cube.grasps.middle.link: cube is no URDF and has no" in found
+
+
+@pytest.mark.parametrize(
+    ("stage", "path", "meant"),
+    [
+        ("left: {reach: cabinet.drawr}", "expert[1].left.reach", "drawer"),
+        ("left: {reach: cabinet.knbo}", "expert[1].left.reach", "knob"),
+    ],
+)
+def test_a_misspelt_link_or_point_of_one_is_told_apart(findings, cabinet, stage, path, meant):
+    (found,) = findings(
+        cabinet("grasps: {knob: {link: drawer}}"), ("left: {bring: cube, to: goal}", stage)
+    )
+    assert f"error[TB201] {path}" in found
+    assert f'did you mean "{meant}"?' in found
+
+
 def test_an_unread_urdf_does_not_make_its_names_wrong(findings, cabinet, folder):
     (folder / "cabinet.urdf").write_text("<robot")
     found = findings(

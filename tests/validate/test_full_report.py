@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 from proof_tasks import DESCRIPTION, PAIR
@@ -14,6 +15,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.validate.report import as_data
 
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
 AT_LEAST = {"TB309", "TB313", "TB511", "TB531", "TB552", "TB553", "TB554", "TB555"}
 NOT_MADE = {"TB533", "TB303"}  # only where there is no expert, or nothing could be built
 SEEDS = 3
@@ -50,6 +52,12 @@ def test_a_sound_task_is_found_sound(report):
     assert report.ok, "\n".join(map(str, report.findings))
     assert report.findings == ()
     assert report.skipped == ()
+
+
+def test_the_page_has_every_family_in_its_order(report):
+    table = PAGE.read_text(encoding="utf-8").partition("| family | from level |")[2]
+    rows = table.partition("\n\n")[0].splitlines()[2:]
+    assert [row.split("|")[1].strip() for row in rows] == [made.name for made in report.families]
 
 
 def test_every_check_is_made_and_right(report):

@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from taskbuilder.env.actions import can_be_planned
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.errors import PlanningError
 from taskbuilder.expert.planning.reach import Reach
@@ -80,8 +81,9 @@ def check_moves(moves: Sequence[Move], held: Mapping[str, str], world: World) ->
     for name in names:
         if names.count(name) > 1:
             raise UsageError(f"{name} is to make two moves at once")
-        if world.scene.robots[name].action.arm == "joint_torque":
-            raise UsageError("experts do not plan for joint_torque; use another mode")
+        action = world.scene.robots[name].action
+        if not can_be_planned(action):
+            raise UsageError(f"experts do not plan for {action.arm}; use another mode")
     for thing in (*held.values(), *(thing for move in moves for thing in move.touching)):
         if thing not in world.objects:
             raise UsageError(f'there is no object "{thing}"; there are {", ".join(world.objects)}')

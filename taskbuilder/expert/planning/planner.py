@@ -63,7 +63,7 @@ class Planner:
 
         Raises:
             PlanningError: There is no plan.
-            UsageError: The moves contradict each other, or an arm's action mode is joint_torque.
+            UsageError: The moves contradict each other, or an arm's action mode commands torques.
         """
         live = self._env.episode.world
         check_moves(moves, held, live)

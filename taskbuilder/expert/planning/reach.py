@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Self
 
-from taskbuilder.env.arm_modes import Arm
+from taskbuilder.env.actions import ARM_MODES
+from taskbuilder.env.arm_modes import Arm, ArmMode
 from taskbuilder.geometry import (
     Pose,
     Quat,
@@ -21,8 +22,6 @@ from taskbuilder.geometry import (
     turn_between,
 )
 from taskbuilder.world.world import World
-
-TCP_MODES = ("tcp_delta", "tcp_pose", "tcp_path")
 
 NEARLY = 0.999
 """Share of a limit that is used: a straight line of the joints is a slightly curved one of the
@@ -40,11 +39,11 @@ class Reach:
     """An arm that moves.
 
     Attributes:
-        arm: Its kinematics, limits, and what its actions mean.
+        mode: What its actions command, and how far in a control step.
         world_from_base: Where it stands.
     """
 
-    arm: Arm
+    mode: ArmMode
     world_from_base: Pose
 
     @classmethod
@@ -53,7 +52,12 @@ class Reach:
         built = world.robots[robot]
         dt = 1.0 / world.spec.timing.control_hz
         arm = Arm.of(world, built, world.scene.robots[robot].action, dt)
-        return cls(arm, arm.base_from_world.inverse())
+        return cls(ARM_MODES[arm.spec.arm](arm), arm.base_from_world.inverse())
+
+    @property
+    def arm(self) -> Arm:
+        """Its kinematics, and the limits of its joints."""
+        return self.mode.arm
 
     @property
     def name(self) -> str:
@@ -63,7 +67,7 @@ class Reach:
     @property
     def in_tool_space(self) -> bool:
         """Whether actions command the tool rather than the joints."""
-        return self.arm.spec.arm in TCP_MODES
+        return self.mode.space == "tool"
 
     def tool(self, joints: tuple[float, ...]) -> Pose:
         """Pose of the tool in the world."""
@@ -137,14 +141,7 @@ class Reach:
     @cached_property
     def _most(self) -> tuple[float, ...]:
         """How far each joint may move in a control step."""
-        spec = self.arm.spec
-        if spec.arm != "joint_delta":
-            return self.arm.longest
-        turn = math.radians(spec.max_turn_deg)
-        return tuple(
-            min(most, turn if turns else spec.max_step)
-            for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
-        )
+        return self.mode.longest
 
 
 def between(begin: Pose, end: Pose, share: float) -> Pose:

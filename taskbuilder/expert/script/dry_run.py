@@ -134,6 +134,7 @@ class _DryRun:
         frames = [order.bring, order.to]
         if isinstance(order, Order):
             frames += [order.grasp, order.reach]
-            frames += robots if order.retreat is not None else []
-        owners = [self.foresight.owner(frame) for frame in frames if frame]
+        # An order that names no frame moves the tool relative to where it is.
+        named = [frame for frame in frames if frame] or robots
+        owners = [self.foresight.owner(frame) for frame in named]
         return next((owner for owner in owners if owner in self.foresight.guesses), "")

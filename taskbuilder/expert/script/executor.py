@@ -301,6 +301,7 @@ class Executor:
                 far = f"stays {gap * 100:.1f} cm away" if math.isfinite(gap) else "is lost"
                 touched = self._touched(robot)
                 by = f"; {robot} touches {touched}" if touched else ""
+                by += self._locks_at(robot)
                 message = f"{what} {far} from where it is to be{by}"
                 raise StageError(told[who], robot, "not arrived", message)
 
@@ -308,6 +309,16 @@ class Executor:
         world = self._env.episode.world
         others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
         return ", ".join(n for n in others if world.touching(robot, n))
+
+    def _locks_at(self, robot: str) -> str:
+        """What is locked of the objects that a robot touches."""
+        world = self._env.episode.world
+        shut = [
+            f'{joint} is locked unless "{condition}" holds'
+            for joint, condition in world.locked.items()
+            if world.touching(robot, joint.partition(".")[0])
+        ]
+        return "".join(f"; {each}" for each in shut)
 
     def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:
         """Wait until grippers hold or have released their objects."""

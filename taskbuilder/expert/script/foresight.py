@@ -90,13 +90,13 @@ class Foresight:
         self.loads[robot] = None
         if not grip.thing:
             return
-        link = self._held_link(robot, grip.thing)
+        link = grip.link or self._nearest_link(robot, grip.thing)
         if link and self._joints_above(grip.thing, link):
             self.handles[robot] = f"{grip.thing}.{link}"
         if grip.thing in self.world.movable:
             self.loads[robot] = grip.thing
 
-    def _held_link(self, robot: str, thing: str) -> str:
+    def _nearest_link(self, robot: str, thing: str) -> str:
         """The link of an articulated object that is nearest to a tool; "" for other objects."""
         if not isinstance(self.world.task.assets.get(thing), Urdf):
             return ""
@@ -169,13 +169,8 @@ class Foresight:
 
     def _joints_above(self, thing: str, link: str) -> tuple[UrdfJoint, ...]:
         """The joints that move between an articulated object's base and a link."""
-        urdf = self.world.task.assets[thing]
-        found = []
-        joint = urdf.joint_above(link) if isinstance(urdf, Urdf) else None
-        while joint is not None and isinstance(urdf, Urdf):
-            found += [joint] if joint.moves else []
-            joint = urdf.joint_above(joint.parent)
-        return tuple(found)
+        urdf = self.world.task.assets.get(thing)
+        return urdf.moving_joints_above(link) if isinstance(urdf, Urdf) else ()
 
     def _turn(self, handle: str, begin: Vec3, end: Vec3) -> None:
         """A held link follows a tool along its joint, as far as that goes."""
@@ -213,9 +208,8 @@ class Foresight:
         else:
             aside = (1.0, 0.0, 0.0) if abs(joint.axis[0]) < 0.9 else (0.0, 1.0, 0.0)
             by_now = _angle(rotate(rest.quaternion, aside), rotate(at.quaternion, aside), axis)
-        low = -math.inf if joint.lower is None else joint.lower
-        high = math.inf if joint.upper is None else joint.upper
-        return min(max(by_now + by, low), high) - by_now
+        built = self.world.objects[thing].body.joints[joint.name]
+        return min(max(by_now + by, built.lower), built.upper) - by_now
 
     # --- pushes
 

@@ -84,9 +84,7 @@ class Foreseen:
 
     def pose(self, frame: str) -> Pose:
         """The predicted pose of a named frame, in the world."""
-        carrier = frame
-        while carrier in self.scene.sites:
-            carrier = self.scene.sites[carrier].frame
+        carrier = carrier_of(self.scene, frame)
         owner, _, inner = carrier.partition(".")
         at = self.now.pose(frame)
         for mover in (carrier, owner):
@@ -140,11 +138,13 @@ class Grip:
         robot: The robot.
         opening: From 0 (closed) to 1.
         thing: The object to hold or to release; "" for none in particular.
+        link: The link of the object that is held, if the task file names it; else "".
     """
 
     robot: str
     opening: float
     thing: str = ""
+    link: str = ""
 
 
 Phase = Callable[[Situation], Go | Grip | None]
@@ -154,12 +154,12 @@ Phase = Callable[[Situation], Go | Grip | None]
 def phases(robot: str, order: Order) -> tuple[Phase, ...]:
     """The phases of an order, in sequence."""
     if order.grasp is not None:
-        owner = order.grasp.partition(".")[0]
-        first, last = Grip(robot, 1.0), Grip(robot, 0.0, owner)
+        point = order.grasp
+        first = Grip(robot, 1.0)
         return (
             lambda now: None if now.is_open(robot) else first,
-            *_way_in(robot, order, order.grasp, APPROACH_M),
-            lambda _: last,
+            *_way_in(robot, order, point, APPROACH_M),
+            lambda now: _take(now, robot, point),
         )
     if order.reach is not None:
         return _way_in(robot, order, order.reach, 0.0)
@@ -170,7 +170,26 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
     if order.close is not None:
         thing = "" if order.close == NOTHING else order.close
         return (lambda _: Grip(robot, 0.0, thing),)
-    return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+    if order.release:
+        return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+    raise NotImplementedError(f"{order.verb} has no phases")
+
+
+def _take(now: Situation, robot: str, point: str) -> Grip:
+    """To close a gripper at a grasp point."""
+    grasp = _grasp_of(now.scene, point)
+    return Grip(robot, 0.0, point.partition(".")[0], (grasp.link if grasp else None) or "")
+
+
+def carrier_of(scene: SceneSpec, frame: str) -> str:
+    """What a frame moves with: an object, a link as ``chest.lid``, or a frame of a robot."""
+    while frame in scene.sites:
+        frame = scene.sites[frame].frame
+    grasp = _grasp_of(scene, frame)
+    if grasp is None:
+        return frame
+    owner = frame.partition(".")[0]
+    return owner if grasp.link is None else f"{owner}.{grasp.link}"
 
 
 def _way_in(robot: str, order: Order, frame: str, usual: float) -> tuple[Phase, ...]:

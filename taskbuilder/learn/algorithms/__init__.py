@@ -1,23 +1,25 @@
-"""The learning algorithms by name, each in a module with its settings and presets.
+"""The learning algorithms, each in a module of its own name with its settings and presets.
 
 Each module defines an `Algorithm` named ``ALGORITHM``. It is imported on first use, so that only
-training needs torch. To add an algorithm, write a module and add a line to ``MODULES``.
+training needs torch, and the command's help needs none of them.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.learner import Algorithm
 from taskbuilder.wording import suggestion
 
-MODULES = {
-    "maddpg": "taskbuilder.learn.algorithms.maddpg",
-    "maddpg_openai": "taskbuilder.learn.algorithms.maddpg_openai",
-    "ppo": "taskbuilder.learn.algorithms.ppo",
-}
-"""The module of each algorithm."""
+if TYPE_CHECKING:
+    from taskbuilder.learn.learner import Algorithm
+
+ALGORITHMS = tuple(
+    sorted(file.stem for file in Path(__file__).parent.glob("*.py") if file.stem[0] != "_")
+)
+"""The names of all algorithms: those of the modules beside this one."""
 
 
 def find_algorithm(name: str) -> Algorithm:
@@ -27,7 +29,7 @@ def find_algorithm(name: str) -> Algorithm:
         UsageError: There is no such algorithm.
     """
     check_name(name)
-    algorithm: Algorithm = import_module(MODULES[name]).ALGORITHM
+    algorithm: Algorithm = import_module(f"{__name__}.{name}").ALGORITHM
     return algorithm
 
 
@@ -37,5 +39,5 @@ def check_name(name: str) -> None:
     Raises:
         UsageError: There is no algorithm with this name.
     """
-    if name not in MODULES:
-        raise UsageError(f'no algorithm "{name}"; {suggestion(name, MODULES, what="one of")}')
+    if name not in ALGORITHMS:
+        raise UsageError(f'no algorithm "{name}"; {suggestion(name, ALGORITHMS, what="one of")}')

@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
+from taskbuilder.assets.model import Urdf
 from taskbuilder.errors import ExplosionError, FileError, Finding, PlacementError
 from taskbuilder.geometry import norm
 from taskbuilder.sim.body import Body
@@ -21,6 +22,7 @@ from taskbuilder.validate.report import Check, FamilyResult, Result
 from taskbuilder.world.building import build_world
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
+from taskbuilder.world.shapes import distance_from
 from taskbuilder.world.world import World
 
 OVERLAP_MM = 2.0  # Bullet's hulls of meshes are 1 mm too large each
@@ -29,6 +31,7 @@ DRIFT_MM = 5.0
 REST_SPEED = 0.02
 SEEN_SHARE = 0.005
 DENSITY = (10.0, 25_000.0)  # kg/m³: from foam to beyond lead
+AMBIGUOUS_M = 0.001  # a link that is no nearer than this is not what is meant
 LONGEST_M = 2.0  # what is longer and far too light is a mesh in another unit
 ENERGY_PER_KG = 50.0  # J/kg: falling five metres
 
@@ -88,6 +91,7 @@ def _summary(checks: dict[str, Check], measures: dict[str, float]) -> str:
 
 def _look(task: Task, world: World) -> Iterator[Result]:
     yield check_masses(task, world)
+    yield check_grasp_points(task, world)
     place_all(world, EpisodeRandomness(0).placement())
     overlap = check_overlap(task, world)
     yield overlap
@@ -122,6 +126,42 @@ def check_masses(task: Task, world: World) -> Result:
             findings.append(finding_at(task, "TB308", message, name, place, severity="warning"))
     extreme = max(densities, key=lambda density: abs(math.log(density / 1000.0)))
     check = Check("TB308", "masses are plausible", True, extreme, None, "kg/m³")
+    return check, findings
+
+
+def check_grasp_points(task: Task, world: World) -> Result:
+    """No grasp point on a part that moves is fixed to the base, where it would stay behind."""
+    findings = []
+    for name, thing in world.objects.items():
+        urdf = task.file.assets.get(name)
+        if not isinstance(urdf, Urdf):
+            continue
+        size = (thing.spec.shape.scale if thing.spec.shape else None) or 1.0
+        into = {
+            link.name: thing.body.link_pose(thing.body.links[link.name]).inverse()
+            @ world.pose(name)
+            for link in urdf.links
+        }
+        for grasp, point in thing.spec.grasps.items():
+            gaps = {
+                link.name: distance_from(link.collisions, size, into[link.name].apply(point.at))
+                for link in urdf.links
+            }
+            moving = [link for link in gaps if urdf.moving_joints_above(link)]
+            nearest = min(moving, key=gaps.__getitem__, default="")
+            fixed = min((gap for link, gap in gaps.items() if link not in moving), default=math.inf)
+            if point.link is not None or not nearest or gaps[nearest] > fixed - AMBIGUOUS_M:
+                continue
+            at = ", ".join(f"{round(x, 4) + 0.0:g}" for x in into[nearest].apply(point.at))
+            message = (
+                f"{name}.{grasp} is on {nearest}, and stays behind when that moves: it is fixed to "
+                f"{urdf.root}; write {{at: [{at}], link: {nearest}}}, in the frame of that link, "
+                f"or link: {urdf.root} if it is to stay"
+            )
+            path = ("grasps", grasp)
+            findings.append(finding_at(task, "TB316", message, name, *path, severity="warning"))
+    count = len(findings)
+    check = Check("TB316", "grasp points go with what they are on", True, count, None, "points")
     return check, findings
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import NamedTuple
 
+from taskbuilder.env.actions import can_be_planned
 from taskbuilder.errors import Finding
 from taskbuilder.rollout.play import play, resume
 from taskbuilder.rollout.players import HoldStill, RecordedActions
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.articulation import locks
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.locate import (
@@ -85,7 +87,9 @@ def solvable_family(context: Context) -> FamilyResult:
 
 def _without_expert(context: Context) -> FamilyResult:
     if context.task.file.spec.expert:
-        message = "no expert can plan for the action mode joint_torque, so nothing shows a way"
+        actions = (robot.action for robot in context.task.file.spec.scene.robots.values())
+        mode = next(action.arm for action in actions if not can_be_planned(action))
+        message = f"no expert can plan for the action mode {mode}, so nothing shows a way"
     else:
         message = "the task has no expert, so nothing shows that it can be done; write its stages"
     finding = finding_in_file(context.task, "TB533", message, "expert", severity="warning")
@@ -217,11 +221,20 @@ def _fails(context: Context, failed: Mapping[Start, Rollout], share: Proportion)
         last = f'; the last milestone is "{first.furthest_stage}"' if first.furthest_stage else ""
         said = f"all stages are done, and success does not hold{last}"
         said += "".join(f"; {reason}" for reason in first.why[:MOST_REASONS])
+    said += "".join(f"; {lock}" for lock in _never_opened(context, first))
     message = (
         f"the expert succeeds from {share} seeds only, {LEAST:.0%} are needed: {counted}; "
         f"{where}, {said}"
     )
     return finding_in_file(context.task, "TB531", message, *path)
+
+
+def _never_opened(context: Context, played: Rollout) -> Iterator[str]:
+    """The locks of joints that stayed locked throughout an episode."""
+    for path, condition in locks(context.task.file.scenes[played.variation]):
+        if not played.conditions[condition].any():
+            _, _, thing, _, joint, *_ = path
+            yield f'{thing}.{joint} stayed locked, as "{condition}" never held'
 
 
 def _cause(rollout: Rollout) -> str:

@@ -1,0 +1,41 @@
+"""Trials, as `evaluate` plays them and `evaluate --verify` plays them again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack, closing
+from os.path import relpath
+from pathlib import Path
+
+from taskbuilder.cli.evaluated import Evaluated, named_player
+from taskbuilder.cli.output import progress
+from taskbuilder.jobs import cores, workers
+from taskbuilder.trial.arms import Job, TrialConfig, by_arm, play_all
+from taskbuilder.trial.certificate import Trial
+from taskbuilder.trial.results import Arms
+
+
+def play_arms(config: TrialConfig, jobs: Sequence[Job], asked: int | None) -> Arms:
+    """Play all episodes, over as many processes as are asked for."""
+    count = min(asked or cores(), len(jobs))
+    with ExitStack() as stack:
+        spread = stack.enter_context(workers(count)) if count > 1 else None
+        episodes = stack.enter_context(closing(play_all(config, jobs, spread)))
+        return by_arm(progress(episodes, "episodes", len(jobs)))
+
+
+def trial_of(found: Evaluated, beside: Path, seeds: Sequence[int], compared: int) -> Trial:
+    """What a certificate in a file is about; a policy's file is named from its folder on.
+
+    Args:
+        found: Who is evaluated.
+        beside: The certificate.
+        seeds: Of all episodes.
+        compared: From how many of them all arms played.
+    """
+    named, name = named_player(found.name), found.name
+    if named is not None:
+        name = f"{named[0]}:{found.task.name}"
+    elif not name.startswith("zoo:"):
+        name = Path(relpath(Path(name).resolve(), beside.resolve().parent)).as_posix()
+    return Trial(found.task, name, found.file, found.options, tuple(seeds), compared)
