@@ -93,7 +93,7 @@ if not TYPE_CHECKING:  # to a type checker, a name that is not listed above is a
 
 
 def catalogue(*folders: str) -> Catalogue:
-    """The tasks and robots there are, by name.
+    """Make a catalogue of all tasks and robots by name.
 
     Args:
         folders: Folders to search besides the installed packages and TASKBUILDER_PATH.

@@ -16,7 +16,7 @@ Severity = Literal["error", "warning"]
 
 @dataclass(frozen=True, order=True)
 class Location:
-    """A place in a file. Lines and columns count from 1; 0 means the file as a whole."""
+    """A place in a file. Lines and columns count from 1; 0 stands for the entire file."""
 
     file: Path
     line: int = 0
@@ -35,7 +35,7 @@ class Finding:
 
     Attributes:
         code: Stable code such as ``TB102``; each has an entry in the documentation.
-        message: What is wrong and, after a semicolon, what would be right.
+        message: What is wrong and, after a semicolon, how to correct it.
         path: Dotted path in the file (``scene.robots.left.model``), or "" for none.
         location: File, line and column, or None for a finding that belongs to no file.
         excerpt: Source line to show below the finding, or "".
@@ -88,7 +88,7 @@ def display_path(path: Path) -> str:
 
 
 class TaskbuilderError(Exception):
-    """Base of every error that taskbuilder raises on purpose."""
+    """Base class of all errors that taskbuilder raises on purpose."""
 
 
 class FileError(TaskbuilderError):
@@ -119,7 +119,7 @@ class SimulationError(TaskbuilderError):
 
 
 class ExplosionError(SimulationError):
-    """The simulation diverged to a non-finite or absurd state. The world must be rebuilt."""
+    """The simulation diverged: its state is not finite or implausible. Rebuild the world."""
 
 
 class DivergenceError(TaskbuilderError):

@@ -54,8 +54,8 @@ def load_task(
     Args:
         reference: ``handover``, ``namespace/name``, or a path.
         catalogue: The catalogue that names are looked up in; by default that of this installation.
-        guarded: Import a description that is not in the catalogue in a child process first, so
-            that a hang or a crash becomes a finding.
+        guarded: Whether to first import a description from outside the catalogue in a child
+            process, where a hang or a crash becomes a finding.
 
     Raises:
         UnknownNameError: There is no task of that name.

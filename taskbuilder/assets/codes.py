@@ -25,98 +25,100 @@ TOO_MANY = "TB421"
 CODES: dict[str, tuple[str, str]] = {
     MISSING: (
         "Asset not found",
-        "A file names another one that does not exist. Write its path relative to the file that "
-        "names it, or as package://NAME/…, where NAME is a folder beside or above that file.",
+        "A file refers to another file that does not exist. Write its path relative to the file "
+        "that refers to it, or as package://NAME/…, where NAME is a folder beside or above that "
+        "file.",
     ),
     OUTSIDE: (
         "Asset outside the allowed folders",
-        "An asset may come only from the folder of the task or robot that uses it, or from "
-        "pybullet_data, so that a task works on every machine. Copy the file there and write its "
-        "path relative to the file that names it; absolute paths and URLs are refused.",
+        "An asset must be in the folder of the task or robot that uses it, or in pybullet_data, "
+        "so that the task works on every machine. Copy the asset to that folder and write its "
+        "path relative to the file that refers to it. Absolute paths and URLs are refused.",
     ),
     NOT_READABLE: (
         "Asset cannot be read",
-        "The path leads to a folder, to a file without permission to read, to one that is too "
-        "large, or to one of another type than its name says.",
+        "The path leads to a folder, to a file that you may not read, to a file that is too "
+        "large, or to a file whose type does not match its extension.",
     ),
     BAD_MESH: (
-        "Mesh is invalid",
+        "Invalid mesh",
         "The mesh has no faces, a face refers to a vertex that does not exist, a number is not "
-        "finite, or its size is absurd. The physics engine would end the process or load it "
-        "without a collision shape. Export it again from the modelling tool.",
+        "finite, or the size is implausible. The physics engine would crash, or load the mesh "
+        "without a collision shape. Export the mesh again from the modelling tool.",
     ),
     MESH_FORMAT: (
-        "Mesh format not supported",
-        "Meshes are read from OBJ and binary STL. Other formats, ASCII STL and DAE among them, "
-        "are misread by the physics engine or end the process: convert them to OBJ.",
+        "Unsupported mesh format",
+        "Only OBJ and binary STL are supported. The physics engine misreads other formats, such "
+        "as ASCII STL and DAE, or crashes on them. Convert the mesh to OBJ.",
     ),
     CRASHED: (
         "Asset crashed the physics engine",
-        "Loading the asset in a process of its own ended that process, hung, or was refused by "
-        "the physics engine. Simplify the asset until it loads.",
+        "The asset was loaded in a separate process first. The process crashed or hung, or the "
+        "physics engine refused the asset. Simplify the asset until it loads.",
     ),
     ENGINE_WARNING: (
-        "The physics engine warned",
-        "The asset was loaded, and the physics engine printed a warning that usually means that "
-        "a part of it was replaced by a default. Mend what the message names.",
+        "Warning from the physics engine",
+        "The physics engine issued a warning. The asset loaded, but the warning usually means "
+        "that the engine replaced part of it with a default. Correct the part that the message "
+        "names.",
     ),
     XML: (
         "Not well-formed XML",
-        "The URDF is not well-formed, has a document type declaration, or is nested or long "
-        "beyond what any robot needs. Run xacro files through xacro first.",
+        "The URDF is not well-formed XML, has a document type declaration, or is far longer or "
+        "more deeply nested than a robot requires. Convert xacro files with xacro first.",
     ),
     STRUCTURE: (
         "Unexpected URDF structure",
-        "An element or attribute that a URDF must have is missing, or appears more often than it "
-        "may; the physics engine would read only the first.",
+        "A required element or attribute is missing from the URDF, or appears too often. The "
+        "physics engine would read only the first one.",
     ),
     NAME: (
-        "Bad or repeated name",
-        "Every link and every joint needs a name of its own, of at most 128 characters. The "
-        "physics engine ends the process on two joints of one name.",
+        "Invalid or duplicate name",
+        "Every link and every joint needs a unique name with at most 128 characters. The physics "
+        "engine crashes if two joints have the same name.",
     ),
     NUMBER: (
-        "Not a number",
-        "A value is not a plain finite number in the range that makes sense, or not as many "
-        "numbers as are needed. Decimals take a point: the physics engine reads 1,5 as 1.",
+        "Invalid number",
+        "A value is not a finite number, is out of range, or consists of too many or too few "
+        "numbers. Use a decimal point: the physics engine reads 1,5 as 1.",
     ),
     MASS: (
         "Implausible or missing mass",
-        "A link moved by its joint needs a mass above 0 and at most 1000 kg. Without <inertial> "
-        "the physics engine takes 1 kg, and with a mass of 0 the link stands still.",
+        "A link that moves needs a mass above 0 and at most 1000 kg. Without <inertial> the "
+        "physics engine assumes 1 kg, and with a mass of 0 the link does not move.",
     ),
     INERTIA: (
         "Impossible inertia",
-        "The principal moments of inertia of a body are above 0, and none exceeds the sum of the "
-        "other two. Compute them from the shape and mass of the link.",
+        "All three principal moments of inertia must be above 0, and none may exceed the sum of "
+        "the other two. Compute them from the shape and mass of the link.",
     ),
     JOINT: (
-        "Bad joint",
-        "A joint is revolute, continuous, prismatic or fixed, joins two links of the file, and "
-        "has an axis of non-zero length unless it is fixed.",
+        "Invalid joint",
+        "A joint must be revolute, continuous, prismatic or fixed and must connect two links of "
+        "the file. Unless it is fixed, its axis must have a non-zero length.",
     ),
     LIMIT: (
-        "Bad joint limits",
-        "A revolute or prismatic joint needs <limit lower=… upper=… effort=… velocity=…/> with "
-        "lower at most upper and neither effort nor velocity below 0.",
+        "Invalid joint limits",
+        "A revolute or prismatic joint needs <limit lower=… upper=… effort=… velocity=…/>. lower "
+        "must not exceed upper, and effort and velocity must not be negative.",
     ),
     GEOMETRY: (
-        "Bad geometry",
-        "A <geometry> holds exactly one of box, sphere, cylinder, capsule and mesh, with sizes "
-        "above 0.",
+        "Invalid geometry",
+        "A <geometry> must contain exactly one box, sphere, cylinder, capsule or mesh, with "
+        "sizes above 0.",
     ),
     TREE: (
         "Links do not form a tree",
-        "Exactly one link, the root, is no joint's child; every other link is the child of one "
-        "joint. The physics engine ends the process on two roots or two parents.",
+        "The links must form a tree: exactly one link, the root, has no parent joint, and every "
+        "other link has exactly one. The physics engine crashes on two roots or two parents.",
     ),
     IGNORED: (
-        "Element is ignored",
-        "The element is not one that is passed to the physics engine. It may be misspelt.",
+        "Ignored element",
+        "This element is not passed to the physics engine. Its name may be misspelt.",
     ),
     TOO_MANY: (
         "Too many links",
-        "The physics engine has room for 128 links of a URDF, and writes past its end with more. "
-        "Join links that do not move against each other.",
+        "The physics engine supports at most 128 links in a URDF and corrupts memory beyond "
+        "that. Merge links that do not move relative to each other.",
     ),
 }

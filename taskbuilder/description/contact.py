@@ -98,7 +98,7 @@ class Contact(Condition):
 
 @dataclass(frozen=True)
 class On(Condition):
-    """One body carries at least part of another's weight."""
+    """``below`` carries at least part of the weight of ``body``."""
 
     body: BodyName
     below: BodyName
@@ -114,7 +114,7 @@ class On(Condition):
 
 @dataclass(frozen=True)
 class ForceAbove(Condition):
-    """The contact force between two things is more than ``newtons``; see `ContactForce`."""
+    """Two things press on each other with more than ``newtons``; see `ContactForce`."""
 
     first: SolidName
     second: SolidName

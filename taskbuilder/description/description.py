@@ -34,7 +34,7 @@ class Description:
         stages: Milestones by name, in the order in which they come.
         reward: The reward terms, summed at every control step. Required.
         progress: How far the task has come, for training rewards; never part of the reward.
-        setback: The episode has little left to teach, as after a drop; training may end there.
+        setback: Continuing the episode would teach little, as after a drop; training may end it.
     """
 
     success: ClassVar[Condition]
@@ -64,7 +64,7 @@ class Outcome:
     Attributes:
         success: The success condition holds now.
         failure: The failure condition holds now.
-        stage: Number of the last stage that has ever held in this episode, 0 for none.
+        stage: Number of the last stage that has held in this episode so far, 0 for none.
         progress: The description's progress, or 0.0.
         conditions: Value of every named condition.
         terms: Value of every reward term by label, in the description's order.

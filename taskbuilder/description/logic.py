@@ -33,7 +33,7 @@ class Never(Condition):
 
 @dataclass(frozen=True, init=False)
 class AtLeast(Condition):
-    """At least ``count`` of several conditions."""
+    """At least ``count`` of several conditions hold."""
 
     count: int
     of: tuple[Condition, ...]
@@ -62,7 +62,7 @@ class AtLeast(Condition):
 
 @dataclass(frozen=True, init=False)
 class Then(Condition):
-    """Conditions that come true one after the other; true once the last one has.
+    """Several conditions have come true in this order.
 
     Each must hold at the control step at which the one before it came true, or at a later one. None
     has to keep holding.
@@ -100,7 +100,7 @@ class Then(Condition):
 
 @dataclass(frozen=True)
 class Sustained(Condition):
-    """A condition that has held without a break for at least ``seconds``."""
+    """A condition has held without a break for at least ``seconds``."""
 
     of: Condition
     seconds: float
@@ -130,7 +130,7 @@ class Sustained(Condition):
 
 @dataclass(frozen=True)
 class Once(Condition):
-    """A condition that holds now or has held before in this episode."""
+    """A condition holds now, or has held before in this episode."""
 
     of: Condition
 

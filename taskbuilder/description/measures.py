@@ -215,7 +215,7 @@ class Duration(Measure):
 
 @dataclass(frozen=True)
 class Fraction(Measure):
-    """A measure as a fraction of a whole: measure / of, clipped to 0 to 1."""
+    """A measure divided by ``of``, clipped to the range from 0 to 1."""
 
     measure: Measure
     _: KW_ONLY
@@ -236,7 +236,7 @@ class Fraction(Measure):
 
 @dataclass(frozen=True, init=False)
 class Minimum(Measure):
-    """The minimum of measures: ``Minimum(Height("tray.left"), Height("tray.right"))``."""
+    """The smallest of several measures: ``Minimum(Height("tray.left"), Height("tray.right"))``."""
 
     of: tuple[Measure, ...]
 

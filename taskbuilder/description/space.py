@@ -155,7 +155,7 @@ def _height(world: WorldView, frame: str, reference: str | None) -> float:
 
 @dataclass(frozen=True)
 class Upright(Condition):
-    """An axis of a frame points up, within some degrees."""
+    """An axis of a frame points up, to within ``within_deg`` degrees."""
 
     frame: FrameName
     _: KW_ONLY
@@ -179,7 +179,7 @@ class Upright(Condition):
 
 
 def Level(frame: FrameName, *, within_deg: float) -> Condition:  # noqa: N802  # reads as one
-    """A frame's x-y plane is horizontal, its z axis up, within some degrees."""
+    """A frame's z axis points up, to within ``within_deg`` degrees."""
     return Upright(frame, within_deg=within_deg)
 
 

@@ -6,13 +6,13 @@ from taskbuilder.diagnostics.entry import Code, Example, within
 
 ENTRIES = {
     "TB200": Code(
-        "Names resolve and the description is sound",
-        "The check that gathers TB201 to TB214: names in the task file, and the description.",
+        "Names and description",
+        "Summary of TB201 to TB214, which check the names in the task file and the description.",
     ),
     "TB201": Code(
-        "Name that stands for nothing",
-        "The task file refers to something that the scene does not have, or that is of another "
-        "kind, such as a site instead of a robot.",
+        "Unknown name",
+        "The task file uses a name that the scene does not have, or one of the wrong kind, such "
+        "as a site where a robot is needed.",
         within(
             "scene.objects.cube",
             "place: {surface: tabel, center: [-0.4, 0], size: [0.1, 0.1]}",
@@ -28,9 +28,9 @@ ENTRIES = {
         ),
     ),
     "TB203": Code(
-        "Positions run in a circle",
-        "An object or site is placed in the frame of another one that is, directly or "
-        "indirectly, placed in the frame of the first.",
+        "Circular positions",
+        "Objects or sites are placed in each other's frames, directly or indirectly, so that "
+        "none of them has a position.",
         within(
             "scene.sites",
             "a: {position: [0, 0, 0.1], in: b}\nb: {position: [0, 0, 0.1], in: a}",
@@ -38,42 +38,43 @@ ENTRIES = {
         ),
     ),
     "TB204": Code(
-        "Not an observation channel",
-        "A channel is subject.quantity, such as self.tcp or cube.pose, with a quantity that "
-        "the subject has.",
+        "Unknown observation channel",
+        "A channel is subject.quantity, such as self.tcp or cube.pose. Either the subject does "
+        "not exist, or it does not have this quantity.",
         within("observe", "left: [self.tcp, cube.color]", "left: [self.tcp, cube.pose]"),
     ),
     "TB205": Code(
-        "Change of the scene that cannot be made",
-        "A variation, a randomised quantity or a {thing.key} of an instruction refers to a "
-        "value that the scene does not have, or that cannot change.",
+        "Impossible change of the scene",
+        "A variation, a randomised quantity or a placeholder {thing.key} in an instruction "
+        "refers to a value that the scene does not have, or that cannot change.",
         Example("task", "variations: [{cub.color: blue}]", "variations: [{cube.color: blue}]"),
     ),
     "TB206": Code(
         "No description beside the task file",
-        "NAME.yaml needs NAME.py in the same folder, which holds the description.",
+        "The description of NAME.yaml must be in NAME.py, in the same folder.",
         Example("folder", "example.yaml", "example.yaml\nexample.py"),
     ),
     "TB207": Code(
-        "The description names something that is not there",
-        "A condition, measure or reward term names something that the scene does not have, or "
-        "that is of another kind.",
+        "Unknown name in the description",
+        "A condition, measure or reward term uses a name that the scene does not have, or one of "
+        "the wrong kind.",
         Example("description", 'success = Held("cub")', 'success = Held("cube")'),
     ),
     "TB208": Code(
         "The description fails to import",
-        "Running the Python file raised an error; the finding shows its line.",
+        "The Python file raised an error when it was imported. The finding shows the line.",
         Example("description", "success = Held(cube)", 'success = Held("cube")'),
     ),
     "TB209": Code(
         "Not exactly one description",
-        "The Python file defines no subclass of Description, or several.",
+        "The Python file must define exactly one subclass of Description. It defines none, or "
+        "several.",
         Example("module", "class Example:\n    ...", "class Example(Description):\n    ..."),
     ),
     "TB210": Code(
         "The description is incomplete",
-        "success and reward are required; success, failure and stages are conditions, reward "
-        "is a tuple of terms, progress is a measure.",
+        "success and reward are required. success and failure must be conditions, stages a "
+        "mapping of names to conditions, reward a tuple of terms, and progress a measure.",
         Example(
             "description",
             'reward = Bonus("held", Held("cube"), 1.0)',
@@ -81,9 +82,9 @@ ENTRIES = {
         ),
     ),
     "TB211": Code(
-        "Two things of one name in the description",
-        "Two reward terms have the same name and agent, or a stage has the name of another "
-        "condition. Logs could not distinguish them.",
+        "Duplicate name in the description",
+        "Two reward terms have the same name and agent, or a stage has the same name as another "
+        "condition. They could not be told apart in logs.",
         Example(
             "description",
             'reward = (Bonus("grasp", Held("cube"), 1.0), Bonus("grasp", Held("tray"), 1.0))',
@@ -91,9 +92,9 @@ ENTRIES = {
         ),
     ),
     "TB212": Code(
-        "Value that makes no sense in the description",
-        "A value is invalid: a threshold is negative or not a number, bounds exclude each "
-        "other, or the like.",
+        "Invalid value in the description",
+        "A value is invalid. For example, a threshold is negative or not a number, or no number "
+        "is within both bounds.",
         Example(
             "description",
             'success = Near("cube", "goal", within=-0.05)',
@@ -101,16 +102,17 @@ ENTRIES = {
         ),
     ),
     "TB213": Code(
-        "The description does not come back",
-        "Importing the Python file took over ten seconds or ended the interpreter. A "
-        "description only declares expressions: it must not train anything or communicate.",
+        "The import of the description does not finish",
+        "Importing the Python file took more than ten seconds or ended the interpreter. A "
+        "description should only declare expressions, without long computations or network "
+        "access.",
         Example("module", "import os\n\nos._exit(0)", "class Example(Description):\n    ..."),
     ),
     "TB214": Code(
-        "No such condition",
-        "An expert waits for a condition, or a lock of a joint names one, that the description "
-        "does not have. It can be a stage, success or failure, or any condition that is an "
-        "attribute of the class.",
+        "Unknown condition",
+        "The expert waits for a condition that the description does not have, or the lock of a "
+        "joint depends on one. The condition can be success, failure, a stage, or any other "
+        "attribute of the description class that is a condition.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),
 }

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from taskbuilder.diagnostics.entry import Code, Example, within
 
-_OURS = " No task file is known to fail this; please report one that does."
+_OURS = " No task file is known to fail this. Please report one that does."
 
 ENTRIES = {
     "TB501": Code(
-        "The same seed gives another episode",
-        "Two episodes with the same seed and the same actions differ, in one process and also "
-        "in a fresh process. Some code draws from a generator that the seed does not determine,"
-        " or reads the clock.",
+        "Episodes differ for the same seed",
+        "Two episodes with the same seed and the same actions differ, both in one process and in "
+        "a new one. Some code uses a random-number generator that is not seeded by the episode, "
+        "or reads the clock.",
         Example(
             "module",
             "import random\n\n\n@measure\ndef luck(world):\n    return random.random()\n\n\n"
@@ -20,10 +20,10 @@ ENTRIES = {
         ),
     ),
     "TB502": Code(
-        "An episode depends on those before it",
-        "The same seed and actions give the same episode in two fresh processes, but another "
-        "one after other episodes. A description keeps state in a variable of its module. Use "
-        "conditions with memory instead, such as Once, Then and Sustained.",
+        "Episodes depend on earlier ones",
+        "With the same seed and actions, two new processes give the same episode, but after "
+        "other episodes the result differs. The description keeps state in a module variable. "
+        "Use conditions with memory instead, such as Once, Then and Sustained.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -33,10 +33,10 @@ ENTRIES = {
         ),
     ),
     "TB503": Code(
-        "An episode depends on the process",
-        "The same seed and actions give the same episode repeatedly in one process, but another"
-        " one in a second process. Hashes of strings, the order of sets, id() and the process "
-        "id differ between processes.",
+        "Episodes depend on the process",
+        "With the same seed and actions, episodes are the same within one process, but differ in "
+        "another one. String hashes, the order of sets, id() and the process id differ between "
+        "processes.",
         Example(
             "module",
             "@measure\ndef order(world):\n    return hash('cube') % 1000\n\n\n"
@@ -45,9 +45,9 @@ ENTRIES = {
         ),
     ),
     "TB504": Code(
-        "A restored episode goes on differently",
-        "An episode was saved and continued, then restored and continued with the same actions,"
-        " and the two continuations differ. A description has state that is not saved. Use "
+        "Restored episodes continue differently",
+        "An episode was saved and continued, then restored and continued with the same actions. "
+        "The two continuations differ, because the description has state that is not saved. Use "
         "conditions with memory instead, such as Once, Then and Sustained.",
         Example(
             "module",
@@ -60,8 +60,8 @@ ENTRIES = {
     ),
     "TB505": Code(
         "The description changes the world",
-        "After the description was evaluated, positions, velocities or motor commands had "
-        "changed. A description must only read the world.",
+        "Evaluating the description changed positions, velocities or motor commands. A "
+        "description may only read the world.",
         Example(
             "module",
             "@condition\ndef freed(world):\n"
@@ -71,11 +71,11 @@ ENTRIES = {
         ),
     ),
     "TB511": Code(
-        "The expert asks for what a robot cannot reach",
+        "The expert needs a pose out of reach",
         "For some placement, no joint positions within the limits bring the robot's tcp to a "
-        "pose that a stage of the expert needs, and the expert fails there too. The finding "
-        "names the seed, the stage and the robot, and how far the pose is out of reach. If the "
-        "expert succeeds before that stage, it is a warning.",
+        "pose that a stage of the expert needs, and the expert fails at that stage when it is "
+        "played. The finding names the seed, the stage and the robot, and how far the pose is "
+        "out of reach. It is only a warning if the expert succeeds before it reaches that stage.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -85,17 +85,17 @@ ENTRIES = {
         ),
     ),
     "TB521": Code(
-        "PettingZoo's test of the parallel API",
-        "`parallel_api_test` refuses the environment of the task." + _OURS,
+        "PettingZoo's parallel API test",
+        "`parallel_api_test` fails on the environment of the task." + _OURS,
     ),
     "TB522": Code(
-        "PettingZoo's tests of the turn-based view",
-        "`api_test` or `seed_test` refuses the turn-based view of the environment." + _OURS,
+        "PettingZoo's AEC tests",
+        "`api_test` or `seed_test` fails on the turn-based environment." + _OURS,
     ),
     "TB523": Code(
-        "Gymnasium's test of the joint view",
-        "`check_env` refuses the joint view of the environment. An episode of a single step is "
-        "one reason.",
+        "Gymnasium's environment checker",
+        "`check_env` fails on the joint environment, for example because an episode has only one "
+        "step.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 1}",
@@ -104,15 +104,15 @@ ENTRIES = {
     ),
     "TB524": Code(
         "Observation outside its space",
-        "An observation has another shape or type than its space, exceeds its bounds, or is not"
-        " a number. Observations are clipped to their bounds. No task file is known to fail "
-        "this, except for a description that manipulates the values of the world.",
+        "An observation differs from its space in shape or type, exceeds the bounds, or is not a "
+        "number. Observations are clipped to their bounds. No task file is known to fail this, "
+        "unless its description manipulates the values of the world.",
     ),
     "TB525": Code(
-        "Observation that does not vary",
-        "An agent's observation is the same at every step of whole episodes, or the same in "
-        "every episode although objects are placed at random. In both cases the agent cannot "
-        "learn from it.",
+        "Constant observation",
+        "An agent's observation is the same at every step of an episode, or the same in every "
+        "episode although objects are placed at random. The agent cannot learn from such an "
+        "observation.",
         Example(
             "task",
             "observe: {left: [goal.position], right: [self.tcp, cube.position]}",
@@ -120,10 +120,10 @@ ENTRIES = {
         ),
     ),
     "TB526": Code(
-        "Observations that are not each agent's own",
-        "Two agents have exactly the same observations and neither observes itself, so that "
-        "neither can tell which one it is. Or writing into an observation changes another one, "
-        "or the episode.",
+        "Observations shared between agents",
+        "Two agents have exactly the same observations and neither observes itself, so neither "
+        "can tell which one it is. Or writing to one observation changes another observation or "
+        "the episode.",
         Example(
             "task",
             "observe: {left: [cube.pose, time_left], right: [cube.pose, time_left]}",
@@ -131,14 +131,14 @@ ENTRIES = {
         ),
     ),
     "TB527": Code(
-        "Space that is made anew at every call",
-        "observation_space or action_space of an agent returns another object at every call, so"
-        " that seeding it has no effect." + _OURS,
+        "Space recreated on every call",
+        "observation_space or action_space returns a new object on every call, so seeding it has "
+        "no effect." + _OURS,
     ),
     "TB531": Code(
-        "The expert does not succeed",
-        "The task's own expert succeeds from fewer than 95 % of the seeds. The finding counts "
-        "what keeps it from succeeding, and names the first seed and stage.",
+        "The expert does not succeed reliably",
+        "The task's expert succeeds on fewer than 95 % of the seeds. The finding counts the "
+        "causes of failure, and names the first seed and stage.",
         Example(
             "task",
             "expert:\n  - {left: {grasp: cube.top}, right: {reach: lamp}}",
@@ -148,8 +148,8 @@ ENTRIES = {
     ),
     "TB532": Code(
         "The episode is too short",
-        "The expert succeeds from enough seeds if episodes are longer, but not within "
-        "timing.episode_steps. The finding says how many steps it takes.",
+        "The expert succeeds on enough seeds, but only in episodes longer than "
+        "timing.episode_steps. The finding states how many steps it needs.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 12}",
@@ -158,8 +158,8 @@ ENTRIES = {
     ),
     "TB533": Code(
         "No expert",
-        "The task has no expert, so nothing shows that it can be done, and checks that play the"
-        " expert are skipped. A warning.",
+        "Without an expert, nothing shows that the task can be done, and the checks that play "
+        "the expert are skipped. This is a warning.",
         Example(
             "task",
             "expert: []",
@@ -168,17 +168,16 @@ ENTRIES = {
         ),
     ),
     "TB534": Code(
-        "Variation that changes nothing",
-        "The scene of a variation is the same as that of the task as written, or of another "
+        "Variation without effect",
+        "The scene of this variation is the same as that of the task as written, or of another "
         "variation.",
         Example("task", "variations: [{cube.color: gray}]", "variations: [{cube.color: blue}]"),
     ),
     "TB535": Code(
-        "Success passes",
-        "The success of the expert does not last for two seconds in which all robots hold "
-        "still, for example because the load flies through its goal. A learner would learn to "
-        "pass through the goal, too. Require a state that lasts, and let the expert come to "
-        "rest in it.",
+        "Success does not last",
+        "After the expert succeeds, all robots hold still for two seconds, and success does not "
+        "last that long. For example, the load may fly through its goal. A learner would learn "
+        "to do the same. Require a state that lasts, and let the expert come to rest in it.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05) & ~Stationary("cube", speed=0.02)',
@@ -187,8 +186,8 @@ ENTRIES = {
     ),
     "TB541": Code(
         "A robot is not needed",
-        "The others succeed while one robot stays at home and its orders are left out. If that "
-        "is intended, write cooperation: optional.",
+        "The team succeeds although one robot stays at home and takes no part. If this is "
+        "intended, write cooperation: optional.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05)',
@@ -196,10 +195,9 @@ ENTRIES = {
         ),
     ),
     "TB542": Code(
-        "One robot can do it alone",
-        "One robot succeeds alone by taking an object in the success condition to a place in "
-        "the condition, in another way than the expert. If that is intended, write cooperation:"
-        " optional.",
+        "One robot can do the task alone",
+        "A robot succeeded alone by moving an object to a place, both named in the success "
+        "condition. If this is intended, write cooperation: optional.",
         Example(
             "description",
             'success = (Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
@@ -208,8 +206,8 @@ ENTRIES = {
         ),
     ),
     "TB543": Code(
-        "Random play succeeds",
-        "Success becomes true in an episode of random actions. The condition is too weak.",
+        "Random actions succeed",
+        "Success becomes true in an episode of random actions, so the condition is too weak.",
         Example(
             "description",
             'success = Moved("left.tcp", by=0.1)',
@@ -226,11 +224,11 @@ ENTRIES = {
         ),
     ),
     "TB545": Code(
-        "An object starts in the reach of both arms",
-        "Cooperation is required, and an object that one robot has to fetch starts where "
-        "another could fetch it. No single robot succeeded, but a better policy may. Objects "
-        "that several robots take or carry together, or push to each other, may start in the "
-        "reach of all of them. A warning.",
+        "An object starts within reach of several robots",
+        "The task requires cooperation, but an object that one robot is meant to fetch starts "
+        "where another could fetch it. No single robot succeeded, but a better policy might. "
+        "Objects that several robots hold or carry together, or push to each other, may start "
+        "within reach of all of them. This is a warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"
@@ -242,9 +240,9 @@ ENTRIES = {
         ),
     ),
     "TB551": Code(
-        "Reward term that is not finite, or huge",
-        "A reward term is not a finite number, or is more than a million at one control step, "
-        "where single precision loses the other terms.",
+        "Reward term not finite or too large",
+        "A reward term is not a finite number, or it exceeds one million at a control step. "
+        "Single precision would then lose the other terms.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 1e8), Distance("point", "right.tcp", '
@@ -254,11 +252,11 @@ ENTRIES = {
         ),
     ),
     "TB552": Code(
-        "Stalling pays better than going on",
-        "Holding still forever after one of the expert's stages earns as much as the expert, or"
-        " the played episodes do not show otherwise: the interval of the difference, pair by "
-        "pair on the same seeds, includes zero. A learner would stop there. Give more reward "
-        "for later stages, or less for earlier ones.",
+        "Stalling earns as much as continuing",
+        "Holding still after one of the expert's stages earns as much as the expert, or the "
+        "difference is not significant: its confidence interval, from pairs of episodes with the "
+        "same seed, includes zero. A learner would stop there. Give more reward for later "
+        "stages, or less for earlier ones.",
         Example(
             "description",
             'reward = (Bonus("hold", Held("cube") & ~success, 1.0), Bonus("done", success, 0.1))',
@@ -266,9 +264,9 @@ ENTRIES = {
         ),
     ),
     "TB553": Code(
-        "Doing nothing or anything pays as well",
+        "Doing nothing or acting at random earns as much",
         "Holding still from the start, or random actions, earn as much as the expert, or the "
-        "played episodes do not show otherwise.",
+        "difference is not significant.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", -1.0), Bonus("done", success, 0.1))',
@@ -276,9 +274,9 @@ ENTRIES = {
         ),
     ),
     "TB554": Code(
-        "Leaving out a robot pays as well",
-        "The others earn as much as the expert while one robot stays at home, although "
-        "cooperation is required: a learner would leave that robot idle.",
+        "Leaving out a robot earns as much",
+        "Cooperation is required, but the others earn as much as the expert while one robot "
+        "stays at home. A learner would leave that robot idle.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 4.0), Distance("rest", "right.tcp", '
@@ -288,9 +286,9 @@ ENTRIES = {
         ),
     ),
     "TB555": Code(
-        "Failing on purpose pays as well",
-        "Dropping a held object, or throwing it away, after one of the expert's stages earns as"
-        " much as the expert. If failure ends the episode, it may also end negative rewards.",
+        "Failing on purpose earns as much",
+        "After one of the expert's stages, dropping a held object or throwing it away earns as "
+        "much as the expert. If failure ends the episode, it may also cut off negative rewards.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"), '
@@ -300,27 +298,27 @@ ENTRIES = {
         ),
     ),
     "TB561": Code(
-        "What it costs",
-        "Figures without a verdict: control steps a second, what a control step costs beyond its "
-        "physics steps, and how long a reset and building the world take.",
+        "Speed and cost",
+        "Measurements without a verdict: control steps per second, the time that a control step "
+        "takes in addition to its physics steps, and the time to reset and to build the world.",
     ),
     "TB571": Code(
-        "Render gives no picture",
-        "`render` returns nothing, something other than (height, width, 3) of uint8, or a "
+        "Render returns no picture",
+        "`render` returns nothing, something other than a (height, width, 3) uint8 array, or a "
         "picture of a single colour." + _OURS,
     ),
     "TB572": Code(
-        "Resets keep memory",
-        "Each reset keeps saved states, or more than 100 KB, that no later one frees: training "
-        "would run out of memory." + _OURS,
+        "Memory leak in reset",
+        "Each reset leaves behind saved states, or more than 100 KB of memory, which later "
+        "resets do not free. Training would run out of memory." + _OURS,
     ),
     "TB573": Code(
-        "An episode that does not end",
+        "Episode without an end",
         "The episode continues after its last control step." + _OURS,
     ),
     "TB574": Code(
-        "An agent sees nothing",
-        "An agent has no observation, or an empty one, and cannot learn from it.",
+        "Agent without observation",
+        "An agent's observation is missing or empty, so the agent cannot learn from it.",
         Example(
             "task",
             "observe: {left: [], right: [self.tcp, cube.position]}",
@@ -328,13 +326,13 @@ ENTRIES = {
         ),
     ),
     "TB575": Code(
-        "The seed does not decide",
-        "The same seed and actions gave another episode in the same environment, or another "
-        "episode after it; or all seeds gave the same episode although objects are placed at "
-        "random." + _OURS,
+        "Seed without effect",
+        "In the same environment, the same seed and actions gave different episodes, or the "
+        "episodes after them differed. Or all seeds gave the same episode although objects are "
+        "placed at random." + _OURS,
     ),
     "TB576": Code(
-        "Reward that is no finite number",
+        "Reward not finite",
         "The reward of an agent is not a finite number." + _OURS,
     ),
 }

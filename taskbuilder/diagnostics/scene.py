@@ -6,20 +6,21 @@ from taskbuilder.diagnostics.entry import Code, Example, block, cabinet, within
 
 ENTRIES = {
     "TB300": Code(
-        "Robots and joint values fit their URDFs",
-        "The check that gathers TB301 and TB302, which need no physics.",
+        "Robots and joint values",
+        "Summary of TB301 and TB302, which compare robots and joint values with their URDFs, "
+        "without physics.",
     ),
     "TB301": Code(
-        "Does not fit the URDF",
-        "A robot.yaml, or the joints and grasp points of an object, refer to a link or a moving "
-        "joint that the URDF does not have, or give a gripper a position beyond its joint's "
-        "limits.",
+        "Does not match the URDF",
+        "A robot.yaml, or the joints or grasp points of an object, name a link or a movable "
+        "joint that the URDF does not have. Or a gripper position is beyond the limits of its "
+        "joint.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
-        "Joint value beyond its limits",
-        "A position, or a limit in the task file, is outside the limits of its joint, or the "
-        "number of positions is not the number of joints.",
+        "Joint value out of limits",
+        "A joint position, or a limit in the task file, is outside the limits of the joint in "
+        "the URDF. Or there are too many or too few joint positions.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -27,8 +28,9 @@ ENTRIES = {
         ),
     ),
     "TB303": Code(
-        "Home that the robot cannot reach",
-        "No joint positions within the limits bring the tcp to this pose.",
+        "Home pose out of reach",
+        "Inverse kinematics found no joint positions within the limits that bring the tcp to "
+        "this pose.",
         within(
             "scene.robots.left",
             "home: {tcp: {position: [0.9, 0, 0.6]}}",
@@ -36,13 +38,14 @@ ENTRIES = {
         ),
     ),
     "TB304": Code(
-        "Starts inside another body",
+        "Overlap at the start",
         "Two bodies overlap by more than 1 mm when the episode begins.",
         block("position: [0, 0, 0.41]", "position: [0, 0, 0.43]"),
     ),
     "TB305": Code(
-        "No free place",
-        "A hundred placements were tried, and each was closer than 5 mm to something else.",
+        "No room for an object",
+        "A hundred placements were tried. In each of them the object was less than 5 mm from "
+        "something else.",
         block(
             "place: {surface: table, center: [0.4, 0], size: [0.05, 0.05]}",
             "place: {surface: table, center: [0, 0.3], size: [0.05, 0.05]}",
@@ -50,24 +53,25 @@ ENTRIES = {
     ),
     "TB306": Code(
         "Does not come to rest",
-        "During a second without any action, the object moved more than 5 mm from its start, or"
-        " it is still moving.",
+        "During one second without actions, the object moved by more than 5 mm, or it was still "
+        "moving at the end.",
         block("position: [0, 0, 0.6]", "position: [0, 0, 0.43]"),
     ),
     "TB307": Code(
-        "The simulation explodes",
-        "Without any action, bodies gain energy, leave the scene or have positions that are not"
-        " finite. Bodies inside each other, or with very different masses, are the usual cause.",
+        "The simulation diverges",
+        "Without any action, bodies gain energy, leave the scene, or have positions that are not "
+        "finite. The usual cause is that bodies overlap or have very different masses.",
         block("position: [0, 0, -47]", "position: [0, 0, 0.43]"),
     ),
     "TB308": Code(
         "Implausible mass",
-        "The density of the bounding box is below that of foam or above that of lead. A warning.",
+        "The density, computed from the mass and the bounding box, is lower than that of foam or "
+        "higher than that of lead. This is a warning.",
         within("scene.objects.cube", "mass: 8", "mass: 0.08"),
     ),
     "TB309": Code(
-        "Camera sees nothing",
-        "The picture shows only floor and background.",
+        "Empty camera image",
+        "The image shows only the floor and the background.",
         within(
             "scene.cameras",
             "side: {position: [0, -2, 1], look_at: [0, -4, 1]}",
@@ -76,8 +80,8 @@ ENTRIES = {
     ),
     "TB310": Code(
         "Leaves its region",
-        "After the scene has settled for one control step, the object is more than 3 mm outside"
-        " the region that it was placed in: it fell, slid or was pushed.",
+        "After the scene has settled for one control step, the object is more than 3 mm outside "
+        "the region in which it was placed. It fell, slid or was pushed.",
         block(
             "place: {center: [0, 0.3, 0.436], size: [0.1, 0.1, 0]}",
             "place: {surface: table, center: [0, 0.3], size: [0.1, 0.1]}",
@@ -85,7 +89,7 @@ ENTRIES = {
     ),
     "TB311": Code(
         "Solved at the start",
-        "The success condition holds before any action.",
+        "The success condition holds before the first action.",
         Example(
             "description",
             'success = Above("cube", height=0.3)',
@@ -94,7 +98,7 @@ ENTRIES = {
     ),
     "TB312": Code(
         "Failed at the start",
-        "The failure condition holds before any action.",
+        "The failure condition holds before the first action.",
         Example(
             "description",
             'failure = Below("cube", height=0.6)',
@@ -103,7 +107,7 @@ ENTRIES = {
     ),
     "TB313": Code(
         "Placement does not vary",
-        "The region has a size, but the position is the same for every seed.",
+        "The region has a size, but the position is the same with every seed.",
         within(
             "scene.sites",
             "spot: {place: {center: [0, 0, 0.6], size: [1e-9, 0, 0]}}",
@@ -111,10 +115,10 @@ ENTRIES = {
         ),
     ),
     "TB314": Code(
-        "The description fails when it is asked",
-        "A condition, measure or reward term raised an error or returned an invalid value: a "
-        "condition returns True or False, a measure and a term return a number. The finding "
-        "shows the line.",
+        "The description fails during an episode",
+        "A condition, measure or reward term raised an error or returned an invalid value. A "
+        "condition must return True or False, and a measure or term must return a number. The "
+        "finding shows the line.",
         Example(
             "module",
             "@condition\ndef up(world):\n    return world.position('cube') > 0.6\n\n\n"
@@ -123,11 +127,12 @@ ENTRIES = {
         ),
     ),
     "TB315": Code(
-        "The process that plays is lost",
-        "The description ended or crashed the interpreter while it was evaluated, or did not "
-        "return in time: 20 s and 0.8 s for each control step of an episode. The finding shows "
-        "the line, if it is known. A process that is killed or stopped from outside is replaced"
-        " and its work is repeated; if this happens twice in a row, memory may be short.",
+        "Lost process",
+        "The description ended or crashed the interpreter while it was evaluated, or took too "
+        "long. The time limit is 20 s plus 0.8 s for each control step of an episode. The "
+        "finding shows the line if it is known. If a process is killed or stopped from outside, "
+        "it is replaced and its work is repeated. If this happens twice in a row, the machine "
+        "may be short of memory.",
         Example(
             "module",
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
@@ -136,17 +141,18 @@ ENTRIES = {
         ),
     ),
     "TB316": Code(
-        "Grasp point that stays behind",
-        "A grasp point of an articulated object is fixed to its base, but the nearest link moves. "
-        "When that link moves, grasps miss, and rewards pay for the wrong place. A warning.",
+        "Grasp point on the wrong link",
+        "A grasp point of an articulated object is fixed to the object's base, but the link "
+        "nearest to it moves. When that link moves, the grasp point stays behind, so grasps miss "
+        "and rewards refer to the wrong place. This is a warning.",
         cabinet(
             "grasps: {knob: {at: [0, -0.07, 0.03]}}",
             "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",
         ),
     ),
     "TB400": Code(
-        "Assets are there and sound",
-        "The check that gathers the codes of meshes and URDFs, TB401 to TB421.",
+        "Assets",
+        "Summary of TB401 to TB421, which check meshes and URDFs.",
     ),
 }
 """Code -> what it stands for."""

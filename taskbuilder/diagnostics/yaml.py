@@ -6,8 +6,8 @@ from taskbuilder.diagnostics.entry import Code, Example, cabinet, within
 
 ENTRIES = {
     "TB000": Code(
-        "The files can be read",
-        "The check that gathers TB001 to TB009: files, YAML and the catalogue.",
+        "Readable files",
+        "Summary of TB001 to TB009, which check the files, their YAML and the catalogue.",
     ),
     "TB001": Code(
         "File cannot be read",
@@ -22,7 +22,7 @@ ENTRIES = {
     ),
     "TB003": Code(
         "Not valid YAML",
-        "The file is not YAML, holds a second document, or has a key that is not a plain word.",
+        "The file is not YAML, contains a second document, or has a key that is not plain text.",
         Example("file", "timing: {control_hz: 10", "timing: {control_hz: 10}"),
     ),
     "TB004": Code(
@@ -31,14 +31,14 @@ ENTRIES = {
         Example("file", "state: all\nstate: [cube.pose]", "state: [cube.pose]"),
     ),
     "TB005": Code(
-        "YAML feature that is not read",
-        "Tags (!!str) and merge keys (<<) are not supported: files hold plain values only.",
+        "Unsupported YAML feature",
+        "Tags (!!str) and merge keys (<<) are not supported. Use plain values only.",
         Example("file", "summary: !!str Lift the cube.", "summary: Lift the cube."),
     ),
     "TB006": Code(
-        "Beyond what is read",
-        "A file has at most 256 KiB, 24 levels and 20,000 values after its aliases are "
-        "expanded, and an alias comes after the anchor that it names.",
+        "YAML limits exceeded",
+        "A file may have at most 256 KiB, 24 levels of nesting, and 20,000 values after its "
+        "aliases are expanded. An alias must come after its anchor.",
         Example("file", "state: *everything", "state: all"),
     ),
     "TB007": Code(
@@ -47,23 +47,23 @@ ENTRIES = {
         Example("file", "- task: example", "task: example"),
     ),
     "TB008": Code(
-        "Two files of one name",
+        "Two files with the same name",
         "Two tasks, or two robots, have the same name in the catalogue. Neither is used: rename"
         " one, or remove its folder from the task path.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(
         "No such robot",
-        "The model is neither a robot of the catalogue nor the path of a robot.yaml.",
+        "The model is neither the name of a robot in the catalogue nor the path of a robot.yaml.",
         within("scene.robots.left", "model: ur5", "model: ur5e"),
     ),
     "TB100": Code(
-        "Keys, types and units are right",
-        "The check that gathers TB101 to TB110: the form of the task or robot file.",
+        "Keys, types and units",
+        "Summary of TB101 to TB110, which check the keys, types and units of a task or robot file.",
     ),
     "TB101": Code(
-        "Something is missing",
-        "A key without a default is missing.",
+        "Missing key",
+        "A required key is missing.",
         within(
             "scene.robots.left",
             "home: {tcp: {rpy_deg: [180, 0, 0]}}",
@@ -76,7 +76,7 @@ ENTRIES = {
         within("scene.objects.table", "fixd: true", "fixed: true"),
     ),
     "TB103": Code(
-        "Value of another type",
+        "Wrong type",
         "The value has the wrong type, for example a string instead of a number. Booleans are "
         "true and false; off, on, yes and no are strings.",
         within("scene.objects.cube", "fixed: off", "fixed: false"),
@@ -88,14 +88,14 @@ ENTRIES = {
     ),
     "TB105": Code(
         "Not one of the choices",
-        "The key takes one of a few words, and the value is none of them.",
+        "The value must be one of a few words, and is not.",
         Example("task", "cooperation: needed", "cooperation: required"),
     ),
     "TB106": Code(
-        "Values that do not go together",
-        "Each value is valid by itself, but the combination is not: two shapes for one object, "
-        "[greatest, least] instead of [least, greatest], a physics_hz that is not a multiple of"
-        " control_hz.",
+        "Incompatible values",
+        "Each value is valid on its own, but not in combination with the others. Examples: two "
+        "shapes for one object, [maximum, minimum] instead of [minimum, maximum], or a "
+        "physics_hz that is not a multiple of control_hz.",
         within(
             "scene.objects.cube",
             "shape: {box: [0.05, 0.05, 0.05], sphere: 0.03}",
@@ -103,10 +103,10 @@ ENTRIES = {
         ),
     ),
     "TB107": Code(
-        "Not a name",
-        "A name is a letter followed by letters, digits and _, with at most 40 characters, and "
-        "is not a reserved word (self, world, all, together, until, repeat, nothing, time_left,"
-        " description).",
+        "Invalid name",
+        "A name is a letter followed by letters, digits and _, with at most 40 characters. These "
+        "words are reserved: self, world, all, together, until, repeat, nothing, time_left, "
+        "description.",
         within(
             "scene.sites",
             "2nd_goal: {position: [0, 0, 0.6]}",
@@ -114,20 +114,21 @@ ENTRIES = {
         ),
     ),
     "TB108": Code(
-        "Not a colour",
-        'A colour is a name of the palette, [r, g, b] with each from 0 to 1, or "#rrggbb".',
+        "Invalid colour",
+        "A colour is the name of a colour in the palette, [r, g, b] with values from 0 to 1, or "
+        '"#rrggbb".',
         within("scene.objects.cube", "color: crimson", 'color: "#b01030"'),
     ),
     "TB109": Code(
-        "Name and file differ",
-        "The name of a task must be the name of its file without .yaml; the name of a robot "
-        "must be the name of the folder of its robot.yaml.",
+        "Name does not match the file",
+        "A task must have the name of its file without .yaml. A robot must have the name of the "
+        "folder of its robot.yaml.",
         Example("task", "task: exmaple", "task: example"),
     ),
     "TB110": Code(
-        "Unit of another kind of joint",
-        "start, limits and rest are in metres, for prismatic joints; start_deg, limits_deg and "
-        "rest_deg are in degrees, for revolute joints.",
+        "Wrong unit for the joint",
+        "start, limits and rest are in metres and are for prismatic joints. start_deg, "
+        "limits_deg and rest_deg are in degrees and are for revolute joints.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
 }

@@ -31,27 +31,27 @@ Flags = NDArray[np.bool_]
 class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     """Parallel environments of one task; made by `make_vec`.
 
-    Observations, actions and rewards are dictionaries by agent, of arrays with a row for each
-    environment. Terminations and truncations are plain arrays: all agents of an environment end
-    together. Infos are arrays by key, those of `TaskEnv` and "lost": 1.0 where an episode was cut
-    off because its process was lost. Returned arrays are copies and belong to the caller.
+    Observations, actions and rewards are dictionaries keyed by agent. Each value is an array with
+    one row per environment. Terminations and truncations are plain arrays, because all agents in an
+    environment end together. Infos are arrays, with the keys of `TaskEnv` and "lost", which is 1.0
+    where an episode was cut off because its process was lost. Returned arrays are copies and belong
+    to the caller.
 
-    Environment i draws the seeds of its episodes like a `TaskEnv` that was reset with its seed and
-    then repeatedly without one. So the results depend on the seeds and the actions only, and not on
-    the number of workers.
+    Each environment draws the seeds of its episodes like a `TaskEnv` that is reset once with a seed
+    and then without. The results therefore depend only on the seeds and the actions, not on the
+    number of workers.
 
     When an episode ends (``metadata["autoreset_mode"]``):
 
     - same step: the environment is reset within the step. Observations, `state` and infos are those
-      after the reset. The end of the old episode is in the infos "final_obs" (an array of objects:
-      a dictionary by agent for each environment that ended, else None), "final_state" and
-      "final_info". "_final_obs" and so on are masks of the valid rows.
-    - next step: the environment is reset by the next step, which ignores its actions and has zero
-      reward.
+      after the reset. The last values of the old episode are in the infos "final_obs" (an object
+      array with a dictionary by agent for each environment whose episode ended, else None),
+      "final_state" and "final_info". "_final_obs" and so on are masks of the valid rows.
+    - next step: the next step resets the environment, ignores its actions and has zero reward.
 
     A worker that dies or hangs is replaced, and a warning is logged. The episodes of its
-    environments are truncated in that step with zero reward; their last observation is the one
-    returned before. Environments of other workers are not affected.
+    environments are truncated in that step with zero reward and the last observation that was
+    returned. Environments of other workers are not affected.
 
     Attributes:
         num_envs: Number of environments.
@@ -291,10 +291,10 @@ def make_vec(
         num_envs: Number of environments; each takes about 30 MB.
         workers: Number of processes; 0 to run in this one.
         autoreset: Gymnasium's autoreset mode, "SameStep" or "NextStep".
-        timeout_s: A worker that takes longer for a step of its environments is replaced.
+        timeout_s: Time limit for a worker to step its environments; a slower worker is replaced.
         retries: Maximum number of replacements of a worker in a row.
-        wrap: Wraps each environment in the process where it runs. With workers it must be
-            picklable, such as a function of a module.
+        wrap: Function that wraps each environment, called in the process where it runs. With
+            workers it must be picklable, such as a function in a module.
         options: See `Options`.
 
     Raises:

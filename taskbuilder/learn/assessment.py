@@ -46,7 +46,7 @@ def evaluate(
         task: The task to play; by default the one it was trained on.
         first_seed: Seed of the first episode.
         jobs: Processes; by default one for each core.
-        options: Options of the environment that differ from those of training; see `Options`.
+        options: Options of the environment that differ from those used in training; see `Options`.
 
     Returns:
         The success rate and its interval, returns, and stages.

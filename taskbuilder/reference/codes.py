@@ -56,4 +56,4 @@ def _shown(example: Example) -> str:
     language = _LANGUAGES.get(example.where, "yaml")
     under = f", under `{example.under}`" if example.under else ""
     bad, good = (fence(language, text) for text in (example.bad, example.good))
-    return f"{_PLACES[example.where]}{under}:\n\n{bad}\n\nRight is:\n\n{good}"
+    return f"{_PLACES[example.where]}{under}:\n\n{bad}\n\nCorrect:\n\n{good}"

@@ -50,7 +50,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "timing": "Control and physics rates, and the length of an episode.",
         "scene": "Robots, objects, sites and cameras.",
         "observation_noise": "Noise on the channels of each robot.",
-        "expert": "Script that does the task, stage by stage.",
+        "expert": "Script that does the task, as a list of stages.",
     },
     "SceneSpec": {
         "robots": "The agents, in this order; at least one.",
@@ -81,10 +81,10 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "place": "Region in which it is placed at random in each episode.",
         "shape": "One shape; either this or `parts`.",
         "parts": "Named primitives that make one rigid body.",
-        "friction": "Lateral friction; the engine multiplies those of two bodies that touch.",
-        "rolling_friction": "Rolling friction, in m: torque for each newton of contact force.",
+        "friction": "Lateral friction; the engine multiplies the values of two touching bodies.",
+        "rolling_friction": "Rolling friction, in m: torque per newton of contact force.",
         "restitution": "Coefficient of restitution: 0 no bounce, 1 a bounce without loss of speed.",
-        "color": "Colour, also of parts without one of their own.",
+        "color": "Colour, also for parts that do not set their own.",
         "grasps": "Points where a gripper can grasp it.",
     },
     "Shape": {"cylinder": _CYLINDER, "capsule": _CAPSULE},
@@ -101,7 +101,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
     "Lock": {},
     "Place": {
         "center": "Middle of the region: [x, y] on a surface, [x, y, z] without.",
-        "size": "Full edge lengths of the region; 0 pins an axis.",
+        "size": "Full edge lengths of the region; 0 fixes an axis.",
     },
     "SiteSpec": {
         "position": "Position; either this or `place`.",
@@ -113,7 +113,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
     "Marker": {"cylinder": _CYLINDER},
     "CameraSpec": {
         "position": "Position in the world, or in the frame of its mount.",
-        "look_at": "The point it looks at, in the same frame.",
+        "look_at": "Point to look at, in the same frame.",
         "fov_deg": "Vertical field of view.",
     },
     "Timing": {},

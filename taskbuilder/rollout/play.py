@@ -25,7 +25,7 @@ Watch = Callable[[TaskEnv], None]
 
 
 class Policy(Protocol):
-    """Chooses the actions of all agents; deterministic in the seed of the episode."""
+    """Chooses the actions of all agents; deterministic for a given episode seed."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Prepare for an episode; called after the environment was reset with this seed."""

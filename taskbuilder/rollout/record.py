@@ -78,9 +78,9 @@ ON_REQUEST = ("observations", "pictures", "robot_force")
 class Rollout:
     """The record of an episode: actions, rewards, conditions and progress.
 
-    Some arrays have a row for every control step (``steps``), others for every state (``steps`` +
-    1): the one after reset, and the one after each control step. If the physics diverged, the last
-    state repeats the one before.
+    Some arrays have one row per control step (``steps`` rows). Others have one row per state
+    (``steps`` + 1 rows): the state after reset, and after each control step. If the physics
+    diverged, the last state repeats the one before.
 
     Attributes:
         task: The task's name.

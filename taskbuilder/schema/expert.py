@@ -42,11 +42,11 @@ Condition = Annotated[str, Field(min_length=1, max_length=100)]
 
 # What all motions can say of how they go.
 Above = Annotated[Coordinate, Field(description="Metres above the named frame.")]
-Offset = Annotated[Position, Field(description="Beside the named frame, along its own axes.")]
+Offset = Annotated[Position, Field(description="Offset from the named frame, along its own axes.")]
 Straight = Annotated[bool, Field(description="Allow only the straight path.")]
 Touching = Annotated[
     tuple[ObjectName, ...],
-    Field(description="Objects that may be touched on the way, to push or press them."),
+    Field(description="Objects that may be touched during the motion, to push or press them."),
 ]
 Speed = Annotated[
     float,

@@ -60,19 +60,21 @@ class JointSpec(Model):
         None, description="Initial position of a revolute joint, in degrees; 0 by default."
     )
     limits: tuple[Coordinate, Coordinate] | None = Field(
-        None, description="Least and greatest position, within the limits of the URDF, in metres."
+        None, description="Minimum and maximum position, within the URDF's limits, in metres."
     )
     limits_deg: tuple[float, float] | None = Field(
         None, description="The same for a revolute joint, in degrees."
     )
-    spring: Spring | None = Field(None, description="A spring that pulls it to a rest position.")
+    spring: Spring | None = Field(
+        None, description="A spring that pulls the joint to a rest position."
+    )
     damping: Resistance | None = Field(
         None,
         description="In N s/m, or N m s/rad for a revolute joint; by default that of the URDF.",
     )
-    friction: Resistance = Field(0.5, description="Force that it takes to move it, in N or N m.")
+    friction: Resistance = Field(0.5, description="Friction force to overcome, in N or N m.")
     lock: Lock | None = Field(
-        None, description="Holds it at its position until a condition frees it."
+        None, description="Holds the joint at its position until a condition frees it."
     )
 
     @model_validator(mode="after")

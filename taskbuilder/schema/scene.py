@@ -192,7 +192,7 @@ class ObjectSpec(_Placed):
         Mapping[Reference, Annotated[JointSpec | float, OrNumber()]], AfterValidator(frozen)
     ] = Field(
         default_factory=lambda: frozen({}),
-        description="Start, limits, spring, damping, friction and lock of joints of a URDF.",
+        description="Start, limits, spring, damping, friction and lock of URDF joints.",
     )
 
     def joint(self, name: str, *, turns: bool) -> JointSpec:

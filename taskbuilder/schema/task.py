@@ -26,10 +26,10 @@ class Timing(Model):
     """Rates and length of an episode."""
 
     control_hz: Annotated[int, Field(ge=1, le=1000)] = Field(
-        10, description="Control steps (actions) a second."
+        10, description="Control steps (actions) per second."
     )
     physics_hz: Annotated[int, Field(ge=20, le=10_000)] = Field(
-        120, description="Physics steps a second, a multiple of control_hz."
+        120, description="Physics steps per second, a multiple of control_hz."
     )
     episode_steps: Annotated[int, Field(ge=1, le=100_000)] = Field(
         50, description="Length of an episode in control steps."
@@ -117,5 +117,5 @@ class TaskSpec(Model):
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
-        description="Quantities to draw in each episode, on request.",
+        description="Quantities to draw in each episode, if requested.",
     )

@@ -62,16 +62,16 @@ def check_env(
 ) -> tuple[Finding, ...]:
     """Check that an environment has the properties that learning libraries rely on.
 
-    The environment may be one of taskbuilder, a subclass, one in wrappers of PettingZoo, SuperSuit
-    or Gymnasium, or one of another package. It is played with random actions, and then with
-    PettingZoo's and Gymnasium's own tests. Reset it before you use it again.
+    The environment may come from taskbuilder or from another package. It may be a subclass, or
+    wrapped by PettingZoo, SuperSuit or Gymnasium. It is played with random actions, and then tested
+    by PettingZoo's or Gymnasium's own tests. Reset it before you use it again.
 
     Args:
         env: A PettingZoo ParallelEnv, or a gymnasium.Env.
         seeds: Seeds of the episodes.
-        max_steps: Control steps after which an episode must have ended; by default its length if
-            that is known, else 10,000.
-        raises: Raise an error for findings instead of returning them.
+        max_steps: Maximum number of control steps in an episode; by default the length of the
+            episode if it is known, else 10,000.
+        raises: Whether to raise an error if there are findings, instead of returning them.
 
     Returns:
         The findings.

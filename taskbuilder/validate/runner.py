@@ -112,8 +112,8 @@ def validate_task(
         progress: Wraps the seeds of a family to display progress.
         jobs: Number of processes that play episodes; results do not depend on it.
         only: Names of the families to run; by default all.
-        apart: Load and play the task only in child processes, so that a description that crashes
-            or hangs does no harm. Use False to debug a description in this process.
+        apart: Whether to load and play the task only in child processes, where a crash or hang does
+            no harm. Use False to debug a description in this process.
 
     Raises:
         UnknownNameError: There is no such task.

@@ -51,7 +51,8 @@ def build_world(
         renderer: The renderer of its cameras.
 
     Raises:
-        FileError: The files cannot be built; the findings point into them.
+        FileError: The world cannot be built from the task's files; the findings say where the
+            problems are.
         SimulationError: The renderer does not work here.
     """
     scene = task.scenes[variation]

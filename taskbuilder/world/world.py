@@ -56,8 +56,8 @@ class WorldState:
 class World(Single):
     """Robots, objects and sites of a scene, by name, over one physics client.
 
-    Values are read from the physics once and cached until the next step, so that all readers of a
-    control step get the same values. It is the `WorldView` of descriptions.
+    Values are read from the physics once and cached until the next step, so that they stay the same
+    within a control step. It implements `WorldView` for descriptions.
 
     Attributes:
         task: The task file.
@@ -110,15 +110,16 @@ class World(Single):
     # Time
 
     def keep_as_built(self) -> WorldState:
-        """Save the current state as the one that every episode starts from."""
+        """Save the current state as the starting state of every episode."""
         self._built = self.save()
         return self._built
 
     def reset(self, seed: int, *, randomized: bool = False) -> None:
-        """Begin an episode: robots at home, objects placed, the scene settled for a control step.
+        """Begin an episode: reset the robots, place the objects, and settle for one control step.
 
         Args:
-            seed: Seed of placement and randomisation, each with a generator of its own.
+            seed: Seed for placement and for randomisation; each has its own random-number
+                generator.
             randomized: Draw the quantities that the task file lists under ``randomize``.
 
         Raises:
@@ -159,17 +160,17 @@ class World(Single):
         self._check()
 
     def set_locks(self, conditions: Mapping[str, bool]) -> None:
-        """Lock and free joints as the description's conditions say; all are locked after `reset`.
+        """Lock and free joints according to the description's conditions; all are locked after `reset`.
 
         Args:
-            conditions: Whether each condition of the description holds, by its name.
+            conditions: Whether each condition of the description holds, by name.
         """
         for lock in self._locks:
             lock.obey(conditions)
 
     @property
     def locked(self) -> Mapping[str, str]:
-        """The joints that are locked now, as ``box.hinge``, and the condition that frees each."""
+        """The joints that are locked now, such as ``box.hinge``, with the condition that frees each."""
         return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
 
     def refresh(self) -> None:
@@ -285,7 +286,7 @@ class World(Single):
         return tuple(name for name, thing in self.objects.items() if not thing.spec.fixed)
 
     def is_solid(self, name: str) -> bool:
-        """Whether a name stands for a body rather than for a site."""
+        """Whether a name refers to a body, not to a site."""
         return name not in self.sites
 
     # Where things are

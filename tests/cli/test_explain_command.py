@@ -13,7 +13,7 @@ from taskbuilder.schema.expert import VERBS
 @pytest.mark.parametrize(
     ("name", "whole", "says"),
     [
-        ("TB511", "TB511", "cannot reach"),
+        ("TB511", "TB511", "out of reach"),
         ("tb101", "TB101", "missing"),
         ("Held", "Held", "Held(body: BodyName"),
         ("grasp", "expert.grasp", "Grasp point to take"),

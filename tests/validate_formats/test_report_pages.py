@@ -139,7 +139,7 @@ def test_findings_show_their_lines_and_what_their_codes_mean(failed, source):
     assert f"{source}:4:18" in page.text
     assert "cube: {mass: heavy, <b>: 3}" in page.text
     assert len(page.all("mark")) == 1
-    assert "Value of another type" in page.text
+    assert "Wrong type" in page.text
     assert "not run, as static and build failed" in page.text
 
 
@@ -149,7 +149,7 @@ def test_a_code_is_explained_once(failed):
     twice = replace(static, findings=(wrong, replace(wrong, message="is the text again")))
     page = Parsed(task_page(Page(replace(failed, families=(twice,)))))
     assert len(page.all("p", **{"class": "meaning"})) == 1
-    assert page.text.count("Value of another type") == 2
+    assert page.text.count("Wrong type") == 2
 
 
 def test_the_expert_is_shown_stage_by_stage(task, full):

@@ -20,7 +20,7 @@ longer than until success is reached, and not after a stage that could not be do
 
 
 class Expert:
-    """Plays the expert of a task file; deterministic in the seed.
+    """Plays the expert of a task file; deterministic for a given seed.
 
     It is a `Policy` for its environment; `play` offers further options. An expert can be used for
     any number of episodes. It keeps a second world for planning, which `close` frees.
@@ -29,7 +29,7 @@ class Expert:
         env: An environment of the task, with flat actions and a fixed variation.
 
     Raises:
-        UsageError: An arm's action mode cannot be planned for, or the variation is random.
+        UsageError: Motions cannot be planned for an arm's action mode, or the variation is random.
     """
 
     def __init__(self, env: TaskEnv) -> None:
@@ -58,7 +58,7 @@ class Expert:
             seed: Seed of the reset.
             stages: Stages to play instead of those of the task file.
             without: Robots that stay at home; their orders are left out of all stages.
-            persist: Continue with the next stage after one that could not be done.
+            persist: Whether to continue with the next stage if a stage cannot be done.
             finish: Hold still after the last stage until the episode is over; with ``"undecided"``
                 only until success is reached, and not after a stage that failed.
             after_stage: Called with the number of each completed stage, from 1, before the next
