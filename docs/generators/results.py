@@ -21,7 +21,7 @@ def probes(task: str) -> str:
         (
             [way["name"], _signed(way["return"]), _signed(way["discounted_return"])]
             for way in ways
-            if not way["name"].startswith(("drop", "throw"))
+            if way["way"]["kind"] != "fail"
         ),
     )
 

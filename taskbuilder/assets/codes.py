@@ -65,7 +65,7 @@ CODES: dict[str, tuple[str, str]] = {
     XML: (
         "Not well-formed XML",
         "The URDF is not well-formed XML, has a document type declaration, or is far longer or "
-        "more deeply nested than a robot requires. Convert xacro files with xacro first.",
+        "more deeply nested than any robot requires. Convert xacro files with xacro first.",
     ),
     STRUCTURE: (
         "Unexpected URDF structure",

@@ -72,10 +72,10 @@ ENTRIES = {
     ),
     "TB511": Code(
         "The expert needs a pose out of reach",
-        "For some placement, no joint positions within the limits bring the robot's tcp to a "
-        "pose that a stage of the expert needs, and the expert fails at that stage when it is "
-        "played. The finding names the seed, the stage and the robot, and how far the pose is "
-        "out of reach. It is only a warning if the expert succeeds before it reaches that stage.",
+        "For some placement, inverse kinematics finds no joint positions within the limits for a "
+        "pose that a stage requires, and the expert also fails when it is played. The finding "
+        "names the seed, the stage and the robot, and how far the pose is out of reach. If the "
+        "expert succeeds before it reaches this stage, it is only a warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"

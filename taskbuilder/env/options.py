@@ -41,7 +41,7 @@ class Options:
         flat: Whether observations and actions are flat float32 boxes, or dictionaries of channels.
         normalize: Actions from -1 to 1, or in physical units.
         horizon: Control steps of an episode; by default the task's.
-        control_hz: Control steps a second; by default the task's. The maximum step and turn in an
+        control_hz: Control steps per second; by default the task's. The maximum step and turn in an
             action are scaled, so that tools and joints keep their speed.
         variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
             episode.

@@ -49,8 +49,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     else; `state` is for centralised critics. All agents act at every step, and their episodes end
     together. Infos are numbers with the same keys for every agent, at every step and reset.
 
-    A copy (also by pickle) has a physics engine of its own: it builds the scene again and replays
-    the actions of the episode.
+    A copy (including one made by pickle) has its own physics engine: it rebuilds the scene and
+    replays the actions of the episode.
 
     Args:
         task: The task.

@@ -87,8 +87,8 @@ class Rollout:
         seed: Seed of the reset.
         variation: Number of the variation, 0 being the task as written.
         options: Options of the environment.
-        control_hz: Control steps a second.
-        horizon: Length of a whole episode in control steps.
+        control_hz: Control steps per second.
+        horizon: Length of a full episode in control steps.
         stages: The description's stages, in order.
         actions: (steps, n) float32 by agent, as `TaskEnv.step` takes them.
         rewards: (steps,) the team reward.

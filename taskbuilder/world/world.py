@@ -160,7 +160,7 @@ class World(Single):
         self._check()
 
     def set_locks(self, conditions: Mapping[str, bool]) -> None:
-        """Lock and free joints by the description's conditions; `reset` locks them all.
+        """Lock and free joints by the description's conditions; all are locked after `reset`.
 
         Args:
             conditions: Whether each condition of the description holds, by name.
@@ -170,7 +170,7 @@ class World(Single):
 
     @property
     def locked(self) -> Mapping[str, str]:
-        """The joints that are locked now, such as ``box.hinge``, and what frees each."""
+        """The joints locked now, such as ``box.hinge``, and the condition that frees each."""
         return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
 
     def refresh(self) -> None:
