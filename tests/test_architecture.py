@@ -201,7 +201,7 @@ def test_a_package_that_imports_on_first_use_tells_type_checkers_the_same(file):
 
 def test_the_page_has_the_same_layers_in_the_same_order():
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    table = page.partition("| layer | what it has |\n|---|---|\n")[2].partition("\n\n")[0]
+    table = page.partition("| layer | contents |\n|---|---|\n")[2].partition("\n\n")[0]
     shown = [
         name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1])
     ]
