@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import math
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +15,7 @@ from taskbuilder.learn.evaluation import options_of
 from taskbuilder.learn.zoo import ZOO, load_policy, zoo_names
 from taskbuilder.rollout import play
 
+ROOT = Path(__file__).resolve().parents[2]
 NAMES = zoo_names()
 
 
@@ -25,17 +28,21 @@ def test_the_handover_is_there():
 
 
 # All of these were trained while success was a moment. Each still gets to where it was trained to
-# get to, the stage of that name, and keeps it for a second in so few or many of twelve episodes:
-# measured, and one fewer allowed for other processors.
+# get to, the stage of that name, and keeps it for a second in as many of 300 episodes as
+# benchmarks/results/zoo.json says. Last digits differ between processors and change which episodes
+# those are, so twelve episodes must show what all but one of a thousand such twelves would.
 TRAINED_FOR = {"handover": "at goal", "pick_push_place": "in tray", "collaborative_lift": "at goal"}
-LASTING = {
-    "zoo:collaborative_lift/demos": 11,
-    "zoo:collaborative_lift/scratch": 0,
-    "zoo:handover/demos": 11,
-    "zoo:handover/scratch": 3,
-    "zoo:pick_push_place/demos": 0,
-    "zoo:pick_push_place/scratch": 0,
-}
+MEASURED = json.loads((ROOT / "benchmarks" / "results" / "zoo.json").read_text())["policies"]
+
+
+def fewest(rate, episodes=12, luck=0.001):
+    """The number of successes that is reached but for bad luck."""
+    below = 0.0
+    for count in range(episodes + 1):
+        below += math.comb(episodes, count) * rate**count * (1.0 - rate) ** (episodes - count)
+        if below > luck:
+            return count
+    return episodes
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -47,7 +54,9 @@ def test_a_policy_does_what_it_was_trained_for(name):
     env.close()
     wanted = stages.index(TRAINED_FOR[policy.about["task"]]) + 1
     assert sum(episode.stage[-1] >= wanted for episode in played) >= 10
-    assert sum(episode.success for episode in played) >= LASTING[name] - 1
+    found = MEASURED[name]
+    assert found["episodes"] == 300
+    assert sum(episode.success for episode in played) >= fewest(found["success_rate"])
 
 
 @pytest.mark.parametrize("name", NAMES)
