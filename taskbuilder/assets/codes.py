@@ -114,7 +114,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     IGNORED: (
         "Ignored element",
-        "This element is not passed to the physics engine. Its name may be misspelt.",
+        "The URDF has an element that is unknown in its place, so it is not passed to the physics "
+        "engine. Its name may be misspelt.",
     ),
     TOO_MANY: (
         "Too many links",

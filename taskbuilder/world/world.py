@@ -71,8 +71,9 @@ class World(Single):
         warnings: Warnings of the engine while it loaded assets.
         time: Seconds since the episode began.
         quantities: Values of the quantities that the task can randomise, in this episode.
-        onlooker: Called before each physics step, to read the state between control steps. It must
-            change nothing, and call `refresh` before it reads. Usually None.
+        onlooker: An iterator, advanced before each physics step, to read the state between control
+            steps. It must not change anything, and must call `refresh` before it reads any values.
+            Usually None.
     """
 
     def __init__(
