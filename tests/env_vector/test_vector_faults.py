@@ -157,7 +157,7 @@ def test_an_interrupted_step_asks_for_a_reset_and_no_more(vec, monkeypatch):
     env = vec(2, 2)
     before = digest(env.reset(seed=1))
     pids = env.worker_pids
-    worker = env._crew._workers[1]
+    worker = env._backend._workers[1]
 
     def interrupted(limit_s):
         raise KeyboardInterrupt
