@@ -15,7 +15,7 @@ PACKAGES = (
     *("taskbuilder", "pybullet", "numpy", "gymnasium", "pettingzoo"),
     *("pydantic", "PyYAML", "torch"),
 )
-"""Packages whose versions are told where they are installed."""
+"""Optional packages, whose versions are listed if they are installed."""
 
 
 def versions() -> dict[str, str]:

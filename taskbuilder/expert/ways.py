@@ -1,4 +1,4 @@
-"""Ways of playing a task, by which episodes are told apart: a key, and its text for people."""
+"""Keys that identify how an episode was played: by the expert, at random, stalling and so on."""
 
 from __future__ import annotations
 

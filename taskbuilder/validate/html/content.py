@@ -21,7 +21,7 @@ _UNITS = {"_s": "s", "_ms": "ms", "_us": "µs", "_m": "m", "_mm": "mm", "_hz": "
 
 @dataclass(frozen=True)
 class Explained:
-    """A finding with what is said about it.
+    """A finding with its explanation.
 
     Attributes:
         finding: What was found.
