@@ -1,12 +1,13 @@
 """Whether the learner solves what others have curves for: simple_spread, beside a published one.
 
     pip install mpe2
-    python benchmarks/simple_spread.py [--algorithm ppo]
+    python benchmarks/simple_spread.py [--algorithm ppo] [--seeds 0 1 2 --jobs 3]
 
 trains `maddpg` or `ppo` on simple_spread of the particle environments (three agents, three
-landmarks, 25 steps, continuous actions, half of the reward local) and writes, after each
-evaluation, a row to benchmarks/results/simple_spread.csv and, at the end,
-benchmarks/results/simple_spread.json; those of `ppo` have its name: simple_spread_ppo.csv.
+landmarks, 25 steps, continuous actions, half of the reward local) and writes a row
+for each evaluation to benchmarks/results/simple_spread.csv and, at the end,
+benchmarks/results/simple_spread.json; those of `ppo` have its name: simple_spread_ppo.csv. A
+seed's rows are written when it ends.
 
 What is compared is the return of an episode: the sum of an agent's own reward over the 25 steps,
 undiscounted, mean of the three agents. Figures of the particle environments' older versions, of
@@ -25,7 +26,8 @@ import argparse
 import csv
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -184,6 +186,22 @@ def train(run: Training) -> Iterator[dict[str, Any]]:
             }
 
 
+def print_rows(run: Training) -> list[dict[str, Any]]:
+    """Train a seed, and print each row as it comes."""
+    rows = []
+    for row in train(run):
+        print(*(f"{key} {value}" for key, value in row.items()), flush=True)
+        rows.append(row)
+    return rows
+
+
+def train_all(runs: Sequence[Training], jobs: int) -> Iterator[dict[str, Any]]:
+    """Train seeds, as many at once as there are jobs."""
+    with ProcessPoolExecutor(jobs) as pool:
+        for rows in pool.map(print_rows, runs):
+            yield from rows
+
+
 def play(learner: Learner | None, episodes: int) -> Any:
     """Returns of episodes without noise, mean of the agents; by chance if there is no learner."""
     spread, rng = Spread(PLAYED, first_seed=HELD_OUT), np.random.default_rng(0)
@@ -227,8 +245,10 @@ def main() -> int:
     parser.add_argument("--steps", type=int, default=250_000)
     parser.add_argument("--every", type=int, default=25_000, help="steps between evaluations")
     parser.add_argument("--episodes", type=int, default=100, help="of one; ten times at the end")
+    parser.add_argument("--jobs", type=int, default=1, help="seeds to train at once")
     parser.add_argument("--out", type=Path, default=RESULTS)
     asked = parser.parse_args()
+    asked.out.mkdir(parents=True, exist_ok=True)
     numbers = [f"--{name} {getattr(asked, name)}" for name in ("steps", "every", "episodes")]
     seeds = " ".join(map(str, asked.seeds))
     options = f"--algorithm {asked.algorithm} --seeds {seeds} {' '.join(numbers)}"
@@ -238,14 +258,14 @@ def main() -> int:
     with (asked.out / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, FIELDS, lineterminator="\n")
         table.writeheader()
-        for seed in asked.seeds:
-            for row in train(
-                Training(asked.algorithm, seed, asked.steps, asked.every, asked.episodes)
-            ):
-                rows.append(row)
-                table.writerow(row)
-                file.flush()
-                print(*(f"{key} {value}" for key, value in row.items()), flush=True)
+        runs = [
+            Training(asked.algorithm, seed, asked.steps, asked.every, asked.episodes)
+            for seed in asked.seeds
+        ]
+        for row in train_all(runs, asked.jobs):
+            rows.append(row)
+            table.writerow(row)
+            file.flush()
     text = json.dumps(summary(asked.algorithm, rows, command), indent=2)
     (asked.out / f"{name}.json").write_text(text + "\n", encoding="utf-8")
     return 0
