@@ -15,7 +15,7 @@ from typing import Any
 from zlib import crc32  # SHA-256 would take longer to import than all tasks to read
 
 from taskbuilder.errors import FileError
-from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.catalogue import SUITES, Catalogue, CatalogueEntry
 
 INDEX = "index.json"
 
@@ -26,11 +26,13 @@ class TaskSummary:
 
     Attributes:
         robots: The model of each robot by its name; none where the file has errors.
+        objects: The names of its objects, furniture included.
         episode_steps: Control steps of an episode, or None where the file has errors.
         summary: What the task file says of itself.
     """
 
     robots: Mapping[str, str] = field(default_factory=dict)
+    objects: tuple[str, ...] = ()
     episode_steps: int | None = None
     summary: str = "(has errors)"
 
@@ -39,8 +41,21 @@ def summarize(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     """What is said of a task: from the index beside it, or else from its file."""
     indexed = _read_index(entry.root).get(entry.file.stem)
     if entry.trusted and indexed and indexed["checksum"] == _checksum(entry.file):
-        return TaskSummary(indexed["robots"], indexed["episode_steps"], indexed["summary"])
+        known = {key: indexed[key] for key in ("robots", "episode_steps", "summary")}
+        return TaskSummary(objects=tuple(indexed["objects"]), **known)
     return _read(entry, catalogue)
+
+
+def suites_of(entry: CatalogueEntry, catalogue: Catalogue) -> list[str]:
+    """The names of the suites that a task is in.
+
+    Raises:
+        FileError: A file of suites has errors.
+    """
+    indexed = _read_index(entry.root).get(entry.file.stem)
+    if entry.trusted and indexed:
+        return list(indexed["suites"])
+    return _read_suites(entry, catalogue)
 
 
 def index_text(folder: Path) -> str:
@@ -48,7 +63,11 @@ def index_text(folder: Path) -> str:
     catalogue = Catalogue()
     entries = [entry for entry in catalogue.tasks.values() if entry.root == folder]
     index = {
-        entry.file.stem: {"checksum": _checksum(entry.file), **asdict(_read(entry, catalogue))}
+        entry.file.stem: {
+            "checksum": _checksum(entry.file),
+            **asdict(_read(entry, catalogue)),
+            "suites": _read_suites(entry, catalogue),
+        }
         for entry in entries
     }
     return json.dumps(index, indent=2, ensure_ascii=False) + "\n"
@@ -62,7 +81,15 @@ def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     except FileError:
         return TaskSummary()
     robots = {name: robot.model for name, robot in spec.scene.robots.items()}
-    return TaskSummary(robots, spec.timing.episode_steps, spec.summary)
+    return TaskSummary(robots, tuple(spec.scene.objects), spec.timing.episode_steps, spec.summary)
+
+
+def _read_suites(entry: CatalogueEntry, catalogue: Catalogue) -> list[str]:
+    if not (entry.root / SUITES).is_file():
+        return []
+    from taskbuilder.schema.suites import find_suites
+
+    return [suite.name for suite in find_suites(catalogue).values() if entry.name in suite.tasks]
 
 
 @cache
