@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from taskbuilder.description.check import check_description
-from taskbuilder.description.description import Description
+from taskbuilder.description.description import Description, with_members
 from taskbuilder.description.load import load_description, try_import
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
@@ -86,7 +86,7 @@ def load_task(
             findings += _check_conditions(file, description)
         findings += file.warnings if file is not None else ()
         if file is not None and not any(finding.severity == "error" for finding in findings):
-            return Task(file, description, tuple(findings))
+            return Task(file, with_members(description, file.names), tuple(findings))
     raise FileError(findings)
 
 

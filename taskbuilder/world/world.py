@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +23,8 @@ from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
-from taskbuilder.world.placement import place_all
+from taskbuilder.world.piles import PILES, Piles
+from taskbuilder.world.placement import PlacementPlan, place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
@@ -30,6 +32,12 @@ from taskbuilder.world.touch import Touch
 
 PRESS_M = 3e-4
 """How deep links are pushed into each other to find their contact again."""
+
+GROUPS_SETTLE_S = 1 / 60
+"""Seconds for which a scene with groups settles at a reset.
+
+It is enough to come down on the surface, and a hundred things take 2 ms for every physics step.
+"""
 
 
 @dataclass(frozen=True)
@@ -71,6 +79,8 @@ class World(Single):
         warnings: Warnings of the engine while it loaded assets.
         time: Seconds since the episode began.
         quantities: Values of the quantities that the task can randomise, in this episode.
+        piled: Where the members of piles lie at the start of this episode, in the frames of their
+            arrangements.
         onlooker: An iterator, advanced before each physics step, to read the state between control
             steps. It must not change anything, and must call `refresh` before it reads any values.
             Usually None.
@@ -97,7 +107,7 @@ class World(Single):
         self.floor = floor
         self.warnings = warnings
         self.time = 0.0
-        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize)
+        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
         self._springs = tuple(
@@ -106,6 +116,9 @@ class World(Single):
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
+        self.plan = PlacementPlan.of(scene)
+        self._piles = Piles(task, scene)
+        self.piled: Mapping[str, Pose] = {}
         self._built: WorldState | None = None
 
     # Time
@@ -128,13 +141,35 @@ class World(Single):
             ExplosionError: The physics diverged.
         """
         randomness = EpisodeRandomness(seed)
+        if self._piles:
+            self._pile(int(randomness.piles().integers(PILES)))
         self.restore(self._built or self.keep_as_built())
         if randomized:
             self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
         place_all(self, randomness.placement())
-        self.step()
+        self._run({}, self._settling_steps)
         self.time = 0.0
         self._forces.clear()
+
+    @cached_property
+    def _settling_steps(self) -> int:
+        """Physics steps of a reset: a control step, and less where there are groups."""
+        substeps = self.spec.timing.substeps
+        if not self.task.names.groups:
+            return substeps
+        return min(substeps, math.ceil(GROUPS_SETTLE_S * self.spec.timing.physics_hz))
+
+    def _pile(self, number: int) -> None:
+        """Take one of the piles, and settle it if that was never done."""
+        if self._piles.settled(number) is None:
+            onlooker, self.onlooker = self.onlooker, None  # of the episode, which has not begun
+            randomness = EpisodeRandomness(number)
+            self.restore(self._built or self.keep_as_built())
+            self.piled = self._piles.loose(randomness.piles())
+            place_all(self, randomness.placement())
+            self._piles.settle(number, self)
+            self.onlooker = onlooker
+        self.piled = self._piles.settled(number) or {}
 
     def step(self, arm_targets: Mapping[str, Sequence[float]] | None = None) -> None:
         """Run one control step.
@@ -147,16 +182,18 @@ class World(Single):
         Raises:
             ExplosionError: The physics diverged; build the world anew.
         """
-        timing = self.spec.timing
-        targets = arm_targets or {}
-        drives = [self.robots[name].ramp(to, timing.substeps) for name, to in targets.items()]
+        self._run(arm_targets or {}, self.spec.timing.substeps)
+
+    def _run(self, targets: Mapping[str, Sequence[float]], substeps: int) -> None:
+        """Run some physics steps."""
+        drives = [self.robots[name].ramp(to, substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
         drives += [joint.act() for joint in self._springs]
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
-        self.client.step(timing.substeps, drives, self._forces.read if self._forces else None)
-        self.time += 1.0 / timing.control_hz
+        self.client.step(substeps, drives, self._forces.read if self._forces else None)
+        self.time += substeps / self.spec.timing.physics_hz
         self.refresh()
         self._check()
 
@@ -257,7 +294,7 @@ class World(Single):
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
         changed = {k: value for k, value in values.items() if value != self.quantities[k]}
-        apply(self.objects, self.sites, changed)
+        apply(self.objects, self.sites, changed, self.task.names.groups)
         self.quantities = values
 
     def _check(self) -> None:
