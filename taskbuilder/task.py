@@ -92,7 +92,7 @@ def load_task(
 
 def _check_conditions(file: TaskFile, description: type[Description]) -> Iterator[Finding]:
     """Every condition that experts and locks go by and that the description does not name."""
-    known = description.conditions()
+    known = with_members(description, file.names).conditions()
     locked = dict.fromkeys(lock for scene in file.scenes for lock in locks(scene))
     for path, name in (*waits(file.spec.expert), *locked):
         if name not in known:

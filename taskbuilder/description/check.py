@@ -42,7 +42,7 @@ def check_description(
     ]
     for node in _written(roots):
         findings += _check_node(node, names, file)
-    findings += _check_groups(roots, names, file)
+    findings += _check_groups(tuple(_expressions(description, attributes=False)), names, file)
     findings += _check_labels(tuple(node for node in roots if isinstance(node, Term)), file)
     return findings
 
@@ -98,8 +98,13 @@ def _check_stages(description: type[Description], file: Location) -> Iterator[Fi
             yield Finding("TB211", message, "", _origin(value, file))
 
 
-def _expressions(description: type[Description]) -> Iterator[Node]:
-    """The expressions of a description that have the right type."""
+def _expressions(description: type[Description], *, attributes: bool = True) -> Iterator[Node]:
+    """The expressions of a description that have the right type.
+
+    Args:
+        description: The class.
+        attributes: Include attributes of the author's own, which may only be parts of the others.
+    """
     reward = getattr(description, "reward", ())
     stages = description.stages
     candidates = (
@@ -107,7 +112,7 @@ def _expressions(description: type[Description]) -> Iterator[Node]:
             getattr(description, name, None)
             for name in ("success", "failure", "progress", "setback")
         ),
-        *description.attributes().values(),
+        *(description.attributes().values() if attributes else ()),
         *(stages.values() if isinstance(stages, dict) else ()),
         *(reward if isinstance(reward, tuple) else ()),
     )

@@ -7,6 +7,7 @@ that gathers several is repeated for each member of the groups that the part nam
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from copy import copy
 from dataclasses import fields, is_dataclass, replace
 from itertools import product
@@ -23,12 +24,17 @@ Members = Mapping[str, str]
 
 def of_groups(node: Node, names: SceneNames) -> Iterator[tuple[Node, str]]:
     """Every name of a group in an expression, outside of what gathers several, and who names it."""
-    for _, name in node.references():
-        if names.members(name) is not None:
-            yield node, name
+    # An annotation that cannot be read is a finding of its own.
+    with suppress(NameError, AttributeError, TypeError, SyntaxError):
+        yield from ((node, name) for _, name in node.references() if names.members(name))
     for part in node.parts:
         if isinstance(part, Node) and not part.gathers:
             yield from of_groups(part, names)
+
+
+def is_about_each(value: Any, names: SceneNames) -> bool:
+    """Whether an attribute is an expression about each member of a group."""
+    return isinstance(value, Node) and not value.gathers and any(of_groups(value, names))
 
 
 def times(part: Node, names: SceneNames) -> int:

@@ -177,18 +177,16 @@ def _overfull(pile: Edges, count: int, outline: Outline) -> str | None:
     x, y, z = _cells(pile, outline)
     if x * y * z >= count:
         return None
-    cell = LOOSE * outline.diameter
-    most = f"at most {x * y * z} fit" if x * y * z else "not even one fits"
-    larger = ", ".join(_up(edge) for edge in _enlarged(pile, count, cell))
-    sizes = ", ".join(f"{edge:g}" for edge in pile)
-    return f"{most} into pile: [{sizes}], as each takes {100 * cell:.1f} cm; [{larger}] would do"
+    larger = pile
+    while math.prod(_cells(larger, outline)) < count:
+        larger = (1.05 * larger[0], 1.05 * larger[1], 1.05 * larger[2])
+    cell_cm = 100 * LOOSE * outline.diameter
+    room = f"{count} do not fit into pile: {_sizes(pile)}, as each takes {cell_cm:.1f} cm"
+    return f"{room}; {_sizes(larger)} would do"
 
 
-def _enlarged(pile: Edges, count: int, cell: float) -> Edges:
-    """A box with room for all: wide enough for one, and then as high as it takes."""
-    x, y = (max(edge, cell) for edge in pile[:2])
-    layer = math.floor(x / cell + _TOUCHING) * math.floor(y / cell + _TOUCHING)
-    return x, y, max(pile[2], math.ceil(count / layer) * cell)
+def _sizes(edges: Edges) -> str:
+    return f"[{', '.join(map(_up, edges))}]"
 
 
 def _up(length: float) -> str:

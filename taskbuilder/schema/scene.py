@@ -230,7 +230,7 @@ class ObjectSpec(_Placed):
         if self.count is not None and self.arrange is None:
             raise PydanticCustomError(
                 "choice",
-                f"count needs an arrangement, such as arrange: {{{{line: 0.1}}}} ({_KINDS})",
+                f"count needs an arrangement, such as arrange: {{line: 0.1}} ({_KINDS})",
             )
         if self.arrange is None:
             return

@@ -23,6 +23,9 @@ PILES = 8
 SETTLING_S = 3.0
 """Seconds after which a pile is taken as it is."""
 
+CALM_S = 0.5
+"""For how long all members must be still: one that topples is still for a moment, too."""
+
 STILL_M_S = 0.005
 STILL_RAD_S = math.radians(5.0)
 
@@ -69,7 +72,7 @@ class Piles:
     def loose(self, rng: np.random.Generator) -> dict[str, Pose]:
         """Poses of all members in their cells, each turned at random and a little aside."""
         poses = {}
-        for group, members in self._groups.items():
+        for members in self._groups.values():
             spec = self._scene.objects[members[0]]
             room = outline(spec, self._task.assets.get(members[0]))
             slack = spec.arrange.slack(room) if spec.arrange and room else (0.0, 0.0)
@@ -83,10 +86,13 @@ class Piles:
 
     def settle(self, number: int, world: PileWorld) -> None:
         """Let the members, which have been put in their cells, fall and come to rest."""
-        steps = math.ceil(SETTLING_S * self._task.spec.timing.control_hz)
-        for _ in range(steps):
+        control_hz = self._task.spec.timing.control_hz
+        members = [one for ones in self._groups.values() for one in ones]
+        calm = 0
+        for _ in range(math.ceil(SETTLING_S * control_hz)):
             world.step()
-            if all(self._still(world, one) for ones in self._groups.values() for one in ones):
+            calm = calm + 1 if all(_still(world, one) for one in members) else 0
+            if calm >= CALM_S * control_hz:
                 break
         self._settled[number] = {
             one: world.pose(group).inverse() @ world.pose(one)
@@ -94,7 +100,7 @@ class Piles:
             for one in ones
         }
 
-    @staticmethod
-    def _still(world: PileWorld, name: str) -> bool:
-        linear, angular = world.velocity(name)
-        return norm(linear) < STILL_M_S and norm(angular) < STILL_RAD_S
+
+def _still(world: PileWorld, name: str) -> bool:
+    linear, angular = world.velocity(name)
+    return norm(linear) < STILL_M_S and norm(angular) < STILL_RAD_S
