@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from taskbuilder.geometry import Box, Pose, Vec3
-from taskbuilder.schema.values import Edges, Length, Model, Positive, RpyDeg, exactly_one
+from taskbuilder.schema.values import Edges, Length, Model, RpyDeg, exactly_one
 
 MAX_COUNT = 200
 LOOSE = 1.05
@@ -40,7 +41,9 @@ class Outline:
 class Grid(Model):
     """Rows and columns."""
 
-    columns: int = Field(ge=1, le=MAX_COUNT, description="Number of objects along x.")
+    columns: Annotated[int, Field(ge=1, le=MAX_COUNT)] = Field(
+        description="Number of objects along x."
+    )
     spacing: tuple[Length, Length] = Field(
         description="Distances between their centres along x and y."
     )
@@ -53,7 +56,7 @@ class Arrangement(Model):
         None, description="In a line along x: distance between their centres."
     )
     grid: Grid | None = Field(None, description="In rows along x, one beside the other along y.")
-    ring: Positive | None = Field(
+    ring: Length | None = Field(
         None, description="In a ring: its radius, in metres. Each x axis points outwards."
     )
     pile: Edges | None = Field(

@@ -119,13 +119,13 @@ class SceneNames:
             return None
         if name in self.known("robot") and kind == "frame":
             return f'"{name}" is a robot; name a frame of it: {name}.tcp or {name}.base'
-        several = "bodies" if kind == "body" else f"{kind}s"
+        plural = "bodies" if kind == "body" else f"{kind}s"
         if any(name in self.known(other) for other in _KNOWN):
-            return f'"{name}" is no {kind}; {suggestion(name, known, what=several)}'
+            return f'"{name}" is no {kind}; {suggestion(name, known, what=plural)}'
         owner, _, inner = name.partition(".")
         if inner and owner in (*self.objects, *self.robots):
             own = [other.partition(".")[2] for other in known if other.startswith(f"{owner}.")]
-            has = suggestion(inner, own, what="it has") if own else f"it has no {several}"
+            has = suggestion(inner, own, what="it has") if own else f"it has no {plural}"
             return f'"{owner}" has no {kind} "{inner}"; {has}'
         group, _, number = owner.rpartition("_")
         if number.isdigit() and (ours := self.groups.get(group)):
