@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from taskbuilder.rollout.play import Policy, play, replay
     from taskbuilder.rollout.record import Rollout
     from taskbuilder.schema.catalogue import Catalogue
+    from taskbuilder.schema.suites import Suite
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate.environments import check_env
     from taskbuilder.validate.runner import validate_task
@@ -36,6 +37,7 @@ __all__ = [
     "JointEnv",
     "Policy",
     "Rollout",
+    "Suite",
     "Task",
     "TaskEnv",
     "TaskVectorEnv",
@@ -50,6 +52,7 @@ __all__ = [
     "check_env",
     "evaluate",
     "load_policy",
+    "load_suite",
     "load_task",
     "make_vec",
     "parallel_env",
@@ -66,6 +69,7 @@ _HOMES = {
     "JointEnv": "taskbuilder.env.joint",
     "Policy": "taskbuilder.rollout.play",
     "Rollout": "taskbuilder.rollout.record",
+    "Suite": "taskbuilder.schema.suites",
     "Task": "taskbuilder.task",
     "TaskEnv": "taskbuilder.env.parallel",
     "TaskVectorEnv": "taskbuilder.env.vector",
@@ -104,3 +108,21 @@ def catalogue(*folders: str) -> Catalogue:
     from taskbuilder.schema.catalogue import Catalogue
 
     return Catalogue.discover(folders)
+
+
+def load_suite(name: str, *, catalogue: Catalogue | None = None) -> Suite:
+    """Load a suite: a group of tasks, with the variations and seeds to train and to test on.
+
+    Args:
+        name: Its name: ``seed``, ``single``, ``pairs``, ``trios``, ``quads``, or one of a
+            ``suites.yaml`` in a folder of the catalogue.
+        catalogue: The catalogue; by default that of this installation.
+
+    Raises:
+        UnknownNameError: There is no such suite.
+        FileError: A file of suites has errors.
+    """
+    from taskbuilder.schema import suites
+    from taskbuilder.schema.catalogue import Catalogue
+
+    return suites.find_suite(name, catalogue or Catalogue.discover())

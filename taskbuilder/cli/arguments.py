@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import whole
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
+from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer, add_suite
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.wording import suggestion
 
@@ -143,7 +143,8 @@ class Adder:
 
 
 def _add_list(adder: Adder) -> None:
-    parser = adder.command("list the tasks of the catalogue", "--json")
+    parser = adder.command("list the tasks of the catalogue", "--suite pairs")
+    add_suite(parser)
     add_json(parser)
 
 
@@ -169,6 +170,7 @@ def _add_validate(adder: Adder) -> None:
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.add_argument("--all", action="store_true", help="every task of the catalogue")
+    add_suite(parser)
     parser.add_argument(
         "--level",
         choices=("static", "build", "full"),
@@ -207,6 +209,7 @@ def _add_render(adder: Adder) -> None:
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.add_argument("--all", action="store_true", help="every task of the catalogue")
+    add_suite(parser)
     parser.add_argument(
         "--out",
         type=Path,

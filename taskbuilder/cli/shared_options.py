@@ -22,6 +22,15 @@ def add_json(parser: ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
 
 
+def add_suite(parser: ArgumentParser) -> None:
+    """``--suite``: the tasks of a suite."""
+    parser.add_argument(
+        "--suite",
+        metavar="S",
+        help="the tasks of a suite: seed, single, pairs, trios, quads, or one of your own",
+    )
+
+
 def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
     """``--camera`` and ``--size``.
 

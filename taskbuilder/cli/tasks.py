@@ -12,6 +12,7 @@ from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:
+    from taskbuilder.schema.suites import Suite
     from taskbuilder.task import Task
 
 
@@ -20,18 +21,38 @@ def catalogue_of(arguments: argparse.Namespace) -> Catalogue:
     return Catalogue.discover(arguments.task_path)
 
 
-def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str]:
-    """The tasks given by name or path, or all of the catalogue.
+def asked_suite(arguments: argparse.Namespace, catalogue: Catalogue) -> Suite | None:
+    """The suite given by --suite, if any.
 
     Raises:
-        UsageError: None was named, or some were although all were asked for.
+        UnknownNameError: There is no such suite.
+        UsageError: The suite has no tasks.
     """
-    if arguments.all and arguments.tasks:
-        raise UsageError("give the names of tasks, or --all, not both")
+    if not arguments.suite:
+        return None
+    from taskbuilder.schema.suites import find_suite  # validates, which takes its time
+
+    suite = find_suite(arguments.suite, catalogue)
+    if not suite.tasks:
+        raise UsageError(f'the suite "{suite.name}" has no tasks')
+    return suite
+
+
+def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str]:
+    """The tasks given by name or path, those of a suite, or all of the catalogue.
+
+    Raises:
+        UsageError: None was named, or they were named in two ways.
+        UnknownNameError: There is no such suite.
+    """
+    if sum(map(bool, (arguments.all, arguments.suite, arguments.tasks))) > 1:
+        raise UsageError("give the names of tasks, or --suite, or --all; only one of them")
     if arguments.all:
         return list(catalogue.tasks)
+    if suite := asked_suite(arguments, catalogue):
+        return list(suite.tasks)
     if not arguments.tasks:
-        raise UsageError("which task? give a name, a path, or --all")
+        raise UsageError("which task? give a name, a path, --suite or --all")
     return list(dict.fromkeys(arguments.tasks))
 
 

@@ -24,6 +24,9 @@ Sort = Literal["task", "robot"]
 
 PATH_VARIABLE = "TASKBUILDER_PATH"
 
+SUITES = "suites.yaml"
+"""The file of a folder of tasks that is no task: its suites."""
+
 
 @dataclass(frozen=True)
 class CatalogueEntry:
@@ -186,7 +189,7 @@ def similar(path: Path) -> str:
 def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:
     pattern = "*.yaml" if sort == "task" else "*/robot.yaml"
     for file in sorted(folder.glob(pattern)):
-        if file.name == "robot.yaml" and sort == "task":
+        if file.name in ("robot.yaml", SUITES) and sort == "task":
             continue
         name = file.stem if sort == "task" else file.parent.name
         if not name.startswith((".", "_")):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -26,11 +26,13 @@ class TaskSummary:
 
     Attributes:
         robots: The model of each robot by its name; none where the file has errors.
+        objects: The names of its objects, furniture included.
         episode_steps: Control steps of an episode, or None where the file has errors.
         summary: What the task file says of itself.
     """
 
     robots: Mapping[str, str] = field(default_factory=dict)
+    objects: tuple[str, ...] = ()
     episode_steps: int | None = None
     summary: str = "(has errors)"
 
@@ -38,23 +40,20 @@ class TaskSummary:
 def summarize(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     """What is said of a task: from the index beside it, or else from its file."""
     indexed = _read_index(entry.root).get(entry.file.stem)
-    if entry.trusted and indexed and indexed["checksum"] == _checksum(entry.file):
-        return TaskSummary(indexed["robots"], indexed["episode_steps"], indexed["summary"])
-    return _read(entry, catalogue)
+    if entry.trusted and indexed and indexed["checksum"] == checksum(entry.file):
+        known = {key: indexed[key] for key in ("robots", "episode_steps", "summary")}
+        return TaskSummary(objects=tuple(indexed["objects"]), **known)
+    return read_summary(entry, catalogue)
 
 
-def index_text(folder: Path) -> str:
-    """What the index of a folder of packaged tasks should hold."""
-    catalogue = Catalogue()
-    entries = [entry for entry in catalogue.tasks.values() if entry.root == folder]
-    index = {
-        entry.file.stem: {"checksum": _checksum(entry.file), **asdict(_read(entry, catalogue))}
-        for entry in entries
-    }
-    return json.dumps(index, indent=2, ensure_ascii=False) + "\n"
+def indexed_suites(entry: CatalogueEntry) -> list[str] | None:
+    """The names of the suites that a packaged task is in; None if there is no index."""
+    indexed = _read_index(entry.root).get(entry.file.stem) if entry.trusted else None
+    return list(indexed["suites"]) if indexed else None
 
 
-def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
+def read_summary(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
+    """What the file of a task says, whatever the index has."""
     from taskbuilder.schema.load import read_task  # takes longer than all else that `list` does
 
     try:
@@ -62,7 +61,7 @@ def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     except FileError:
         return TaskSummary()
     robots = {name: robot.model for name, robot in spec.scene.robots.items()}
-    return TaskSummary(robots, spec.timing.episode_steps, spec.summary)
+    return TaskSummary(robots, tuple(spec.scene.objects), spec.timing.episode_steps, spec.summary)
 
 
 @cache
@@ -74,5 +73,6 @@ def _read_index(folder: Path) -> Mapping[str, Any]:
     return index
 
 
-def _checksum(file: Path) -> str:
+def checksum(file: Path) -> str:
+    """The checksum by which the index knows whether a file has changed."""
     return f"{crc32(file.read_bytes()):08x}"

@@ -19,7 +19,7 @@ def test_list_shows_every_task_of_the_catalogue(run):
     ran = run("list")
     assert (ran.status, ran.err) == (0, "")
     head, *rows = ran.out.splitlines()
-    assert head.split() == ["task", "robots", "steps", "summary"]
+    assert head.split() == ["task", "robots", "steps", "proved", "summary"]
     assert [row.split()[0] for row in rows] == TASKS
 
 
@@ -27,10 +27,28 @@ def test_list_as_json_has_the_documented_shape(run):
     (handover,) = [
         task for task in run("list", "--json").data["tasks"] if task["name"] == "handover"
     ]
-    assert set(handover) == {"name", "path", "robots", "episode_steps", "summary"}
+    assert set(handover) == {
+        *("name", "path", "robots", "objects", "episode_steps", "summary", "proof", "suites")
+    }
+    assert handover["objects"] == ["table", "stick", "obstacle"]
+    assert handover["suites"] == ["seed", "pairs"]
+    assert handover["proof"]["seeds"] == 40
     assert handover["robots"] == {"left": "ur5e", "right": "ur5e"}
     assert handover["episode_steps"] == 50
     assert Path(handover["path"]).name == "handover.yaml"
+
+
+def test_list_shows_the_tasks_of_a_suite(run):
+    _, *rows = run("list", "--suite", "seed").out.splitlines()
+    assert [row.split()[0] for row in rows] == ["pick_push_place", "collaborative_lift", "handover"]
+    assert run("list", "--suite", "seed", "--json").data["suite"]["train"]["variations"] == [0, 1]
+    assert run("list", "--suite", "sed").err.endswith('no suite "sed"; did you mean "seed"?\n')
+
+
+def test_list_says_which_tasks_have_changed_since_their_proof(run, monkeypatch):
+    monkeypatch.setattr("taskbuilder.schema.proofs.checksum", lambda _: "")
+    rows = run("list", "--suite", "seed").out
+    assert rows.count("before a change") == 3
 
 
 def test_list_names_what_is_broken_and_goes_on(run, broken):

@@ -1,4 +1,7 @@
-"""Experts of the library's tasks, and what they did: played once, for as many tests as like."""
+"""Experts of the suite `seed`, and what they did: played once, for as many tests as like.
+
+Every other task of the library is played once, in tests/library.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +11,14 @@ from functools import cache
 
 from written_experts import Digest
 
+from taskbuilder import load_suite
 from taskbuilder.description.description import Outcome
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import Rollout
-from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
-TASKS = tuple(Catalogue.discover().tasks)
+TASKS = load_suite("seed").tasks
 SCENES = [(name, k) for name in TASKS for k in range(len(load_task(name).file.scenes))]
 SEEDS = range(20_000, 20_004)
 

@@ -13,16 +13,6 @@ from taskbuilder.description.load import try_import
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.validate.report import as_data
 
-TASKS = sorted(catalogue().tasks)
-
-
-@pytest.mark.parametrize("task", TASKS)
-def test_every_task_of_the_catalogue_is_sound(task):
-    report = validate_task(task, seeds=5, level="build")
-    assert report.ok, "\n".join(map(str, report.findings))
-    assert report.findings == ()
-    assert report.headline.startswith(f"{task} · ")
-
 
 def test_a_family_is_not_run_where_the_fault_of_another_would_show_again(validate):
     def families(report):
