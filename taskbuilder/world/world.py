@@ -9,14 +9,14 @@ from functools import cached_property
 from typing import Any
 
 from taskbuilder.errors import Finding, UnknownNameError
-from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, scale, subtract
+from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, subtract
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import ContactPoint, contacts
+from taskbuilder.sim.contacts import ContactPoint
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
 from taskbuilder.wording import suggestion
@@ -26,12 +26,10 @@ from taskbuilder.world.locks import locks_of
 from taskbuilder.world.piles import PILES, Piles
 from taskbuilder.world.placement import PlacementPlan, place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
+from taskbuilder.world.restored_contacts import part, press, touches_to_restore
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.touch import Touch
-
-PRESS_M = 3e-4
-"""How deep links are pushed into each other to find their contact again."""
 
 GROUPS_SETTLE_S = 1 / 60
 """Seconds for which a scene with groups settles at a reset.
@@ -225,10 +223,7 @@ class World(Single):
         for robot in self.robots.values():
             motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        loosest: dict[tuple[int, ...], ContactPoint] = {}  # contact of each two links
-        for c in sorted(contacts(self.client), key=lambda contact: -contact.distance):
-            loosest.setdefault((c.body_a, c.link_a, c.body_b, c.link_b), c)
-        touches = tuple(reversed(loosest.values()))
+        touches = touches_to_restore(self.client)
         snapshot = save(self.client, motors)
         return WorldState(
             snapshot, self.time, sites, self.quantities, touches, self._forces.readings
@@ -238,9 +233,9 @@ class World(Single):
         """Restore a saved state of this world, bit for bit."""
         if state.touches:
             restore(state.snapshot)
-            self._press(state.touches)
+            press(self.client, self._bodies, state.touches)
         else:
-            self._part()
+            part(self.client, self._bodies)
         restore(state.snapshot)
         self.time = state.time
         for name, pose in state.sites.items():
@@ -257,39 +252,10 @@ class World(Single):
         """Close the physics client."""
         self.client.close()
 
-    def _part(self) -> None:
-        """Move everything apart, so that nothing touches.
-
-        Bullet restores the contacts of a snapshot, but where it has none it keeps the present
-        ones, whose forces would carry over.
-        """
-        bodies = [thing.body for thing in self.objects.values()]
-        bodies += [robot.body for robot in self.robots.values()]
-        for number, body in enumerate(bodies, start=1):
-            body.place(Pose((0.0, 0.0, 1000.0 * number)))
-        self.client.collide()
-
-    def _press(self, touches: Sequence[ContactPoint]) -> None:
-        """Push links that touch into each other for a moment, pair by pair.
-
-        Bullet restores the contacts of two links only if it finds them near each other then, and
-        of links of several shapes it looks closer than when it keeps a contact up: a gap of a
-        few micrometres, as between a grip and what it holds, is enough to lose it.
-
-        Args:
-            touches: A contact of each two links, the loosest last: to press one finger against what
-                is held pulls the other off, which only the tighter contacts stand.
-        """
-        bodies = {robot.body.id: robot.body for robot in self.robots.values()}
-        bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
-        for touch in touches:
-            sign = -1.0 if touch.body_a in bodies else 1.0
-            body = bodies[touch.body_a if touch.body_a in bodies else touch.body_b]
-            pose = body.pose()
-            depth = sign * (max(touch.distance, 0.0) + PRESS_M)
-            body.place(pose.moved(scale(touch.normal_on_b, depth)))
-            self.client.collide()
-            body.place(pose)
+    @property
+    def _bodies(self) -> list[Body]:
+        things = (*self.objects.values(), *self.robots.values())
+        return [thing.body for thing in things]
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
