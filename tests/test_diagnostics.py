@@ -56,7 +56,7 @@ scene:
       fixed: true
       count: 2
       arrange: {line: 0.1}
-      position: [0, 0.45, 0.425]
+      position: [0, -0.45, 0.425]
   sites:
     goal: {position: [-0.2, -0.1, 0.6]}
     lamp: {position: [0.05, 0.25, 0.6]}

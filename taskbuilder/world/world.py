@@ -31,11 +31,11 @@ from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.touch import Touch
 
-GROUPS_SETTLE_S = 1 / 60
-"""Seconds for which a scene with groups settles at a reset.
+MANY = 50
+"""Members of groups from which on a reset settles for `MANY_SETTLE_S` only, to stay fast."""
 
-It is enough to come down on the surface, and a hundred things take 2 ms for every physics step.
-"""
+MANY_SETTLE_S = 1 / 60
+"""Enough to come down on a surface; a hundred things take 2 ms for every physics step."""
 
 
 @dataclass(frozen=True)
@@ -151,11 +151,11 @@ class World(Single):
 
     @cached_property
     def _settling_steps(self) -> int:
-        """Physics steps of a reset: a control step, and less where there are groups."""
+        """Physics steps of a reset: a control step, or less where there are very many things."""
         substeps = self.spec.timing.substeps
-        if not self.task.names.groups:
+        if sum(map(len, self.task.names.groups.values())) < MANY:
             return substeps
-        return min(substeps, math.ceil(GROUPS_SETTLE_S * self.spec.timing.physics_hz))
+        return min(substeps, math.ceil(MANY_SETTLE_S * self.spec.timing.physics_hz))
 
     def _pile(self, number: int) -> None:
         """Take one of the piles, and settle it if that was never done."""
