@@ -254,8 +254,8 @@ class World(Single):
 
     @property
     def _bodies(self) -> list[Body]:
-        things = (*self.objects.values(), *self.robots.values())
-        return [thing.body for thing in things]
+        bodies = [thing.body for thing in self.objects.values()]
+        return bodies + [robot.body for robot in self.robots.values()]
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""

@@ -250,7 +250,7 @@ def test_a_hundred_things_reset_within_a_step_of_their_physics(tmp_path):
             run(index)
         return (time.process_time() - started) / times
 
-    # As a ratio, so that it holds on a slow machine too: 10 and 20 ms on a fast one.
+    # As a ratio, so that it holds on a slow machine too: 10 and 20 ms.
     resets = min(seconds(world.reset, 10) for _ in range(3))
     steps = min(seconds(lambda _: world.step(), 10) for _ in range(3))
     assert resets < steps
