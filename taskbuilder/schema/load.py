@@ -12,7 +12,7 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.schema.articulation import check_object
+from taskbuilder.schema.articulation import check_object, check_orders
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.explain import parse
 from taskbuilder.schema.names import ObjectNames, SceneNames
@@ -102,7 +102,7 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
         loading.findings += wrong_variations
         if not wrong_variations:
-            _check_varied_joints(loading, scenes)
+            _check_varied_joints(loading, spec, scenes)
         loading.findings += check_randomize(loading.source, names, spec)
         loading.findings += _check_instructions(loading.source, spec, scenes)
     if spec is None or any(finding.severity == "error" for finding in loading.findings):
@@ -197,6 +197,7 @@ def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
         name: ObjectNames(
             parts=tuple(link.name for link in asset.links),
             joints={joint.name: joint.type for joint in asset.moving_joints},
+            fixed=tuple(joint.name for joint in asset.joints if not joint.moves),
         )
         for name, asset in assets.items()
         if isinstance(asset, Urdf)
@@ -214,27 +215,28 @@ def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
         if name not in observers and not unknown:  # else it may be the one that was meant
             message = f'has no entry for the robot "{name}"; list what it observes, if only []'
             loading.report("TB101", message, ("observe",), key=True)
-    loading.findings += _check_joints(loading, spec.scene)
+    loading.findings += _check_joints(loading, spec, spec.scene)
 
 
-def _check_varied_joints(loading: _Loading, scenes: Sequence[SceneSpec]) -> None:
+def _check_varied_joints(loading: _Loading, spec: TaskSpec, scenes: Sequence[SceneSpec]) -> None:
     """Joint values that only a variation sets, each reported at its variation."""
     known = {(finding.path, finding.message) for finding in loading.findings}
     for index, scene in enumerate(scenes):
-        for finding in _check_joints(loading, scene):
+        for finding in _check_joints(loading, spec, scene):
             if (finding.path, finding.message) not in known:
                 message = f"{finding.path}: {finding.message}"
                 loading.report(finding.code, message, ("variations", index))
 
 
-def _check_joints(loading: _Loading, scene: SceneSpec) -> Iterator[Finding]:
-    """Joint values of robots and objects that do not fit their URDFs."""
+def _check_joints(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterator[Finding]:
+    """Joint values of robots, objects and orders that do not fit the URDFs in a scene."""
     for name, robot in scene.robots.items():
         model = loading.robots.get(name)
         if model is not None and robot.home is not None and robot.home.joints_deg is not None:
             yield from _check_home(loading.source, name, model, robot.home.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
+    yield from check_orders(loading.source, spec.expert, scene, loading.assets)
 
 
 def _check_home(

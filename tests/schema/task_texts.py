@@ -186,6 +186,10 @@ expert:
     speed: 0.4
     tolerance: 0.03
   - {until: tray at goal, within: 1.5}
+  - left: {slide: cabinet.slide, to: 0.08}
+    right: [{turn: cabinet.hinge, to_deg: 40, turn_tool: false}, release]
+    third: [{push: ball, to: [0, 0.1, 0]}, {press: cabinet.drawer, to: 0.02}]
+  - third: {press: rod, depth: 0.01}
   - repeat: 3
     unless: success
     stages:
