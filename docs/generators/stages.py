@@ -35,6 +35,10 @@ def _verb(order: Order | Together) -> str:
         return f"bring `{order.bring}` to `{spelt(order.to)}`"
     if isinstance(order, Together):
         return ""
+    if order.home:
+        return "go home"
+    if order.posture:
+        return f"take the posture `{order.posture}`"
     if order.push:
         return f"push `{order.push}` to `{spelt(order.to)}`"
     if order.turn:

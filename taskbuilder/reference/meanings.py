@@ -14,6 +14,7 @@ SECTIONS: Mapping[str, str] = {
     "RobotEntry": "robot",
     "Base": "base",
     "Home": "home",
+    "Posture": "posture",
     "TcpPose": "tcp pose",
     "ActionSpec": "action",
     "ObjectSpec": "object",
@@ -64,6 +65,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
     },
     "Base": {"position": "Position of the base frame, in the world.", "rpy_deg": _RPY},
     "Home": {"tcp": "Pose of the tool centre point; inverse kinematics finds the joints."},
+    "Posture": {},
     "TcpPose": {
         "position": "Position in the world.",
         "rpy_deg": "Orientation; z is the direction of approach, so [180, 0, 0] points down.",
@@ -157,6 +159,7 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("Order", "reach"): "frame, or [x, y, z], m",
     ("Order", "turn"): "joint",
     ("Order", "slide"): "joint",
+    ("Order", "posture"): "name of a posture",
     ("Order", "push"): "object",
     ("Order", "press"): "frame",
     ("Order", "bring"): "object",

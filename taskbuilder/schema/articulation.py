@@ -62,7 +62,7 @@ def check_orders(
     scene: SceneSpec,
     assets: Mapping[str, Mesh | Urdf],
 ) -> Iterator[Finding]:
-    """Joints that an expert moves in the wrong unit or beyond their limits.
+    """Joints that an expert moves wrongly, and postures that there are not.
 
     Args:
         source: The task file.
@@ -70,11 +70,24 @@ def check_orders(
         scene: Its scene.
         assets: Meshes and URDFs of its objects.
     """
-    for path, _, order in each_order(stages):
+    for path, robot, order in each_order(stages):
+        if order.posture is not None and robot in scene.robots:
+            yield from _check_posture(source, (*path, "posture"), order.posture, scene, robot)
         if order.joint is not None:
             yield from _check_moved(source, path, order, scene, assets)
         elif order.press is not None and order.to is not None:
             yield from _check_pressed(source, path, order, scene, assets)
+
+
+def _check_posture(
+    source: Source, path: Path_, name: str, scene: SceneSpec, robot: str
+) -> Iterator[Finding]:
+    known = scene.robots[robot].postures
+    if name in known:
+        return
+    has = suggestion(name, known, what="it has") if known else "it has none"
+    message = f'{robot} has no posture "{name}"; {has}; write scene.robots.{robot}.postures'
+    yield Finding("TB201", message, dotted(path), source.locate(path))
 
 
 def _check_moved(

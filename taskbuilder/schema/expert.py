@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    GetJsonSchemaHandler,
+    Tag,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
 
 from taskbuilder.schema.order import (
     VERBS,
@@ -27,7 +36,6 @@ from taskbuilder.schema.values import (
     ObjectName,
     Place,
     RobotName,
-    Shorthand,
     frozen,
 )
 from taskbuilder.wording import closest
@@ -89,15 +97,31 @@ class Repeat(Model):
         return f"repeat {self.repeat} times"
 
 
+WORDS = ("release", "home")
+"""Orders that may be written as a word."""
+
+
+@dataclass(frozen=True)
+class Spelt:
+    """In an annotation: words that files may write in place of the mapping."""
+
+    words: tuple[str, ...]
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"enum": list(self.words)}, handler(schema)]}
+
+
 def _is_order(value: Any) -> bool:
-    return isinstance(value, Mapping | Order) or value == "release"
+    return isinstance(value, Mapping | Order) or (isinstance(value, str) and value in WORDS)
 
 
 def _are_orders(value: Any) -> bool:
     """Whether a value is a list in which orders stand."""
     return isinstance(value, list | tuple) and any(
         isinstance(item, Order)
-        or item == "release"
+        or (isinstance(item, str) and item in WORDS)
         or (isinstance(item, Mapping) and any(key in Order.model_fields for key in item))
         for item in value
     )
@@ -107,12 +131,12 @@ def _order_like(value: Any) -> Any:
     if not _is_order(value):
         raise PydanticCustomError(
             "order_type",
-            "an order is needed: release, or a mapping such as {grasp: stick.left_end}",
+            "an order is needed: release, home, or a mapping such as {grasp: stick.left_end}",
         )
-    return value
+    return {value: True} if isinstance(value, str) else value
 
 
-OneOrder = Annotated[Order, Shorthand("release", {"release": True}), BeforeValidator(_order_like)]
+OneOrder = Annotated[Order, Spelt(WORDS), BeforeValidator(_order_like)]
 
 Orders = Annotated[
     Annotated[OneOrder, Tag(ONE)]

@@ -233,16 +233,19 @@ def _check_joints(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterat
     for name, robot in scene.robots.items():
         model = loading.robots.get(name)
         if model is not None and robot.home is not None and robot.home.joints_deg is not None:
-            yield from _check_home(loading.source, name, model, robot.home.joints_deg)
+            home: Path_ = ("scene", "robots", name, "home", "joints_deg")
+            yield from _check_posture(loading.source, home, model, robot.home.joints_deg)
+        for posture, spec_ in robot.postures.items() if model is not None else ():
+            place: Path_ = ("scene", "robots", name, "postures", posture, "joints_deg")
+            yield from _check_posture(loading.source, place, model, spec_.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
     yield from check_orders(loading.source, spec.expert, scene, loading.assets)
 
 
-def _check_home(
-    source: Source, name: str, model: RobotModel, joints_deg: Sequence[float]
+def _check_posture(
+    source: Source, path: Path_, model: RobotModel, joints_deg: Sequence[float]
 ) -> Iterator[Finding]:
-    path: Path_ = ("scene", "robots", name, "home", "joints_deg")
     if len(joints_deg) != len(model.arm):
         message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
         yield Finding("TB302", message, dotted(path), source.locate(path))

@@ -17,6 +17,7 @@ from taskbuilder.schema.values import (
     FrameName,
     Length,
     Model,
+    Name,
     ObjectName,
     Place,
     Position,
@@ -113,6 +114,12 @@ class Order(Model):
     press: FrameName | None = Field(
         None, description="What to press from above with the closed gripper, such as a button."
     )
+    home: Literal[True] | None = Field(
+        None, description="Bring the arm to where episodes start it."
+    )
+    posture: Name | None = Field(
+        None, description="Bring the arm to a posture of the robot, such as tucked."
+    )
     to: To | None = Field(
         None,
         description="Where to bring or push the object: a frame, or a point of the world. Or the "
@@ -165,6 +172,8 @@ class Order(Model):
     def __str__(self) -> str:
         words = {
             "release": self.verb,
+            "home": "go home",
+            "posture": f"take the posture {self.posture}",
             "retreat": f"retreat by {self.retreat} m",
             "reach": f"reach {spelt(self.reach)}",
             "bring": f"bring {self.bring} to {spelt(self.to)}",
@@ -241,7 +250,9 @@ _EXAMPLES = {
 }
 """Verb -> an order with the target that it takes."""
 
-_MOVING = ("grasp", "reach", "bring", "retreat", "turn", "slide", "push", "press")
+_MOVING = (
+    *("grasp", "reach", "bring", "retreat", "turn", "slide", "push", "press", "home", "posture"),
+)
 
 ONLY_WITH = {
     "to": ("bring", "slide", "push", "press"),

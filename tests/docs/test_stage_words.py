@@ -45,6 +45,9 @@ TOLD = {
     "{'left': {'slide': 'cabinet.runner', 'to': 0.2}, 'right': {'press': 'x', 'to': 0.01}}": (
         "1. `left`: slide `cabinet.runner` to 20 cm; `right`: press `x` to 1 cm"
     ),
+    "{'left': 'home', 'right': {'posture': 'tucked'}}": (
+        "1. `left`: go home; `right`: take the posture `tucked`"
+    ),
     "{'left': {'press': 'button', 'depth': 0.005}}": "1. `left`: press `button`, 5 mm deep",
     "{'left': {'close': 'nothing'}, 'right': {'close': 'cube'}}": (
         "1. `left`: close on nothing; `right`: close on `cube`"

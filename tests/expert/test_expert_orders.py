@@ -7,6 +7,7 @@ import math
 import pytest
 from written_experts import RIGHT, made
 
+from taskbuilder.errors import FileError
 from taskbuilder.expert.script.orders import phases
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.geometry import turn_between
@@ -25,6 +26,8 @@ ORDERS = {
     "slide": Order(slide="cabinet.runner", to=0.2),
     "push": Order(push="block", to="goal"),
     "press": Order(press="button"),
+    "home": Order(home=True),
+    "posture": Order(posture="tucked"),
 }
 """Verb -> an order."""
 
@@ -166,6 +169,39 @@ def test_what_is_pressed_to_a_depth_is_pressed_from_above(play):
     x, y, z = world.position("arm.tcp")
     assert (x, y) == pytest.approx((-0.1, -0.1), abs=0.01)
     assert z < 0.5
+
+
+@pytest.mark.parametrize("mode", ["tcp_delta", "joint_position"])
+def test_an_arm_goes_home_or_to_a_posture(play, mode):
+    postures = """\
+    right:
+      model: ur5e
+      base: {position: [0.6, 0, 0.4], rpy_deg: [0, 0, 180]}
+      home: {joints_deg: [0, -90, 90, -90, -90, 0]}
+      postures: {aside: {joints_deg: [40, -90, 90, -90, -90, 0]}}
+      action: {arm: MODE}
+""".replace("MODE", mode)
+    demonstration, world = play("right: {posture: aside}", robots=postures)
+    assert demonstration.trouble is None
+    assert math.degrees(world.robots["right"].arm_state()[0][0]) == pytest.approx(40, abs=2)
+    demonstration, world = play("right: {posture: aside}", "right: home", robots=postures)
+    assert demonstration.trouble is None
+    assert world.robots["right"].arm_state()[0] == pytest.approx(
+        world.robots["right"].home, abs=0.04
+    )
+
+
+def test_a_posture_beyond_the_limits_of_an_arm_is_refused(tmp_path):
+    postures = (
+        RIGHT
+        + "      postures: {far: {joints_deg: [0, 0, 200, 0, 0, 0]}, few: {joints_deg: [0]}}\n"
+    )
+    with pytest.raises(FileError) as caught:
+        made(tmp_path, "right: home", robots=postures)
+    assert [f"{each.code} {each.path}" for each in caught.value.findings] == [
+        "TB302 scene.robots.right.postures.far.joints_deg[2]",
+        "TB302 scene.robots.right.postures.few.joints_deg",
+    ]
 
 
 def test_several_orders_of_a_robot_are_done_one_after_the_other(play):

@@ -11,9 +11,9 @@ from taskbuilder.schema.load import read_task
 from taskbuilder.schema.order import Order
 
 LAST = "  - left: {bring: cube, to: goal}\n"
-VERBS = "grasp, reach, bring, retreat, release, close, turn, slide, push, press"
+VERBS = "grasp, reach, bring, retreat, release, close, turn, slide, push, press, home, posture"
 OWN_STAGES = "together, until, repeat and orders for robots are stages of their own"
-ORDER = "an order is needed: release, or a mapping such as {grasp: stick.left_end}"
+ORDER = "an order is needed: release, home, or a mapping such as {grasp: stick.left_end}"
 OF_A_ROBOT = "without a robot; an order is some robot's: {left: {grasp: stick.left_end}}"
 
 
@@ -82,6 +82,7 @@ def test_every_condition_that_is_waited_for_has_its_place(stages):
         ("{left: release}", "release"),
         ("{left: {close: nothing}}", "close nothing"),
         ("{left: {push: cube, to: goal}}", "push cube to goal"),
+        ("{left: home}", "go home"),
         ("{left: {press: goal}}", "press goal"),
         ("{left: {reach: [0.1, 0, 0.5]}}", "reach [0.1, 0, 0.5]"),
         ("{left: {bring: cube, to: [0.1, 0, 0.5]}}", "bring cube to [0.1, 0, 0.5]"),
@@ -278,7 +279,8 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         (
             "{left: {close: cube, speed: 0.5}}",
             "27:12: error[TB106] expert[1].left: "
-            "speed goes with grasp, reach, bring, retreat, turn, slide, push and press only",
+            "speed goes with grasp, reach, bring, retreat, turn, slide, push, press, home "
+            "and posture only",
         ),
         (
             "{left: {reach: goal, align: true}}",
@@ -347,6 +349,20 @@ def test_what_is_written_out_again_is_the_same(load, folder):
             "{left: {bring: cube, to: 0.3}}",
             "27:12: error[TB106] expert[1].left: to of bring is a frame or [x, y, z]: "
             "{bring: stick, to: goal}",
+        ),
+        # postures
+        (
+            "{left: {posture: tucked}}",
+            '27:22: error[TB201] expert[1].left.posture: left has no posture "tucked"; '
+            "it has none; write scene.robots.left.postures",
+        ),
+        (
+            "{left: {posture: [0, 0]}}",
+            "27:22: error[TB103] expert[1].left.posture: is a list of 2; text is needed",
+        ),
+        (
+            "{left: {home: false}}",
+            "27:19: error[TB105] expert[1].left.home: false is no choice here; choices: true",
         ),
         # several orders of a robot
         ("{left: []}", "27:12: error[TB104] expert[1].left: is empty; at least one is needed"),

@@ -31,6 +31,8 @@ class Move:
         speed: Fraction of the speed that the action mode allows, above 0 and at most 1.
         touching: Objects that may be touched, pushed or pressed on the way.
         arc: The arc that leads to the goal in place of the straight line, or None.
+        joints: Joint positions (rad or m) at the goal of the only arm, as far as the action mode
+            commands joints; None for any.
     """
 
     carriers: Mapping[str, Pose]
@@ -39,6 +41,7 @@ class Move:
     speed: float = 1.0
     touching: Collection[str] = ()
     arc: Arc | None = None
+    joints: tuple[float, ...] | None = None
 
     @property
     def tools(self) -> dict[str, Pose]:

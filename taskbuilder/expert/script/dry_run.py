@@ -153,6 +153,8 @@ class _DryRun:
         frames: list[Any] = [order.bring, order.to]
         if isinstance(order, Order):
             frames += [order.grasp, order.reach, order.push, order.press, order.joint]
+        if isinstance(order, Order) and (order.home or order.posture):
+            return ""
         # An order that names no frame moves the tool relative to where it is.
         named = [frame for frame in frames if isinstance(frame, str)] or robots
         owners = [self.foresight.owner(frame) for frame in named]

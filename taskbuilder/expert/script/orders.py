@@ -42,6 +42,7 @@ from taskbuilder.geometry import (
 )
 from taskbuilder.schema.expert import Together
 from taskbuilder.schema.order import NOTHING, Order
+from taskbuilder.schema.robots import joint_values
 from taskbuilder.schema.scene import Grasp
 
 APPROACH_M = 0.08
@@ -75,6 +76,8 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
         return push_phases(robot, order, order.push)
     if order.press is not None:
         return press_phases(robot, order, order.press)
+    if order.home or order.posture is not None:
+        return (lambda now: _posture(now, robot, order),)
     raise NotImplementedError(f"{order.verb} has no phases")
 
 
@@ -128,6 +131,22 @@ def _retreat(now: Situation, robot: str, order: Order) -> Go:
     tool = now.tool(robot)
     goal = tool.moved(scale(tool.axis(2), -(order.retreat or 0.0)))
     move = _tool_move(robot, goal, order, straight=True)
+    return Go((move,), "", order.tolerance or TOOL_TOLERANCE_M)
+
+
+def _posture(now: Situation, robot: str, order: Order) -> Go:
+    """The motion to home or to a named posture: of the joints, or of the tool that they give."""
+    built, entry = now.world.robots[robot], now.scene.robots[robot]
+    joints = built.home
+    if order.posture is not None:
+        joints = joint_values(built.model.arm, entry.postures[order.posture].joints_deg)
+    move = Move(
+        {robot: Pose()},
+        entry.base.pose @ built.chain.forward(joints),
+        speed=order.speed,
+        touching=order.touching,
+        joints=joints,
+    )
     return Go((move,), "", order.tolerance or TOOL_TOLERANCE_M)
 
 
