@@ -232,12 +232,15 @@ def _check_joints(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterat
     """Joint values of robots, objects and orders that do not fit the URDFs in a scene."""
     for name, robot in scene.robots.items():
         model = loading.robots.get(name)
-        if model is not None and robot.home is not None and robot.home.joints_deg is not None:
-            home: Path_ = ("scene", "robots", name, "home", "joints_deg")
-            yield from _check_posture(loading.source, home, model, robot.home.joints_deg)
-        for posture, spec_ in robot.postures.items() if model is not None else ():
-            place: Path_ = ("scene", "robots", name, "postures", posture, "joints_deg")
-            yield from _check_posture(loading.source, place, model, spec_.joints_deg)
+        if model is None:
+            continue
+        path: Path_ = ("scene", "robots", name)
+        if robot.home is not None and robot.home.joints_deg is not None:
+            place: Path_ = (*path, "home", "joints_deg")
+            yield from _check_posture(loading.source, place, model, robot.home.joints_deg)
+        for key, posture in robot.postures.items():
+            place = (*path, "postures", key, "joints_deg")
+            yield from _check_posture(loading.source, place, model, posture.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
     yield from check_orders(loading.source, spec.expert, scene, loading.assets)
