@@ -14,7 +14,7 @@ SECTIONS: Mapping[str, str] = {
     "RobotEntry": "robot",
     "Base": "base",
     "Home": "home",
-    "Posture": "posture",
+    "NamedPosture": "posture",
     "TcpPose": "tcp pose",
     "ActionSpec": "action",
     "ObjectSpec": "object",
@@ -65,7 +65,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
     },
     "Base": {"position": "Position of the base frame, in the world.", "rpy_deg": _RPY},
     "Home": {"tcp": "Pose of the tool centre point; inverse kinematics finds the joints."},
-    "Posture": {},
+    "NamedPosture": {},
     "TcpPose": {
         "position": "Position in the world.",
         "rpy_deg": "Orientation; z is the direction of approach, so [180, 0, 0] points down.",

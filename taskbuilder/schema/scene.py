@@ -306,7 +306,7 @@ class Home(Model):
         return self
 
 
-class Posture(Model):
+class NamedPosture(Model):
     """A posture of an arm that its orders can name."""
 
     joints_deg: tuple[float, ...] = Field(
@@ -341,7 +341,7 @@ class RobotEntry(Model):
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
     base: Base = Field(description="Pose of its base, such as {position: [0, 0, 0.4]}.")
     home: Home | None = Field(None, description="Start configuration; by default the model's own.")
-    postures: Annotated[Mapping[Name, Posture], AfterValidator(frozen)] = Field(
+    postures: Annotated[Mapping[Name, NamedPosture], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
         description="Postures that orders can name, such as {tucked: {joints_deg: [...]}}.",
     )
