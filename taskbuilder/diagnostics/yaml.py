@@ -128,7 +128,8 @@ ENTRIES = {
     "TB110": Code(
         "Wrong unit for the joint",
         "start, limits and rest are in metres and are for prismatic joints. start_deg, "
-        "limits_deg and rest_deg are in degrees and are for revolute joints.",
+        "limits_deg and rest_deg are in degrees and are for revolute joints. In the same way, an "
+        "expert slides a prismatic joint and turns a revolute one.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
     "TB111": Code(

@@ -15,8 +15,9 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Box, bounding_box, norm
 from taskbuilder.schema.arrangement import MAX_COUNT, Outline
-from taskbuilder.schema.expert import Order, Repeat, Together
+from taskbuilder.schema.expert import Repeat, Together
 from taskbuilder.schema.names import SceneNames
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import ObjectSpec, PartSpec, SceneSpec, Shape, SiteSpec
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.task import TaskSpec
@@ -154,6 +155,8 @@ def _stage(stage: Any, names: SceneNames) -> Any:
     if isinstance(stage, Order | Together):
         touching = tuple(one for name in stage.touching for one in names.members(name) or (name,))
         return stage.model_copy(update={"touching": touching})
+    if isinstance(stage, tuple):
+        return tuple(_stage(order, names) for order in stage)
     if isinstance(stage, Mapping):
         return frozen({robot: _stage(order, names) for robot, order in stage.items()})
     return stage

@@ -12,7 +12,7 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.schema.articulation import check_object
+from taskbuilder.schema.articulation import check_object, check_orders
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.explain import parse
 from taskbuilder.schema.groups import (
@@ -111,7 +111,7 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
         loading.findings += wrong_variations
         if not wrong_variations:
-            _check_varied(loading, scenes)
+            _check_varied(loading, spec, scenes)
         loading.findings += check_randomize(loading.source, names, spec)
         loading.findings += _check_instructions(loading.source, spec, scenes)
     if spec is None or any(finding.severity == "error" for finding in loading.findings):
@@ -211,6 +211,7 @@ def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
         name: ObjectNames(
             parts=tuple(link.name for link in asset.links),
             joints={joint.name: joint.type for joint in asset.moving_joints},
+            fixed=tuple(joint.name for joint in asset.joints if not joint.moves),
         )
         for name, asset in assets.items()
         if isinstance(asset, Urdf)
@@ -228,34 +229,41 @@ def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
         if name not in observers and not unknown:  # else it may be the one that was meant
             message = f'has no entry for the robot "{name}"; list what it observes, if only []'
             loading.report("TB101", message, ("observe",), key=True)
-    loading.findings += _check_scene(loading, spec.scene)
+    loading.findings += _check_scene(loading, spec, spec.scene)
 
 
-def _check_varied(loading: _Loading, scenes: Sequence[SceneSpec]) -> None:
+def _check_varied(loading: _Loading, spec: TaskSpec, scenes: Sequence[SceneSpec]) -> None:
     """What only a variation gets wrong, each reported at its variation."""
     known = {(finding.path, finding.message) for finding in loading.findings}
     for index, scene in enumerate(scenes):
-        for finding in _check_scene(loading, scene):
+        for finding in _check_scene(loading, spec, scene):
             if (finding.path, finding.message) not in known:
                 message = f"{finding.path}: {finding.message}"
                 loading.report(finding.code, message, ("variations", index))
 
 
-def _check_scene(loading: _Loading, scene: SceneSpec) -> Iterator[Finding]:
+def _check_scene(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterator[Finding]:
     """Joint values that do not fit their URDFs, and groups that do not fit as they are arranged."""
     for name, robot in scene.robots.items():
         model = loading.robots.get(name)
-        if model is not None and robot.home is not None and robot.home.joints_deg is not None:
-            yield from _check_home(loading.source, name, model, robot.home.joints_deg)
+        if model is None:
+            continue
+        path: Path_ = ("scene", "robots", name)
+        if robot.home is not None and robot.home.joints_deg is not None:
+            place: Path_ = (*path, "home", "joints_deg")
+            yield from _check_posture(loading.source, place, model, robot.home.joints_deg)
+        for key, posture in robot.postures.items():
+            place = (*path, "postures", key, "joints_deg")
+            yield from _check_posture(loading.source, place, model, posture.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
     yield from check_arrangements(loading.source, scene, loading.assets)
+    yield from check_orders(loading.source, spec.expert, scene, loading.assets)
 
 
-def _check_home(
-    source: Source, name: str, model: RobotModel, joints_deg: Sequence[float]
+def _check_posture(
+    source: Source, path: Path_, model: RobotModel, joints_deg: Sequence[float]
 ) -> Iterator[Finding]:
-    path: Path_ = ("scene", "robots", name, "home", "joints_deg")
     if len(joints_deg) != len(model.arm):
         message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
         yield Finding("TB302", message, dotted(path), source.locate(path))

@@ -59,12 +59,14 @@ class ObjectNames:
         parts: Named parts of a compound, or the links of a URDF.
         grasps: Named grasp points.
         joints: Joints of a URDF that move, and their type.
+        fixed: Joints of a URDF that do not move.
         unread: Its URDF could not be read, so any part or joint may be in it.
     """
 
     parts: tuple[str, ...] = ()
     grasps: tuple[str, ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
+    fixed: tuple[str, ...] = ()
     unread: bool = False
 
 
@@ -123,6 +125,9 @@ class SceneNames:
         if any(name in self.known(other) for other in _KNOWN):
             return f'"{name}" is no {kind}; {suggestion(name, known, what=plural)}'
         owner, _, inner = name.partition(".")
+        if kind == "joint" and owner in self.objects and inner in self.objects[owner].fixed:
+            moving = ", ".join(each for each in known if each.startswith(f"{owner}."))
+            return f'"{name}" is fixed; joints that move: {moving or "none"}'
         if inner and owner in (*self.objects, *self.robots):
             own = [other.partition(".")[2] for other in known if other.startswith(f"{owner}.")]
             has = suggestion(inner, own, what="it has") if own else f"it has no {plural}"

@@ -7,16 +7,17 @@ run in which shapes are wrong.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from taskbuilder.errors import Finding
 from taskbuilder.schema.channels import parse_channel
-from taskbuilder.schema.expert import STAGES, ExpertStage, Order, directed, kind_of_stage
+from taskbuilder.schema.expert import STAGES, ExpertStage, directed, kind_of_stage
 from taskbuilder.schema.groups import member_names
 from taskbuilder.schema.names import ObjectNames, Refers, SceneNames
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import Model
@@ -47,7 +48,7 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
     }
     for name, inside in objects.items():
         grasps = tuple(grasp for grasp, _ in source.entries("scene", "objects", name, "grasps"))
-        objects[name] = ObjectNames(inside.parts, grasps, inside.joints, inside.unread)
+        objects[name] = replace(inside, grasps=grasps)
     groups = {
         name: member_names(name, source.get("scene", "objects", name, "count"))
         for name in objects
@@ -155,7 +156,10 @@ def _stage(stage: Any, path: Path_) -> Iterator[_Reference]:
     elif isinstance(stage, dict):
         for robot in directed(stage):
             yield _Reference((*path, robot), robot, Refers("robot"), on_key=True)
-            yield from _references(Order, stage[robot], (*path, robot))
+            for place, order in _items(stage[robot], (*path, robot)):
+                found = _references(Order, order, place)
+                in_metres = isinstance(order, dict) and not {"slide", "press"}.isdisjoint(order)
+                yield from (ref for ref in found if not in_metres or ref.path[-1] != "to")
 
 
 def _texts(refers: Refers, value: Any, path: Path_) -> Iterator[_Reference]:

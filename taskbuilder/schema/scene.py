@@ -329,6 +329,14 @@ class Home(Model):
         return self
 
 
+class NamedPosture(Model):
+    """A posture of an arm that its orders can name."""
+
+    joints_deg: tuple[float, ...] = Field(
+        description="One value per arm joint: degrees, or metres for a prismatic joint."
+    )
+
+
 class ActionSpec(Model):
     """What an agent's action means."""
 
@@ -356,6 +364,10 @@ class RobotEntry(Model):
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
     base: Base = Field(description="Pose of its base, such as {position: [0, 0, 0.4]}.")
     home: Home | None = Field(None, description="Start configuration; by default the model's own.")
+    postures: Annotated[Mapping[Name, NamedPosture], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({}),
+        description="Postures that orders can name, such as {tucked: {joints_deg: [...]}}.",
+    )
     action: ActionSpec = ActionSpec()
 
 

@@ -23,7 +23,7 @@ GROUP = """\
 observe: {arm: [cubes.position, "cubes.pose in self.tcp", cubes_2.position, time_left]}
 observation_noise: {arm: {cubes.position: {std: 0.0}}}
 expert:
-  - arm: {reach: cubes_2, above: 0.1, touching: [cubes]}
+  - arm: [{reach: cubes_2, above: 0.1, touching: [cubes]}]
 """
 JUDGED = """
 from taskbuilder.description import All, Any, Below, Count, Description, Moved, Paid
@@ -93,7 +93,7 @@ def test_the_file_is_shown_as_it_was_written(group):
     task = group().episode.task
     assert "count: 3" in as_yaml(task.file)
     assert "cubes_1" not in as_yaml(task.file)
-    assert task.file.spec.expert[0]["arm"].touching == MEMBERS
+    assert task.file.spec.expert[0]["arm"][0].touching == MEMBERS
     assert tuple(task.file.spec.scene.objects) == MEMBERS
 
 

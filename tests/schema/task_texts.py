@@ -82,6 +82,7 @@ scene:
       model: panda
       base: {position: [0.8, 0, 0.4], rpy_deg: [0, 0, 180]}
       home: {joints_deg: [0, -45, 0, -135, 0, 90, 45]}
+      postures: {tucked: {joints_deg: [0, -60, 0, -150, 0, 90, 45]}}
       action: {arm: joint_position, gripper: continuous}
     third: {model: xarm6, base: {position: [0, 0.8, 0.4]}}
   objects:
@@ -206,6 +207,10 @@ expert:
     speed: 0.4
     tolerance: 0.03
   - {until: tray at goal, within: 1.5}
+  - left: {slide: cabinet.slide, to: 0.08}
+    right: [{turn: cabinet.hinge, to_deg: 40, turn_tool: false}, release]
+    third: [{push: ball, to: [0, 0.1, 0]}, {press: cabinet.drawer, to: 0.02}]
+  - {third: {press: rod, depth: 0.01}, left: home, right: {posture: tucked, speed: 0.5}}
   - repeat: 3
     unless: success
     stages:
