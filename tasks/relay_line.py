@@ -24,7 +24,7 @@ class RelayLine(d.Description):
         d.Distance("carry", "stick", "plate"),
         d.Bonus("middle", to_middle, 1.0, agent="middle"),
         d.Bonus("right", to_right, 1.0, agent="right"),
-        d.Bonus("laid", laid, 3.0),
+        d.Bonus("laid", laid, 4.0),
     )
 
     progress = d.Ladder(
