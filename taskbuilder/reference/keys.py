@@ -13,14 +13,14 @@ from pydantic.fields import FieldInfo
 from taskbuilder.reference.markdown import code, number
 from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
-from taskbuilder.schema import expert, joints, robot, scene, task, values
+from taskbuilder.schema import arrangement, expert, joints, robot, scene, task, values
 from taskbuilder.schema.expert import ONLY_WITH, VERBS
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
-    for module in (scene, joints, task, robot, expert)
+    for module in (scene, arrangement, joints, task, robot, expert)
     for name, model in vars(module).items()
     if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
 }

@@ -17,6 +17,8 @@ SECTIONS: Mapping[str, str] = {
     "TcpPose": "tcp pose",
     "ActionSpec": "action",
     "ObjectSpec": "object",
+    "Arrangement": "arrangement",
+    "Grid": "grid",
     "Shape": "shape",
     "Cylinder": "cylinder",
     "PartSpec": "part",
@@ -46,6 +48,8 @@ _CAPSULE = "A cylinder with round ends; the length is that of the straight part.
 _RPY = "Orientation."
 
 MEANINGS: Mapping[str, Mapping[str, str]] = {
+    "Arrangement": {},
+    "Grid": {},
     "TaskSpec": {
         "timing": "Control and physics rates, and the length of an episode.",
         "scene": "Robots, objects, sites and cameras.",

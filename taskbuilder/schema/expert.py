@@ -24,6 +24,7 @@ from taskbuilder.schema.values import (
     Length,
     Model,
     ObjectName,
+    ObjectOrGroup,
     Position,
     Reference,
     RobotName,
@@ -45,7 +46,7 @@ Above = Annotated[Coordinate, Field(description="Metres above the named frame.")
 Offset = Annotated[Position, Field(description="Offset from the named frame, along its own axes.")]
 Straight = Annotated[bool, Field(description="Allow only the straight path.")]
 Touching = Annotated[
-    tuple[ObjectName, ...],
+    tuple[ObjectOrGroup, ...],
     Field(description="Objects that may be touched during the motion, to push or press them."),
 ]
 Speed = Annotated[

@@ -130,6 +130,7 @@ Reference = Annotated[str, Field(min_length=1, max_length=100)]
 
 RobotName = Annotated[Name, Refers("robot")]
 ObjectName = Annotated[Reference, Refers("object")]
+ObjectOrGroup = Annotated[Reference, Refers("object", several=True)]
 FrameName = Annotated[Reference, Refers("frame")]
 FrameOrWorld = Annotated[Reference, Refers("frame", besides="world")]
 

@@ -119,6 +119,26 @@ scene:
       mass: 0.3
       grasps: {rim: {at: [-0.1, 0, 0.02], across: y}}
       place: {surface: table, center: [0.2, 0], size: [0.06, 0.1]}
+    pins: {shape: {sphere: 0.01}, fixed: true, count: 2, arrange: {line: 0.1}, position: [0, 0, 2]}
+    tiles:
+      shape: {box: [0.02, 0.02, 0.01]}
+      mass: 0.01
+      count: 3
+      arrange: {grid: {columns: 2, spacing: [0.03, 0.04]}}
+      place: {surface: table, center: [-0.5, 0.3], size: [0.02, 0.02], yaw_deg: [0, 90]}
+    posts:
+      shape: {cylinder: {radius: 0.01, length: 0.05}}
+      mass: 0.02
+      count: 4
+      arrange: {ring: 0.05}
+      position: [-0.5, -0.3, 0.425]
+    beads:
+      shape: {sphere: 0.005}
+      mass: 0.002
+      rolling_friction: 0.001
+      count: 5
+      arrange: {pile: [0.03, 0.03, 0.05]}
+      position: [0.5, -0.3, 0.4]
     cabinet:
       shape: {urdf: assets/cabinet.urdf, scale: 0.5}
       fixed: true
