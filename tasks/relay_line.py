@@ -22,8 +22,8 @@ class RelayLine(d.Description):
     reward = (
         d.Distance("reach", "left.tcp", "stick.left_end", 0.3, agent="left"),
         d.Distance("carry", "stick", "plate"),
-        d.Bonus("middle", to_middle, 1.0, agent="middle"),
-        d.Bonus("right", to_right, 1.0, agent="right"),
+        d.Bonus("middle", to_middle & (second | third | laid), 1.0, agent="middle"),
+        d.Bonus("right", to_right & (third | laid), 1.0, agent="right"),
         d.Bonus("laid", laid, 4.0),
     )
 
