@@ -4,34 +4,68 @@
 
 A task whose two files are those of its last proof is left out, unless it is named. Each proof is
 written to benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it
-again; tasks/proofs.json, which `taskbuilder list` shows, has a record of those that passed.
+again, and with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has
+a record of those that passed.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterable
+from contextlib import closing
 from dataclasses import asdict
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from machine import describe_machine
 
 import taskbuilder
+from taskbuilder import parallel_env
 from taskbuilder._library import folder
+from taskbuilder.expert import Expert
 from taskbuilder.jobs import cores
+from taskbuilder.rollout.coordination import CoordinationMeter
 from taskbuilder.schema.proofs import PROOFS, checksum, proof_of
 from taskbuilder.validate.report import as_data
 from taskbuilder.validate.runner import SEEDS, validate_task
 
 RESULTS = Path(__file__).parent / "results" / "proofs"
 RECORDS = folder("tasks") / PROOFS
+FIRST_SEED, EPISODES = 3_300_000, 10
+"""Episodes of the expert for the figures on how the task is done."""
 
 
 def write(file: Path, data: Any) -> None:
     """Write data as JSON."""
     text = json.dumps(data, indent=1, ensure_ascii=False, sort_keys=True)
     file.write_text(text + "\n", encoding="utf-8")
+
+
+def how_it_is_done(name: str) -> dict[str, Any]:
+    """Medians over episodes of the expert, up to success: its steps, and coordination."""
+    with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
+        played = []
+        for seed in range(FIRST_SEED, FIRST_SEED + EPISODES):
+            meter = CoordinationMeter()
+            rollout = expert.play(seed, watch=meter)
+            played.append((rollout, meter.coordination(rollout.first_success)))
+        robots = env.possible_agents
+    figures = [coordination for _, coordination in played]
+
+    def middle(values: Iterable[float]) -> float:
+        return round(median(values), 3)
+
+    return {
+        "episodes": EPISODES,
+        "stages": len(env.task.file.spec.expert),
+        "steps": middle(rollout.first_success or rollout.steps for rollout, _ in played),
+        "moving_together": middle(one.moving for one in figures),
+        "touching_together": middle(one.touching for one in figures),
+        "waiting": {robot: middle(one.waiting[robot] for one in figures) for robot in robots},
+        "path_m": {robot: middle(one.path[robot] for one in figures) for robot in robots},
+    }
 
 
 def prove(name: str, jobs: int) -> bool:
@@ -43,7 +77,8 @@ def prove(name: str, jobs: int) -> bool:
     (data,) = as_data([report])["tasks"]
     command = f"taskbuilder validate {name}"
     making = {**asdict(report.making), "command": command, "machine": describe_machine()}
-    write(RESULTS / f"{name}.json", {**data, "making": making, "checksum": summed})
+    about = {"making": making, "checksum": summed, "expert": how_it_is_done(name)}
+    write(RESULTS / f"{name}.json", {**data, **about})
     records = json.loads(RECORDS.read_text(encoding="utf-8")) if RECORDS.exists() else {}
     records.pop(name, None)
     if report.ok and not report.skipped:

@@ -1,9 +1,9 @@
-"""Make the pictures of the documentation: `python docs/make_images.py`.
+"""Make the pictures of the documentation: `python docs/make_images.py [TASK ...]`.
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
-strip and the chart of its reward; the film and the strip of each policy of the zoo; the curves of
-each task's training; a picture of each robot; and tasks.png, the three tasks of the README side by
-side.
+strip and the chart of its reward, all from the first camera of the task file; the film and the
+strip of each policy of the zoo; the curves of each task's training; a picture of each robot; and
+tasks.png, the three tasks of the README side by side. Given tasks, it makes theirs only.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from taskbuilder import load_task
 from taskbuilder.cli import main as taskbuilder
 from taskbuilder.learn.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
@@ -31,23 +32,37 @@ SHOWN = {
 }
 SIZE = (800, 600)
 THUMBNAIL = (480, 360)
+FILM_SIZES = ("480x360", "400x300", "360x270", "320x240", "280x210", "240x180")
+FILM_BYTES = 300_000
+"""A film of the gallery is made in the first of these sizes in which it is no larger."""
 
 _PAPER, _INK = (255, 255, 255), (58, 62, 66)
 _GAP, _CAPTION = 16, 40
+
+
+def make_task(name: str) -> None:
+    """Make the pictures of a task anew."""
+    camera = next(iter(load_task(name).file.spec.scene.cameras))
+    with tempfile.TemporaryDirectory() as folder:
+        _call("render", name, "--camera", camera, "--out", folder, *_options())
+        _keep(Path(folder, f"{name}-{camera}.png"), f"{name}.png")
+        for size in FILM_SIZES:
+            film = ("--video", "--camera", camera, "--size", size, "--out", folder)
+            _call("demo", name, *film, *_drawn())
+            if Path(folder, f"{name}.gif").stat().st_size <= FILM_BYTES:
+                break
+        for ending in (".gif", "-strip.png", "-rewards.png"):
+            _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
 
 
 def make_all() -> None:
     """Make every picture anew."""
     IMAGES.mkdir(exist_ok=True)
     catalogue = Catalogue()
+    for name, entry in catalogue.tasks.items():
+        if entry.module:
+            make_task(name)
     with tempfile.TemporaryDirectory() as folder:
-        for name, entry in catalogue.tasks.items():
-            if entry.module:
-                _call("render", name, "--camera", "front", "--out", folder, *_options())
-                _keep(Path(folder, f"{name}-front.png"), f"{name}.png")
-                _call("demo", name, "--video", "--out", folder, *_filmed())
-                for ending in (".gif", "-strip.png", "-rewards.png"):
-                    _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
         for policy in zoo_names():
             task, track = policy.removeprefix("zoo:").split("/")
             film = ("--video", "--out", folder, *_filmed())
@@ -116,4 +131,7 @@ def _side_by_side() -> Pixels:
 
 
 if __name__ == "__main__":
-    make_all()
+    for task in sys.argv[1:]:
+        make_task(task)
+    if not sys.argv[1:]:
+        make_all()

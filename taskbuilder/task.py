@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from taskbuilder.description.check import check_description
-from taskbuilder.description.description import Description
+from taskbuilder.description.description import Description, with_members
 from taskbuilder.description.load import load_description, try_import
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
@@ -86,13 +86,13 @@ def load_task(
             findings += _check_conditions(file, description)
         findings += file.warnings if file is not None else ()
         if file is not None and not any(finding.severity == "error" for finding in findings):
-            return Task(file, description, tuple(findings))
+            return Task(file, with_members(description, file.names), tuple(findings))
     raise FileError(findings)
 
 
 def _check_conditions(file: TaskFile, description: type[Description]) -> Iterator[Finding]:
     """Every condition that experts and locks go by and that the description does not name."""
-    known = description.conditions()
+    known = with_members(description, file.names).conditions()
     locked = dict.fromkeys(lock for scene in file.scenes for lock in locks(scene))
     for path, name in (*waits(file.spec.expert), *locked):
         if name not in known:

@@ -51,6 +51,12 @@ scene:
       shape: {box: [0.2, 0.2, 0.02]}
       mass: 0.3
       place: {surface: table, center: [0.4, 0], size: [0.02, 0.02]}
+    pegs:
+      shape: {box: [0.02, 0.02, 0.05]}
+      fixed: true
+      count: 2
+      arrange: {line: 0.1}
+      position: [0, -0.45, 0.425]
   sites:
     goal: {position: [-0.2, -0.1, 0.6]}
     lamp: {position: [0.05, 0.25, 0.6]}

@@ -61,7 +61,6 @@ PRIVATE: dict[str, dict[str, str]] = {
     "description": {
         "aside": "quiet_import",
         "any_": "AnyOf",
-        "all": "AllOf",
         "least": "Minimum",
         "share": "Fraction",
     },

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from generators import fill, pages
+from generators import fill, pages, tasks
 from taskbuilder._library import folder
-from taskbuilder.schema.summaries import INDEX, index_text
+from taskbuilder.schema.index import index_text
+from taskbuilder.schema.summaries import INDEX
 
+for page, text in tasks.missing_pages():
+    page.write_text(text, encoding="utf-8")
 for page in pages():
     text = page.read_text(encoding="utf-8")
     page.write_text(fill(text), encoding="utf-8")
-tasks = folder("tasks")
-(tasks / INDEX).write_text(index_text(tasks), encoding="utf-8")
+library = folder("tasks")
+(library / INDEX).write_text(index_text(library), encoding="utf-8")

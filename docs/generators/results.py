@@ -12,9 +12,40 @@ from taskbuilder.reference.markdown import table
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
 
+def proof(task: str) -> str:
+    """When and how a task was proved, and how its expert does it."""
+    found = _read(f"proofs/{task}.json")
+    making, expert = found["making"], found["expert"]
+    checks = {check["code"]: check for check in found["checks"]}
+    head = (
+        f"Proved on {making['date']} by `{making['command']}` (taskbuilder "
+        f"{making['versions']['taskbuilder']}, {making['seeds']} seeds per variation): "
+        f"{len(checks)} checks, {'all passed' if found['ok'] else 'not all passed'}. "
+        f"The expert succeeded in {100 * checks['TB531']['value']:.0f} % of the episodes."
+    )
+    rows = [
+        ["stages of the expert", str(expert["stages"])],
+        ["control steps to success", f"{expert['steps']:g}"],
+    ]
+    robots = list(expert["waiting"])
+    if len(robots) > 1:
+        rows += [
+            ["more than one robot moves", _percent(expert["moving_together"])],
+            ["more than one robot touches the same object", _percent(expert["touching_together"])],
+            *([f"`{r}` waits for another", _percent(expert["waiting"][r])] for r in robots),
+        ]
+    rows += [[f"path of `{r}`'s tool", f"{expert['path_m'][r]:.2f} m"] for r in robots]
+    title = f"the expert, medians of {expert['episodes']} episodes"
+    return f"{head}\n\n{table([title, ''], rows)}"
+
+
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.0f} % of the time"
+
+
 def probes(task: str) -> str:
     """The returns of the expert and the probes of a task, the best first."""
-    report = next(report for report in _read("proofs.json")["tasks"] if report["task"] == task)
+    report = _read(f"proofs/{task}.json")
     ways = sorted(report["probes"], key=lambda way: -way["return"])
     return table(
         ["", "return", "discounted by 0.95"],

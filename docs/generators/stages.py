@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from taskbuilder.reference.markdown import code, number
-from taskbuilder.schema.expert import NOTHING, ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.expert import ExpertStage, Repeat, Together, Wait, listed
+from taskbuilder.schema.order import NOTHING, Order, spelt
 
 
 def numbered(stages: Sequence[ExpertStage], indent: str = "") -> str:
@@ -24,20 +25,36 @@ def _stage(stage: ExpertStage, indent: str) -> str:
         end = f", until `{stage.unless}` holds" if stage.unless else ""
         return f"{times}{end}:\n\n{numbered(stage.stages, indent)}"
     return "; ".join(
-        f"`{robot}`: {', '.join([_verb(order), *_manner(order)])}" for robot, order in stage.items()
+        f"`{robot}`: {', then '.join(', '.join([_verb(o), *_manner(o)]) for o in listed(told))}"
+        for robot, told in stage.items()
     )
 
 
 def _verb(order: Order | Together) -> str:
     if order.bring:
-        return f"bring `{order.bring}` to `{order.to}`"
+        return f"bring `{order.bring}` to `{spelt(order.to)}`"
+    if isinstance(order, Together):
+        return ""
+    if order.home:
+        return "go home"
+    if order.posture:
+        return f"take the posture `{order.posture}`"
+    if order.push:
+        return f"push `{order.push}` to `{spelt(order.to)}`"
+    if order.turn:
+        return f"turn `{order.turn}` to {number(order.to_deg or 0.0)}°"
+    if order.slide and isinstance(order.to, float):
+        return f"slide `{order.slide}` to {_length(order.to)}"
+    if order.press:
+        to = f" to {_length(order.to)}" if isinstance(order.to, float) else ""
+        return f"press `{order.press}`{to}"
     if order.retreat is not None:
         return f"retreat {_length(order.retreat)}"
     if order.close:
         return "close on nothing" if order.close == NOTHING else f"close on `{order.close}`"
     if order.release:
         return "release"
-    return f"{order.verb} `{getattr(order, order.verb)}`"
+    return f"{order.verb} `{spelt(getattr(order, order.verb))}`"
 
 
 def _manner(order: Order | Together) -> Iterator[str]:
@@ -53,6 +70,10 @@ def _manner(order: Order | Together) -> Iterator[str]:
             yield f"turned to ({', '.join(number(angle) for angle in order.rpy_deg)})°"
         if order.align:
             yield "turned like that frame"
+        if not order.turn_tool:
+            yield "without turning the tool"
+        if order.depth is not None:
+            yield f"{_length(order.depth)} deep"
     if order.straight:
         yield "in a straight line"
     if order.touching:

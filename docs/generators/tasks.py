@@ -8,8 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from generators import results
 from generators.expressions import expression
 from generators.stages import numbered
+from taskbuilder import load_suite
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
 from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
 from taskbuilder.schema.catalogue import Catalogue
@@ -50,19 +52,31 @@ def title(name: str) -> str:
     return doc.partition(":")[0]
 
 
-def gallery(folder: str) -> str:
-    """A picture of every task, linked to its page; ``folder`` is where the tasks' pages are."""
+def gallery(words: str) -> str:
+    """The films of the tasks of a suite, each linked to its page.
+
+    Args:
+        words: The suite; then, on pages that are not among those of the tasks, the latter's folder.
+            The suites by number of robots leave out what the suite `seed` has.
+    """
+    suite, _, folder = words.partition(" ")
+    images = "images" if folder else "../images"
+    shown, seed = (load_suite(name, catalogue=Catalogue()).tasks for name in (suite, "seed"))
     cards = []
-    for name, task in library().items():
-        page = f"{folder}{name}"
-        known = (DOCS / "tasks" / f"{name}.md").is_file()
-        caption = f"[{title(name)}]({page}.md)" if known else title(name)
-        to_images = "images" if folder else "../images"
-        cards.append(
-            f"![{task.file.spec.summary}]({to_images}/{name}.png)\n\n"
-            f"{caption}: {task.file.spec.summary}"
-        )
+    for name in shown:
+        if suite == "seed" or name not in seed:
+            summary = library()[name].file.spec.summary
+            link = f"[{title(name)}]({folder}{name}.md)"
+            cards.append(f"![{summary}]({images}/{name}.gif)\n\n{link}: {summary}")
     return side_by_side(cards)
+
+
+def missing_pages() -> Iterator[tuple[Path, str]]:
+    """The page of every packaged task that has none yet, and how it begins."""
+    for name in library():
+        page = DOCS / "tasks" / f"{name}.md"
+        if not page.is_file():
+            yield page, f"# {title(name)}\n\n<!-- generated: task {name} -->\n<!-- end -->\n"
 
 
 def page(name: str) -> str:
@@ -137,6 +151,8 @@ def _sections(task: Task) -> Iterator[str]:
         yield numbered(spec.expert)
         yield f"![The stages of the expert](../images/{name}-strip.png)"
         yield f"![The reward while the expert plays](../images/{name}-rewards.png)"
+    yield "## Proof"
+    yield results.proof(name)
     yield "## Files"
     for ending in ("yaml", "py"):
         yield shown_file(f"tasks/{name}.{ending}")

@@ -39,7 +39,7 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--reward",
         metavar="R",
-        help="training reward: team, local, shaped or ratchet (default ratchet)",
+        help="training reward: team, local, sparse, shaped or ratchet (default ratchet)",
     )
     many = whole(1, 1_000_000_000)
     parser.add_argument(

@@ -12,7 +12,7 @@ from taskbuilder.cli.tasks import asked_suite, catalogue_of
 from taskbuilder.errors import display_path
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.proofs import proof_of
-from taskbuilder.schema.summaries import suites_of, summarize
+from taskbuilder.schema.summaries import indexed_suites, summarize
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -46,7 +46,7 @@ def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
         "objects": list(summary.objects),
         "episode_steps": summary.episode_steps,
         "summary": summary.summary,
-        "suites": suites_of(entry, catalogue),
+        "suites": _suites(entry, catalogue),
         "proof": asdict(proof) if proof else None,
     }
 
@@ -55,3 +55,12 @@ def _proved(proof: Mapping[str, Any] | None) -> str:
     if proof is None:
         return "-"
     return str(proof["date"])[:10] if proof["current"] else "before a change"
+
+
+def _suites(entry: CatalogueEntry, catalogue: Catalogue) -> list[str]:
+    known = indexed_suites(entry)
+    if known is not None:
+        return known
+    from taskbuilder.schema.suites import suites_of  # validates, which takes its time
+
+    return suites_of(entry, catalogue)

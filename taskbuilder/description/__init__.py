@@ -4,21 +4,31 @@ Everything that a description file needs is importable from here.
 """
 
 import warnings
-from typing import Any
 
 from taskbuilder.description.contact import Contact, EmptyHanded, ForceAbove, Held, On, Released
 from taskbuilder.description.custom import condition
 from taskbuilder.description.description import Description, Outcome
-from taskbuilder.description.logic import AtLeast, Never, Once, Sustained, Then
+from taskbuilder.description.logic import (
+    All,
+    Any,
+    AtLeast,
+    Never,
+    Once,
+    Simultaneous,
+    Sustained,
+    Then,
+)
 from taskbuilder.description.measures import (
     Closeness,
     ContactForce,
+    Count,
     Duration,
     Fraction,
     Gap,
     GripperOpening,
     Height,
     Ladder,
+    Mean,
     Measure,
     Minimum,
     measure,
@@ -52,6 +62,8 @@ from taskbuilder.description.view import WorldView
 
 __all__ = [
     "Above",
+    "All",
+    "Any",
     "AtLeast",
     "Below",
     "BodyName",
@@ -61,6 +73,7 @@ __all__ = [
     "Contact",
     "ContactForce",
     "ContainerName",
+    "Count",
     "Description",
     "Distance",
     "Duration",
@@ -78,6 +91,7 @@ __all__ = [
     "JointPosition",
     "Ladder",
     "Level",
+    "Mean",
     "Measure",
     "Minimum",
     "Moved",
@@ -91,6 +105,7 @@ __all__ = [
     "Potential",
     "Released",
     "RobotName",
+    "Simultaneous",
     "SiteName",
     "SolidName",
     "Stationary",
@@ -108,7 +123,7 @@ _RENAMED = {"Least": "Minimum", "Share": "Fraction"}
 """Names that descriptions may have been written with, kept for one version."""
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _RENAMED:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     new = _RENAMED[name]

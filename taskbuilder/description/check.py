@@ -8,6 +8,7 @@ from inspect import get_annotations
 from taskbuilder.description.custom import CustomCondition
 from taskbuilder.description.description import Description
 from taskbuilder.description.fitting import fits, wanted
+from taskbuilder.description.groups import of_groups
 from taskbuilder.description.measures import CustomMeasure, Measure
 from taskbuilder.description.node import Argument, Condition, Node
 from taskbuilder.description.rewards import Term
@@ -41,6 +42,7 @@ def check_description(
     ]
     for node in _written(roots):
         findings += _check_node(node, names, file)
+    findings += _check_groups(tuple(_expressions(description, attributes=False)), names, file)
     findings += _check_labels(tuple(node for node in roots if isinstance(node, Term)), file)
     return findings
 
@@ -96,8 +98,13 @@ def _check_stages(description: type[Description], file: Location) -> Iterator[Fi
             yield Finding("TB211", message, "", _origin(value, file))
 
 
-def _expressions(description: type[Description]) -> Iterator[Node]:
-    """The expressions of a description that have the right type."""
+def _expressions(description: type[Description], *, attributes: bool = True) -> Iterator[Node]:
+    """The expressions of a description that have the right type.
+
+    Args:
+        description: The class.
+        attributes: Include attributes of the author's own, which may only be parts of the others.
+    """
     reward = getattr(description, "reward", ())
     stages = description.stages
     candidates = (
@@ -105,7 +112,7 @@ def _expressions(description: type[Description]) -> Iterator[Node]:
             getattr(description, name, None)
             for name in ("success", "failure", "progress", "setback")
         ),
-        *description.attributes().values(),
+        *(description.attributes().values() if attributes else ()),
         *(stages.values() if isinstance(stages, dict) else ()),
         *(reward if isinstance(reward, tuple) else ()),
     )
@@ -155,7 +162,7 @@ def _check_node(node: Node, names: SceneNames, file: Location) -> Iterator[Findi
         return
     subject = _headline(node)
     for kind, name in node.references():
-        if problem := names.problem(kind, name):
+        if problem := names.problem(kind, name, several=True):
             yield Finding("TB207", problem, subject, where)
     wrong = list(_misfits(node, arguments)) or list(node.problems(names))
     yield from (Finding("TB212", problem, subject, where) for problem in wrong)
@@ -185,6 +192,27 @@ def _unhashable(node: Node) -> str | None:
         inside = any(_unhashable(part) for part in node.parts if isinstance(part, Node))
         return None if inside else str(error)
     return None
+
+
+def _check_groups(roots: tuple[Node, ...], names: SceneNames, file: Location) -> Iterator[Finding]:
+    """Groups of which an expression does not say how many of their members it is about."""
+    found = {
+        (id(node), name): (node, name)
+        for root in roots
+        if not root.gathers
+        for node, name in of_groups(root, names)
+    }
+    for node, name in found.values():
+        several = len(names.members(name) or ())
+        said = _headline(node)
+        if isinstance(node, Condition):
+            help_ = f"say of how many: All({said}), Any({said}) or AtLeast({several}, {said})"
+        elif isinstance(node, Measure):
+            help_ = f"write Mean({said}) or Minimum({said})"
+        else:
+            help_ = f'write Paid("…", Mean(Closeness("{name}", …)))'
+        message = f'"{name}" is a group of {several} objects; {help_}'
+        yield Finding("TB215", message, _headline(node), _origin(node, file))
 
 
 def _check_labels(terms: tuple[Term, ...], file: Location) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from functools import partial
 from operator import itemgetter
 from typing import Any, ClassVar, SupportsFloat
 
+from taskbuilder.description.groups import expanded, is_about_each
 from taskbuilder.description.logic import Never
 from taskbuilder.description.measures import Measure
 from taskbuilder.description.node import (
@@ -23,6 +24,7 @@ from taskbuilder.description.origin import is_ours
 from taskbuilder.description.reasons import EvaluatedState
 from taskbuilder.description.rewards import Term
 from taskbuilder.description.view import WorldView
+from taskbuilder.schema.names import SceneNames
 
 
 class Description:
@@ -55,6 +57,25 @@ class Description:
         """All named conditions: success, failure, stages and other attributes."""
         first = {"success": cls.success, "failure": cls.failure}
         return {**first, **cls.stages, **cls.attributes()}
+
+
+def with_members(description: type[Description], names: SceneNames) -> type[Description]:
+    """A checked description with the groups of its scene written out, member by member.
+
+    A condition about each member of a group, of which only others say of how many it must be true,
+    has no value of its own, and is no attribute any more.
+    """
+    if not names.groups:
+        return description
+    mentioned = {key: None for base in description.__mro__ for key in vars(base)}
+    own = {key: getattr(description, key) for key in mentioned if not key.startswith("__")}
+    values = {
+        key: None if is_about_each(value, names) else expanded(value, names)
+        for key, value in own.items()
+    }
+    changed = {key: value for key, value in values.items() if value is not own[key]}
+    about = {"__module__": description.__module__, "__doc__": description.__doc__}
+    return type(description.__name__, (description,), {**about, **changed})
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from taskbuilder.description.groups import times
 from taskbuilder.description.node import (
+    AllOf,
+    AnyOf,
     Blame,
     Condition,
     Memory,
@@ -32,8 +36,47 @@ class Never(Condition):
 
 
 @dataclass(frozen=True, init=False)
+class All(AllOf):
+    """All of several conditions hold; ``All(Inside("cubes", "bin"))`` for each cube of a group."""
+
+    gathers = True
+
+    def __init__(self, *of: Condition) -> None:
+        object.__setattr__(self, "of", of)
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _listed(self.of)
+
+    def __repr__(self) -> str:
+        return f"All({', '.join(map(repr, self.of))})"
+
+
+@dataclass(frozen=True, init=False)
+class Any(AnyOf):
+    """One or more of several conditions hold; ``Any(Held("cubes"))`` for any cube of a group."""
+
+    gathers = True
+
+    def __init__(self, *of: Condition) -> None:
+        object.__setattr__(self, "of", of)
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from _listed(self.of)
+
+    def __repr__(self) -> str:
+        return f"Any({', '.join(map(repr, self.of))})"
+
+
+def _listed(of: tuple[Condition, ...]) -> Iterator[str]:
+    if not of:
+        yield "lists no condition; give at least one"
+
+
+@dataclass(frozen=True, init=False)
 class AtLeast(Condition):
-    """At least ``count`` of several conditions hold."""
+    """At least ``count`` of several conditions hold, or of the members of a group."""
+
+    gathers = True
 
     count: int
     of: tuple[Condition, ...]
@@ -56,8 +99,9 @@ class AtLeast(Condition):
         return found._replace(every=surplus >= len(found.parts))
 
     def problems(self, names: SceneNames) -> Iterator[str]:
-        if not 1 <= self.count <= len(self.of):
-            yield f"count is {self.count}; from 1 to the {len(self.of)} conditions given"
+        given = sum(times(part, names) for part in self.of)
+        if not 1 <= self.count <= given:
+            yield f"count is {self.count}; from 1 to the {given} conditions given"
 
 
 @dataclass(frozen=True, init=False)
@@ -94,8 +138,61 @@ class Then(Condition):
         return "never comes true" if wanted else "all of it has come true, in order"
 
     def problems(self, names: SceneNames) -> Iterator[str]:
-        if not self.of:
-            yield "lists no condition; give at least one"
+        yield from _listed(self.of)
+
+
+@dataclass(frozen=True, init=False)
+class Simultaneous(Condition):
+    """Several conditions became true within ``within`` seconds of each other.
+
+    What counts is the moment at which each became true, after having been false in this episode;
+    none has to keep holding. Once it has come about, it stays true.
+    """
+
+    gathers = True
+
+    of: tuple[Condition, ...]
+    within: float = field(kw_only=True)
+
+    def __init__(self, *of: Condition, within: float) -> None:
+        object.__setattr__(self, "of", of)
+        object.__setattr__(self, "within", within)
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The conditions, in order."""
+        return self.of
+
+    def start(self, world: WorldView) -> Memory:
+        """Whether it has come about, the values before, and when each last became true."""
+        return False, (True,) * len(self.of), (None,) * len(self.of)
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        done, before, times_ = memory
+        pairs = zip(parts, before, times_, strict=True)
+        times_ = tuple(world.time if now and not then else at for now, then, at in pairs)
+        done = done or _apart(times_) <= self.within + _TIME_SLACK
+        return done, (done, tuple(parts), times_)
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        if not wanted:
+            return "it has come about"
+        missing = sum(at is None for at in memory[2])
+        if missing:
+            return f"{missing} of {len(self.of)} have not become true"
+        return f"{_apart(memory[2]):.2g} s apart, within {self.within:g} s is needed"
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if sum(times(part, names) for part in self.of) < 2:
+            yield "compares the moments of several conditions; give two or more"
+        if not self.within >= 0:
+            yield f"within is {self.within}; seconds, 0 or more"
+
+
+def _apart(moments: tuple[float | None, ...]) -> float:
+    """Time from the first to the last moment; infinite if one has not come."""
+    known = [at for at in moments if at is not None]
+    return max(known) - min(known) if len(known) == len(moments) else math.inf
 
 
 @dataclass(frozen=True)

@@ -238,6 +238,8 @@ class Fraction(Measure):
 class Minimum(Measure):
     """The smallest of several measures: ``Minimum(Height("tray.left"), Height("tray.right"))``."""
 
+    gathers = True
+
     of: tuple[Measure, ...]
 
     def __init__(self, *of: Measure | float) -> None:
@@ -254,6 +256,54 @@ class Minimum(Measure):
     def problems(self, names: SceneNames) -> Iterator[str]:
         if not self.of:
             yield "it is the least of nothing; give it measures"
+
+
+@dataclass(frozen=True, init=False)
+class Mean(Measure):
+    """The mean of several measures; ``Mean(Closeness("cubes", "bin"))`` over a group's members."""
+
+    gathers = True
+
+    of: tuple[Measure, ...]
+
+    def __init__(self, *of: Measure | float) -> None:
+        object.__setattr__(self, "of", tuple(as_measure(value) for value in of))
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The measures, in order."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return math.fsum(parts) / len(parts), memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.of:
+            yield "it is the mean of nothing; give it measures"
+
+
+@dataclass(frozen=True, init=False)
+class Count(Measure):
+    """How many of several conditions hold; ``Count(Inside("cubes", "bin"))`` for a group."""
+
+    gathers = True
+
+    of: tuple[Condition, ...]
+
+    def __init__(self, *of: Condition) -> None:
+        object.__setattr__(self, "of", of)
+
+    @property
+    def parts(self) -> tuple[Node, ...]:
+        """The conditions, in order."""
+        return self.of
+
+    def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
+        return float(sum(parts)), memory
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if not self.of:
+            yield "it counts nothing; give it conditions"
 
 
 @dataclass(frozen=True, init=False)

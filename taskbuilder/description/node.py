@@ -17,7 +17,7 @@ from itertools import islice
 from math import isnan
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any, NamedTuple, SupportsFloat, get_args, get_type_hints
+from typing import Annotated, Any, ClassVar, NamedTuple, SupportsFloat, get_args, get_type_hints
 
 from taskbuilder.description.origin import is_ours, place_of
 from taskbuilder.description.view import WorldView
@@ -57,6 +57,9 @@ class Node:
 
     A node is evaluated after reset and after every control step, exactly once, its parts first.
     """
+
+    gathers: ClassVar[bool] = False
+    """Whether it is made of many: each part in ``of`` stands for all members of a group in it."""
 
     _origin: Location | None = None
 
@@ -116,7 +119,7 @@ class Node:
     def references(self) -> Iterator[tuple[Kind, str]]:
         """Every name among the node's own arguments, with what it must stand for."""
         for argument in self.arguments():
-            for kind in dict.fromkeys(_kinds(argument.annotation)):
+            for kind in dict.fromkeys(kinds_of(argument.annotation)):
                 yield from ((kind, name) for name in _texts(argument.value))
 
 
@@ -325,13 +328,13 @@ def hints_of(thing: Any) -> dict[str, Any]:
     return get_type_hints(thing, include_extras=True)
 
 
-def _kinds(annotation: Any) -> Iterator[Kind]:
+def kinds_of(annotation: Any) -> Iterator[Kind]:
     """The kinds of name that an annotation mentions, however deep inside unions and tuples."""
     for argument in get_args(annotation):
         if isinstance(argument, Refers):
             yield argument.kind
         else:
-            yield from _kinds(argument)
+            yield from kinds_of(argument)
 
 
 def _texts(value: Any) -> Iterator[str]:

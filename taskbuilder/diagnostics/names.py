@@ -7,7 +7,7 @@ from taskbuilder.diagnostics.entry import Code, Example, within
 ENTRIES = {
     "TB200": Code(
         "Names and description",
-        "Summary of TB201 to TB214, which check the names in the task file and the description.",
+        "Summary of TB201 to TB215, which check the names in the task file and the description.",
     ),
     "TB201": Code(
         "Unknown name",
@@ -114,6 +114,17 @@ ENTRIES = {
         "joint depends on one. The condition can be success, failure, a stage, or any other "
         "attribute of the description class that is a condition.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
+    ),
+    "TB215": Code(
+        "Of how many members?",
+        "An expression of the description names a group without saying of how many of its members "
+        "it must be true. All, Any and AtLeast say so for conditions; Mean, Minimum and Count make "
+        "one number of many.",
+        Example(
+            "description",
+            'failure = Near("pegs", "cube", within=0.01)',
+            'failure = Any(Near("pegs", "cube", within=0.01))',
+        ),
     ),
 }
 """Code -> what it stands for."""

@@ -20,7 +20,8 @@ ENTRIES = {
     "TB302": Code(
         "Joint value out of limits",
         "A joint position, or a limit in the task file, is outside the limits of the joint in "
-        "the URDF. Or there are too many or too few joint positions.",
+        "the URDF, or an expert moves a joint beyond its limits. Or there are too many or too "
+        "few joint positions.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",

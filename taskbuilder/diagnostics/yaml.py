@@ -59,7 +59,7 @@ ENTRIES = {
     ),
     "TB100": Code(
         "Keys, types and units",
-        "Summary of TB101 to TB110, which check the keys, types and units of a task or robot file.",
+        "Summary of TB101 to TB111, which check the keys, types and units of a task or robot file.",
     ),
     "TB101": Code(
         "Missing key",
@@ -128,8 +128,21 @@ ENTRIES = {
     "TB110": Code(
         "Wrong unit for the joint",
         "start, limits and rest are in metres and are for prismatic joints. start_deg, "
-        "limits_deg and rest_deg are in degrees and are for revolute joints.",
+        "limits_deg and rest_deg are in degrees and are for revolute joints. In the same way, an "
+        "expert slides a prismatic joint and turns a revolute one.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
+    ),
+    "TB111": Code(
+        "Group does not fit",
+        "The objects of a group overlap as they are arranged, or there are more of them than fit "
+        "into the box of their pile. The message gives a size that would do.",
+        within(
+            "scene.objects",
+            "blocks: {shape: {box: [0.03, 0.03, 0.05]}, mass: 0.02, count: 4, "
+            "arrange: {line: 0.02}, position: [0, 0.3, 0.425]}",
+            "blocks: {shape: {box: [0.03, 0.03, 0.05]}, mass: 0.02, count: 4, "
+            "arrange: {line: 0.05}, position: [0, 0.3, 0.425]}",
+        ),
     ),
 }
 """Code -> what it stands for."""

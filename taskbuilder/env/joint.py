@@ -20,7 +20,7 @@ from taskbuilder.task import Task
 
 
 class JointEnv(gymnasium.Env[Any, Any]):
-    """A task as a single-agent environment with the team reward.
+    """A task as a single-agent environment with the team reward, or the sparse one.
 
     Flat observations and actions are those of the robots in file order, concatenated in one box
     each. Otherwise they are dictionaries by robot.
@@ -28,7 +28,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
     Args:
         task: Name or path of the task, or the task itself.
         render_mode: "rgb_array" if `render` should return pictures.
-        options: See `taskbuilder.env.options.Options`; ``reward`` is always ``team``.
+        options: See `taskbuilder.env.options.Options`; a ``local`` reward is the ``team``'s.
 
     Raises:
         UnknownNameError: There is no such task.
@@ -84,7 +84,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         """
         observations, _, terminations, truncations, infos = self.parallel.step(self._split(action))
         first = self._agents[0]
-        reward = self.parallel.team_reward()
+        reward = self.parallel.common_reward()
         seen = self._observation(observations)
         return seen, reward, terminations[first], truncations[first], infos[first]
 

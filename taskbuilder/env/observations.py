@@ -89,10 +89,49 @@ class ObservedValue:
         return numbers
 
 
+@dataclass(frozen=True)
+class ObservedGroup:
+    """A channel of a group: that of every member, one after the other.
+
+    Attributes:
+        name: Name in the task file.
+        of: The members' channels.
+    """
+
+    name: str
+    of: tuple[ObservedValue, ...]
+
+    @property
+    def low(self) -> tuple[float, ...]:
+        """Lower bound of each number."""
+        return tuple(bound for each in self.of for bound in each.low)
+
+    @property
+    def high(self) -> tuple[float, ...]:
+        """Upper bound of each number."""
+        return tuple(bound for each in self.of for bound in each.high)
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return sum(each.size for each in self.of)
+
+    def with_matrix(self) -> ObservedGroup:
+        """The same channel with rotations as columns of matrices."""
+        return replace(self, of=tuple(each.with_matrix() for each in self.of))
+
+    def shown(self, episode: Episode) -> Sequence[float]:
+        """The current values."""
+        return [value for each in self.of for value in each.shown(episode)]
+
+
+Reading = ObservedValue | ObservedGroup
+
+
 class View:
     """The channels of one observer: a vector of numbers, and cameras."""
 
-    def __init__(self, readings: Sequence[ObservedValue], cameras: Sequence[Channel]) -> None:
+    def __init__(self, readings: Sequence[Reading], cameras: Sequence[Channel]) -> None:
         self.readings = tuple(readings)
         self.cameras = tuple(cameras)
         numbers = [value for reading in self.readings for value in reading.low]
@@ -119,9 +158,7 @@ class View:
         return {r.name: piece.copy() for r, piece in zip(self.readings, pieces, strict=True)}
 
 
-def make_reading(
-    name: str, channel: Channel, world: World, noise: Noise | None = None
-) -> ObservedValue:
+def make_reading(name: str, channel: Channel, world: World, noise: Noise | None = None) -> Reading:
     """Make the reading of a channel of numbers.
 
     Args:
@@ -130,6 +167,13 @@ def make_reading(
         world: The world, for sizes and limits.
         noise: Gaussian noise on the channel.
     """
+    if members := world.task.names.members(channel.subject):
+        of = (replace(channel, subject=member) for member in members)
+        return ObservedGroup(name, tuple(_reading(name, one, world, noise) for one in of))
+    return _reading(name, channel, world, noise)
+
+
+def _reading(name: str, channel: Channel, world: World, noise: Noise | None) -> ObservedValue:
     read, low, high, turns = _parts(channel, world)
     return ObservedValue(name, read, low, high, turns, noise)
 
@@ -255,9 +299,9 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
     return (
         *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
         *(f"{name}.pose" for name in moving),
-        *(f"{place}.position in self.tcp" for place in (*grasps, *world.sites)),
+        *(f"{place}.position in self.tcp" for place in (*grasps, *world.task.names.sites)),
         *_moving_joints(world),
-        *(f"{site}.position" for site in world.sites),
+        *(f"{site}.position" for site in world.task.names.sites),
         "time_left",
     )
 
@@ -279,6 +323,6 @@ def everything(world: World) -> tuple[str, ...]:
         *(f"{robot}.{quantity}" for robot in world.robots for quantity in robots),
         *(f"{name}.{quantity}" for name in moving for quantity in ("pose", "velocity")),
         *_moving_joints(world),
-        *(f"{site}.position" for site in world.sites),
+        *(f"{site}.position" for site in world.task.names.sites),
         "time_left",
     )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
-    ObservedValue,
+    Reading,
     View,
     everything,
     is_camera,
@@ -92,7 +92,7 @@ class Observer:
 
     def _reading(
         self, text: str, channel: Channel, agent: str | None, noise: Noise | None
-    ) -> ObservedValue:
+    ) -> Reading:
         if agent and self._own_frames and channel.frame == "world":
             channel = replace(channel, frame=f"{agent}.base")
         reading = make_reading(text, channel, self._world, noise)

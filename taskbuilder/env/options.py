@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal, TypedDict, Unpack
+from typing import Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.load import TaskFile
@@ -13,7 +13,7 @@ from taskbuilder.schema.values import frozen
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
-RewardSharing = Literal["team", "local"]
+RewardSharing = Literal["team", "local", "sparse"]
 Variation = int | Literal["random"]
 Renderer = Literal["auto", "tiny", "egl"]
 RenderMode = Literal["rgb_array"]
@@ -38,6 +38,7 @@ class Options:
     Attributes:
         reward: ``team`` gives every agent the sum of all terms; ``local`` gives each its own terms
             and an equal share of the common ones. Local rewards add up to the team reward exactly.
+            ``sparse`` gives every agent 1 in each control step in which success holds, and else 0.
         flat: Whether observations and actions are flat float32 boxes, or dictionaries of channels.
         normalize: Actions from -1 to 1, or in physical units.
         horizon: Control steps of an episode; by default the task's.
@@ -98,7 +99,7 @@ class Options:
         return replace(task.file, spec=task.file.spec.model_copy(update=update), scenes=scenes)
 
     def _check(self, task: Task) -> None:
-        _choice("reward", self.reward, ("team", "local"))
+        _choice("reward", self.reward, get_args(RewardSharing))
         for name, value in (("horizon", self.horizon), ("control_hz", self.control_hz)):
             if value is not None and (not isinstance(value, int) or value < 1):
                 raise UsageError(f"{name} is {value!r}; a whole number of at least 1")

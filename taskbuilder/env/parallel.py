@@ -188,7 +188,13 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     def _rewards(self) -> dict[str, float]:
         if self.options.reward == "local" and not self.episode.exploded:
             return dict(self.episode.outcome.local)
-        return dict.fromkeys(self.agents, self.team_reward())
+        return dict.fromkeys(self.agents, self.common_reward())
+
+    def common_reward(self) -> float:
+        """The reward that all agents share: the team reward, or the sparse one if that is set."""
+        if self.options.reward != "sparse":
+            return self.team_reward()
+        return float(self.episode.outcome.success and not self.episode.exploded)
 
     def team_reward(self) -> float:
         """The team reward of the current control step; 0 after a divergence of the physics."""

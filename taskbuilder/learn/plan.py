@@ -33,7 +33,7 @@ RENAMED_SETTINGS = {
 }
 """Old names of settings of maddpg, from version 0.1, and their new ones; the old still work."""
 
-REWARDS = ("team", "local", "shaped", "ratchet")
+REWARDS = ("team", "local", "sparse", "shaped", "ratchet")
 
 
 @dataclass(frozen=True)

@@ -80,6 +80,12 @@ class Local(Unchanged):
     shared = False
 
 
+class Sparse(Unchanged):
+    """1 in each control step in which success holds, and else 0."""
+
+    sharing = "sparse"
+
+
 class Shaped:
     """The team reward plus potential-based shaping by progress.
 
@@ -160,6 +166,7 @@ class Ratchet:
 TRAINING_REWARDS: Mapping[str, type[Unchanged] | type[Shaped] | type[Ratchet]] = {
     "team": Unchanged,
     "local": Local,
+    "sparse": Sparse,
     "shaped": Shaped,
     "ratchet": Ratchet,
 }

@@ -13,14 +13,14 @@ from pydantic.fields import FieldInfo
 from taskbuilder.reference.markdown import code, number
 from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
-from taskbuilder.schema import expert, joints, robot, scene, task, values
-from taskbuilder.schema.expert import ONLY_WITH, VERBS
+from taskbuilder.schema import arrangement, expert, joints, order, robot, scene, task, values
 from taskbuilder.schema.names import Refers
+from taskbuilder.schema.order import ONLY_WITH, VERBS
 from taskbuilder.schema.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
-    for module in (scene, joints, task, robot, expert)
+    for module in (scene, arrangement, joints, task, robot, expert, order)
     for name, model in vars(module).items()
     if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
 }
@@ -43,7 +43,7 @@ _ALIASES: tuple[tuple[Any, str], ...] = (
     (values.Text, "text"),
     (values.Color, "[colour](#colours)"),
     (expert.Condition, "name of a condition"),
-    (expert.Above, "m"),
+    (order.Above, "m"),
     (expert.Seconds, "s"),
     (robot.LinkName, "name in the URDF"),
 )
@@ -83,10 +83,10 @@ def verbs(_: str) -> str:
 
 def manners(_: str) -> str:
     """What an order may say besides its verb."""
-    own = [key for key in expert.Order.model_fields if key not in VERBS]
+    own = [key for key in order.Order.model_fields if key not in VERBS]
     rows = []
     for key, row in zip(own, _rows("Order", own), strict=True):
-        default = "required" if key == "to" else row[2]
+        default = "required" if key in ("to", "to_deg") else row[2]
         rows.append([row[0], row[1], default, ", ".join(map(code, ONLY_WITH[key])), row[3]])
     return as_table(["key", "value", "default", "with", "meaning"], rows)
 

@@ -15,7 +15,7 @@ from taskbuilder import description
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.reference import codes, keys, vocabulary
 from taskbuilder.reference.python import prose, signature
-from taskbuilder.schema.expert import VERBS
+from taskbuilder.schema.order import VERBS
 from taskbuilder.wording import suggestion
 
 _STAGES = ("Order", "Together", "Wait", "Repeat")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.errors import Finding
+from taskbuilder.schema.expert import ExpertStage, each_order
 from taskbuilder.schema.joints import UNITS, JointSpec, Spring
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.robots import beyond_limits
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted
@@ -38,6 +40,109 @@ def locks(scene: SceneSpec) -> Iterator[tuple[Path_, str]]:
             if isinstance(written, JointSpec) and written.lock is not None:
                 path = ("scene", "objects", name, "joints", joint, "lock", "unless")
                 yield path, written.lock.unless
+
+
+def pressed(urdf: Urdf, link: str) -> UrdfJoint | None:
+    """The joint that moves when a link is pressed: the nearest above it, if that is prismatic.
+
+    Args:
+        urdf: The object.
+        link: The link; "" for the object, of which the only prismatic joint moves.
+    """
+    if link:
+        above = urdf.moving_joints_above(link)
+        return above[0] if above and above[0].type == "prismatic" else None
+    sliding = [joint for joint in urdf.moving_joints if joint.type == "prismatic"]
+    return sliding[0] if len(sliding) == 1 else None
+
+
+def check_orders(
+    source: Source,
+    stages: Sequence[ExpertStage],
+    scene: SceneSpec,
+    assets: Mapping[str, Mesh | Urdf],
+) -> Iterator[Finding]:
+    """Joints that an expert moves wrongly, and postures that there are not.
+
+    Args:
+        source: The task file.
+        stages: Its expert.
+        scene: Its scene.
+        assets: Meshes and URDFs of its objects.
+    """
+    for path, robot, order in each_order(stages):
+        if order.posture is not None and robot in scene.robots:
+            yield from _check_posture(source, (*path, "posture"), order.posture, scene, robot)
+        if order.joint is not None:
+            yield from _check_moved(source, path, order, scene, assets)
+        elif order.press is not None and order.to is not None:
+            yield from _check_pressed(source, path, order, scene, assets)
+
+
+def _check_posture(
+    source: Source, path: Path_, name: str, scene: SceneSpec, robot: str
+) -> Iterator[Finding]:
+    known = scene.robots[robot].postures
+    if name in known:
+        return
+    has = suggestion(name, known, what="it has") if known else "it has none"
+    message = f'{robot} has no posture "{name}"; {has}; write scene.robots.{robot}.postures'
+    yield Finding("TB201", message, dotted(path), source.locate(path))
+
+
+def _check_moved(
+    source: Source, path: Path_, order: Order, scene: SceneSpec, assets: Mapping[str, Mesh | Urdf]
+) -> Iterator[Finding]:
+    name = order.joint or ""
+    owner, _, inner = name.partition(".")
+    asset = assets.get(owner)
+    moving = {j.name: j for j in asset.moving_joints} if isinstance(asset, Urdf) else {}
+    if inner not in moving:
+        return  # which has been reported
+    slides = moving[inner].type == "prismatic"
+    if slides != (order.slide is not None):
+        how = f"slides; write slide: {name}, and to in metres"
+        how = how if slides else f"turns; write turn: {name}, and to_deg in degrees"
+        place = (*path, order.verb)
+        yield Finding("TB110", f"{name} {how}", dotted(place), source.locate(place, key=True))
+        return
+    key = "to" if slides else "to_deg"
+    yield from _out_of_range(source, (*path, key), order, moving[inner], scene.objects[owner])
+
+
+def _check_pressed(
+    source: Source, path: Path_, order: Order, scene: SceneSpec, assets: Mapping[str, Mesh | Urdf]
+) -> Iterator[Finding]:
+    frame = order.press or ""
+    while frame in scene.sites:
+        frame = scene.sites[frame].frame
+    owner, _, link = frame.partition(".")
+    thing, asset = scene.objects.get(owner), assets.get(owner)
+    if thing is not None and link in thing.grasps:
+        link = thing.grasps[link].link or ""
+    joint = pressed(asset, link) if isinstance(asset, Urdf) else None
+    if thing is None or joint is None:
+        place = (*path, "to")
+        message = (
+            f"{order.press} is not on one prismatic joint, so no position can be given; "
+            "name a link that slides, or write depth, in metres"
+        )
+        yield Finding("TB106", message, dotted(place), source.locate(place, key=True))
+        return
+    yield from _out_of_range(source, (*path, "to"), order, joint, thing)
+
+
+def _out_of_range(
+    source: Source, path: Path_, order: Order, joint: UrdfJoint, thing: ObjectSpec
+) -> Iterator[Finding]:
+    joint = _scaled(joint, (thing.shape.scale if thing.shape else None) or 1.0)
+    if joint.name in thing.joints:
+        bounds = JointSpec.of(thing.joints[joint.name], turns=joint.type != "prismatic").range
+        if bounds is not None:
+            joint = replace(joint, lower=bounds[0], upper=bounds[1])
+    position = order.joint_position
+    problem = beyond_limits(joint, position) if position is not None else None
+    yield from _findings(source, path, [problem] if problem else [])
 
 
 def _check_grasps(

@@ -24,6 +24,8 @@ Sort = Literal["task", "robot"]
 
 PATH_VARIABLE = "TASKBUILDER_PATH"
 
+_ALL_TASKS = "`taskbuilder list` shows all there are"
+
 SUITES = "suites.yaml"
 """The file of a folder of tasks that is no task: its suites."""
 
@@ -111,7 +113,7 @@ class Catalogue:
         """
         if isinstance(name, str) and name in self.tasks:
             return self.tasks[name]
-        help_ = suggestion(str(name), self.tasks, what="there are")
+        help_ = suggestion(str(name), self.tasks, otherwise=_ALL_TASKS)
         raise UnknownNameError(f'no task "{name}"; {help_}')
 
     def robot(self, reference: str, folder: Path) -> CatalogueEntry:
@@ -129,7 +131,8 @@ class Catalogue:
         known = self.tasks if sort == "task" else self.robots
         if reference in known:
             return known[reference]
-        help_ = suggestion(reference, known, what="there are")
+        otherwise = _ALL_TASKS if sort == "task" else ""  # tasks are too many for one line
+        help_ = suggestion(reference, known, what="there are", otherwise=otherwise)
         beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
         if beside and beside.is_file():
             help_ = f"did you mean the file {display_path(beside)}?"

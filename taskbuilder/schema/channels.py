@@ -32,8 +32,10 @@ EPISODE_QUANTITIES = ("time_left",)
 class Channel:
     """What an agent observes: a quantity of a subject, seen from a frame.
 
+    Of a group, it is that of all members, one after the other.
+
     Attributes:
-        subject: Robot, object, part, site or camera; "" for a quantity of the episode.
+        subject: Robot, object, group, part, site or camera; "" for a quantity of the episode.
         quantity: Such as "pose", or the name of a joint of an articulated object.
         frame: Frame that poses are expressed in: "world" or a dotted frame name.
     """
@@ -64,10 +66,10 @@ def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | 
     if frame != "world" and (problem := names.problem("frame", frame)):
         return problem
     allowed = _quantities(subject, names)
-    if allowed is None:
+    if allowed is None and names.members(subject) != ():
         return _unknown(subject, names)
-    if quantity not in allowed and not _maybe_joint(subject, names):
-        help_ = suggestion(quantity, allowed, what="it has")
+    if quantity not in (allowed or ()) and not _maybe_joint(subject, names):
+        help_ = suggestion(quantity, allowed or (), what="it has")
         return f'"{subject}" has no "{quantity}" to observe; {help_}'
     return Channel(subject, quantity, frame)
 
@@ -78,6 +80,8 @@ def _own(name: str, agent: str | None) -> str:
 
 
 def _quantities(subject: str, names: SceneNames) -> tuple[str, ...] | None:
+    if members := names.members(subject):
+        return _quantities(members[0], names)
     if subject in names.robots:
         return ROBOT_QUANTITIES
     if subject in names.objects:
@@ -91,7 +95,7 @@ def _quantities(subject: str, names: SceneNames) -> tuple[str, ...] | None:
 
 def _maybe_joint(subject: str, names: SceneNames) -> bool:
     inside = names.objects.get(subject)
-    return inside is not None and inside.unread
+    return names.members(subject) == () or (inside is not None and inside.unread)
 
 
 def _unknown(subject: str, names: SceneNames) -> str:
@@ -102,7 +106,7 @@ def _unknown(subject: str, names: SceneNames) -> str:
 def default_channels(names: SceneNames) -> tuple[str, ...]:
     """What an agent observes where the task file says nothing: itself, and all that is there."""
     own = tuple(f"self.{quantity}" for quantity in ("joints", "tcp", "gripper", "holding"))
-    objects = tuple(f"{name}.pose" for name in names.objects)
+    objects = tuple(f"{name}.pose" for name in names.entries)
     joints = names.known("joint")
     sites = tuple(f"{name}.position" for name in names.sites)
     return (*own, *objects, *joints, *sites, "time_left")

@@ -3,185 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Literal
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
+    GetJsonSchemaHandler,
     Tag,
-    field_validator,
-    model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
 
-from taskbuilder.schema.names import Refers
+from taskbuilder.schema.order import (
+    VERBS,
+    Above,
+    Offset,
+    Order,
+    Speed,
+    Straight,
+    Tolerance,
+    Touching,
+    listing,
+    spelt,
+)
 from taskbuilder.schema.values import (
-    Coordinate,
-    Extent,
-    FrameName,
-    Length,
+    ONE,
+    SEVERAL,
     Model,
     ObjectName,
-    Position,
-    Reference,
+    Place,
     RobotName,
-    RpyDeg,
-    Shorthand,
-    exactly_one,
     frozen,
 )
 from taskbuilder.wording import closest
 
-NOTHING = "nothing"
-"""What a gripper closes on that is to push, or to get out of the way."""
-
 Seconds = Annotated[float, Field(gt=0.0, le=1000.0)]
 Condition = Annotated[str, Field(min_length=1, max_length=100)]
-
-# What all motions can say of how they go.
-Above = Annotated[Coordinate, Field(description="Metres above the named frame.")]
-Offset = Annotated[Position, Field(description="Offset from the named frame, along its own axes.")]
-Straight = Annotated[bool, Field(description="Allow only the straight path.")]
-Touching = Annotated[
-    tuple[ObjectName, ...],
-    Field(description="Objects that may be touched during the motion, to push or press them."),
-]
-Speed = Annotated[
-    float,
-    Field(gt=0.0, le=1.0, description="Fraction of the speed that the action mode allows."),
-]
-Tolerance = Annotated[
-    Length | None,
-    Field(
-        description="Tolerance of the end position in metres: by default 0.01, and 0.02 to bring."
-    ),
-]
-
-
-_TAKE = "to take something by a grasp point, write grasp"
-_GO = "to take the tool to a frame, write reach"
-_BRING = "to take what is held somewhere, write bring and to: {{bring: stick, to: goal}}"
-_PUSH = (
-    "to push something, close the gripper, then go through it: "
-    "{{reach: block, offset: [0.2, 0, 0], straight: true, touching: [block]}}"
-)
-
-
-class Order(Model):
-    """One robot's part of a stage: exactly one verb, and what goes with it."""
-
-    INSTEAD: ClassVar = {
-        **dict.fromkeys(("move", "go", "goto", "move_to", "go_to"), f"{_GO}; {_BRING}"),
-        **dict.fromkeys(("pick", "pick_up", "take", "grip"), _TAKE),
-        **dict.fromkeys(("place", "put", "carry", "lift"), _BRING),
-        **dict.fromkeys(("open", "drop", "let_go"), "to open the gripper, write release"),
-        **dict.fromkeys(("push", "press", "slide"), _PUSH),
-    }
-
-    grasp: Annotated[Reference, Refers("grasp")] | None = Field(
-        None, description="Grasp point to take, such as stick.left_end."
-    )
-    reach: FrameName | None = Field(None, description="Grasp point or frame to go to.")
-    bring: ObjectName | None = Field(
-        None, description="Object to move: the held one, or one that lies on it."
-    )
-    retreat: Extent | None = Field(
-        None, description="Metres to move back, against the direction of the tool."
-    )
-    release: Literal[True] | None = Field(None, description="Open the gripper.")
-    close: Annotated[Reference, Refers("object", besides=NOTHING)] | None = Field(
-        None, description="Close the gripper on an object until it is held, or on nothing."
-    )
-    to: FrameName | None = Field(None, description="Frame to bring the object to.")
-    above: Above = 0.0
-    offset: Offset = (0.0, 0.0, 0.0)
-    approach: Extent | None = Field(
-        None,
-        description="Metres of straight path at the end: by default 0.08 to grasp, none to reach.",
-    )
-    rpy_deg: RpyDeg | None = Field(
-        None, description="Orientation of the tool at the frame, in the world."
-    )
-    align: bool = Field(False, description="Turn the object to the orientation of the frame.")
-    straight: Straight = False
-    touching: Touching = ()
-    speed: Speed = 1.0
-    tolerance: Tolerance = None
-
-    @property
-    def verb(self) -> str:
-        """The key that says what to do."""
-        return next(name for name in VERBS if getattr(self, name) is not None)
-
-    def __str__(self) -> str:
-        words = {
-            "release": self.verb,
-            "retreat": f"retreat by {self.retreat} m",
-            "bring": f"bring {self.bring} to {self.to}",
-        }
-        return words.get(self.verb) or f"{self.verb} {getattr(self, self.verb)}"
-
-    @field_validator("close", mode="before")
-    @classmethod
-    def _close_on_something(cls, value: Any) -> Any:
-        if not isinstance(value, str | None):
-            raise PydanticCustomError(
-                "close",
-                "name the object that is to be held then, or {nothing}",
-                {"nothing": NOTHING},
-            )
-        return value
-
-    @model_validator(mode="after")
-    def _one_verb(self) -> Order:
-        if (self.bring is None) != (self.to is None):
-            raise PydanticCustomError(
-                "choice", "bring and to go together: {bring: stick, to: goal}"
-            )
-        exactly_one("an order", self, *VERBS)
-        for key, verbs in ONLY_WITH.items():
-            given = getattr(self, key) != type(self).model_fields[key].default
-            if given and self.verb not in verbs:
-                advice = _OTHERWISE_TURNED.get(self.verb, "") if key == "rpy_deg" else ""
-                raise PydanticCustomError(
-                    "choice",
-                    "{key} goes with {verbs} only{advice}",
-                    {"key": key, "verbs": _and(verbs), "advice": advice},
-                )
-        return self
-
-
-ONLY_WITH = {
-    "to": ("bring",),
-    "approach": ("grasp", "reach"),
-    "rpy_deg": ("reach",),
-    "align": ("bring",),
-    "above": ("reach", "bring"),
-    "offset": ("reach", "bring"),
-    "straight": ("reach", "bring"),
-    "touching": ("reach", "bring", "retreat"),
-    "speed": ("grasp", "reach", "bring", "retreat"),
-    "tolerance": ("grasp", "reach", "bring", "retreat"),
-}
-"""Key of an order -> the verbs that it goes with."""
-
-VERBS = tuple(key for key in Order.model_fields if key not in ONLY_WITH)
-"""Keys that say what to do: those that go with no other."""
-
-_OTHERWISE_TURNED = {
-    "grasp": "; a grasp point says how it is taken, by its approach and across",
-    "bring": "; to turn what is brought, write align: true, and rpy_deg at the site it is brought "
-    "to",
-    "retreat": "; turn the tool by an order to reach before",
-}
-"""Verb -> how to turn a tool that is given ``rpy_deg`` with it."""
-
-
-def _and(words: Sequence[str]) -> str:
-    *most, last = words
-    return f"{', '.join(most)} and {last}" if most else last
 
 
 def _different(robots: tuple[str, ...]) -> tuple[str, ...]:
@@ -198,7 +58,7 @@ class Together(Model):
         Field(description="The robots that hold the load.")
     )
     bring: ObjectName = Field(description="The load, or an object on it.")
-    to: FrameName = Field(description="Frame to bring it to.")
+    to: Place = Field(description="Frame, or point of the world, to bring it to.")
     above: Above = 0.0
     offset: Offset = (0.0, 0.0, 0.0)
     straight: Straight = False
@@ -207,7 +67,7 @@ class Together(Model):
     tolerance: Tolerance = None
 
     def __str__(self) -> str:
-        return f"bring {self.bring} to {self.to}"
+        return f"bring {self.bring} to {spelt(self.to)}"
 
 
 class Wait(Model):
@@ -237,26 +97,55 @@ class Repeat(Model):
         return f"repeat {self.repeat} times"
 
 
+WORDS = ("release", "home")
+"""Orders that may be written as a word."""
+
+
+@dataclass(frozen=True)
+class Spelt:
+    """In an annotation: words that files may write in place of the mapping."""
+
+    words: tuple[str, ...]
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"enum": list(self.words)}, handler(schema)]}
+
+
 def _is_order(value: Any) -> bool:
-    return isinstance(value, Mapping | Order) or value == "release"
+    return isinstance(value, Mapping | Order) or (isinstance(value, str) and value in WORDS)
+
+
+def _are_orders(value: Any) -> bool:
+    """Whether a value is a list in which orders stand."""
+    return isinstance(value, list | tuple) and any(
+        isinstance(item, Order)
+        or (isinstance(item, str) and item in WORDS)
+        or (isinstance(item, Mapping) and any(key in Order.model_fields for key in item))
+        for item in value
+    )
 
 
 def _order_like(value: Any) -> Any:
     if not _is_order(value):
         raise PydanticCustomError(
             "order_type",
-            "an order is needed: release, or a mapping such as {grasp: stick.left_end}",
+            "an order is needed: release, home, or a mapping such as {grasp: stick.left_end}",
         )
-    return value
+    return {value: True} if isinstance(value, str) else value
 
 
-Stage = Annotated[
-    Mapping[
-        RobotName,
-        Annotated[Order, Shorthand("release", {"release": True}), BeforeValidator(_order_like)],
-    ],
-    Field(min_length=1),
+OneOrder = Annotated[Order, Spelt(WORDS), BeforeValidator(_order_like)]
+
+Orders = Annotated[
+    Annotated[OneOrder, Tag(ONE)]
+    | Annotated[tuple[OneOrder, ...], Field(min_length=1), Tag(SEVERAL)],
+    Discriminator(lambda value: SEVERAL if isinstance(value, list | tuple) else ONE),
 ]
+"""An order, or several that are done one after the other."""
+
+Stage = Annotated[Mapping[RobotName, Orders], Field(min_length=1)]
 
 STAGES: Mapping[str, type[Model]] = {"together": Together, "until": Wait, "repeat": Repeat}
 """Key that tells what a stage is -> its model; any other has an order for each robot."""
@@ -277,11 +166,30 @@ def kind_of_stage(stage: Any) -> str:
     if given := [key for key in STAGES if key in stage and not isinstance(stage[key], Mapping)]:
         return given[0]
     for key, value in stage.items():
-        if not _is_order(value) and key not in Order.model_fields:
+        if not (_is_order(value) or _are_orders(value)) and key not in Order.model_fields:
             keys = {own: tag for tag, kind in STAGES.items() for own in kind.model_fields}
             if meant := keys.get(key) or closest(key, STAGES):
                 return meant
     return "each"
+
+
+def listed(told: Order | tuple[Order, ...]) -> tuple[Order, ...]:
+    """What a robot is told in a stage, one order after the other."""
+    return told if isinstance(told, tuple) else (told,)
+
+
+def each_order(
+    stages: Sequence[Any], path: tuple[str | int, ...] = ("expert",)
+) -> Iterator[tuple[tuple[str | int, ...], str, Order]]:
+    """Path, robot and order of every order that a single robot is given."""
+    for index, stage in enumerate(stages):
+        if isinstance(stage, Repeat):
+            yield from each_order(stage.stages, (*path, index, "stages"))
+        elif isinstance(stage, Mapping):
+            for robot, told in stage.items():
+                for number, order in enumerate(listed(told)):
+                    where = (number,) if isinstance(told, tuple) else ()
+                    yield (*path, index, robot, *where), robot, order
 
 
 def directed(stage: Mapping[str, Any]) -> tuple[str, ...]:
@@ -289,7 +197,9 @@ def directed(stage: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(
         key
         for key, value in stage.items()
-        if _is_order(value) or (isinstance(value, str) and key not in Order.model_fields)
+        if _is_order(value)
+        or (isinstance(value, str) and key not in Order.model_fields)
+        or _are_orders(value)
     )
 
 
@@ -306,13 +216,13 @@ def _unmixed(stage: Any) -> Any:
             raise PydanticCustomError(
                 "choice",
                 "has {keys}; together, until, repeat and orders for robots are stages of their own",
-                {"keys": _and([*own, *mixed])},
+                {"keys": listing([*own, *mixed])},
             )
     elif bare := [key for key in stage if key in Order.model_fields and not _is_order(stage[key])]:
         raise PydanticCustomError(
             "choice",
             "has {keys} without a robot; an order is some robot's: {left: {grasp: stick.left_end}}",
-            {"keys": _and(bare)},
+            {"keys": listing(bare)},
         )
     return stage
 
@@ -335,7 +245,9 @@ def orders_of(stage: ExpertStage) -> tuple[tuple[str, Order | Together], ...]:
     """
     if isinstance(stage, Together):
         return ((" and ".join(stage.together), stage),)
-    return () if isinstance(stage, Wait | Repeat) else tuple(stage.items())
+    if isinstance(stage, Wait | Repeat):
+        return ()
+    return tuple((robot, order) for robot, told in stage.items() for order in listed(told))
 
 
 def in_words(stage: ExpertStage) -> str:

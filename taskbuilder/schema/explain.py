@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from taskbuilder.errors import Finding
 from taskbuilder.schema.source import Path_, Source, dotted
-from taskbuilder.schema.values import Model
+from taskbuilder.schema.values import ONE, SEVERAL, Model, is_number
 from taskbuilder.wording import closest, suggestion
 
 Spec = TypeVar("Spec", bound=Model)
@@ -86,14 +86,14 @@ def _model_path(detail: ErrorDetails) -> Path_:
 
 
 def _file_path(detail: ErrorDetails) -> Path_:
-    """The steps through the file; the models add one for the kind of each of an expert's stages."""
+    """The steps through the file; models add the kind of an expert's stage, and of its orders."""
     kept: list[str | int] = []
     steps = iter(_model_path(detail))
     for step in steps:
         kept.append(step)
         if isinstance(step, int) and kept[0] == "expert" and kept[-2] in ("expert", "stages"):
             next(steps, None)
-    return tuple(kept)
+    return tuple(step for step in kept if step not in (ONE, SEVERAL))
 
 
 def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
@@ -125,9 +125,7 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         return "TB104", f"has {_values(len(value))}; {most} are needed", False
     if kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
         return "TB104", _length_message(kind, context, value), False
-    if kind == "string_type" and path[0] == "expert" and path[-1] in ("to", "reach"):
-        return "TB103", f"is {_described(value)}; {_frame_needed(str(path[-1]), value)}", False
-    if kind == "tuple_type" and path[-1] == "box" and _is_number(value):
+    if kind == "tuple_type" and path[-1] == "box" and is_number(value):
         edges = f"[{value:g}, {value:g}, {value:g}]"
         return "TB103", f"is {value:g}; three edge lengths are needed: {edges}", False
     if kind in _NEEDED:
@@ -135,20 +133,6 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
     if kind in _OWN:
         return _OWN[kind], detail["msg"], False
     return "TB103", f"{detail['msg']} (got {_described(value)})", False
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _frame_needed(key: str, value: Any) -> str:
-    """How a frame is written where a position stands."""
-    if not (isinstance(value, tuple) and len(value) == 3 and all(map(_is_number, value))):
-        return "the name of a frame is needed"
-    return (
-        f"the name of a frame is needed: write a site, scene.sites.point: "
-        f"{{position: {_spelt(value)}}}, and {key}: point"
-    )
 
 
 def _spelt(value: Any) -> str:

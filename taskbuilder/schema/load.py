@@ -12,9 +12,16 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.schema.articulation import check_object
+from taskbuilder.schema.articulation import check_object, check_orders
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.explain import parse
+from taskbuilder.schema.groups import (
+    check_arrangements,
+    entries_of,
+    expanded,
+    expanded_scene,
+    of_members,
+)
 from taskbuilder.schema.names import ObjectNames, SceneNames
 from taskbuilder.schema.references import check_names, read_names
 from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
@@ -33,11 +40,12 @@ class TaskFile:
     Attributes:
         entry: Its entry in the catalogue.
         source: Its text's marks, for findings that turn up later.
-        spec: Its content.
-        scenes: The plain scene, then one for each variation.
+        spec: Its content, with groups written out.
+        scenes: The plain scene, then one for each variation, likewise.
         robots: The model of each robot, by its name in the scene.
         assets: Mesh or URDF of each object that has one, by the object's name.
         names: Every name of the scene.
+        written: Its content as it is in the file.
         warnings: What is doubtful.
     """
 
@@ -48,6 +56,7 @@ class TaskFile:
     robots: Mapping[str, RobotModel]
     assets: Mapping[str, Mesh | Urdf]
     names: SceneNames
+    written: TaskSpec
     warnings: tuple[Finding, ...] = ()
 
 
@@ -102,19 +111,20 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
         loading.findings += wrong_variations
         if not wrong_variations:
-            _check_varied_joints(loading, scenes)
+            _check_varied(loading, spec, scenes)
         loading.findings += check_randomize(loading.source, names, spec)
         loading.findings += _check_instructions(loading.source, spec, scenes)
     if spec is None or any(finding.severity == "error" for finding in loading.findings):
         raise TaskFileError(loading.findings, _certain(names, loading.findings))
     return TaskFile(
         entry,
-        loading.source,
-        spec,
-        (spec.scene, *scenes),
+        replace(loading.source, entries_of=entries_of(names)),
+        expanded(spec, names, loading.assets),
+        tuple(expanded_scene(scene, names, loading.assets) for scene in (spec.scene, *scenes)),
         loading.robots,
-        loading.assets,
+        of_members(names, loading.assets),
         names,
+        spec,
         tuple(loading.findings),
     )
 
@@ -127,6 +137,8 @@ def _certain(names: SceneNames, findings: Sequence[Finding]) -> SceneNames | Non
 
     An object in which something is wrong may have any part, and a site any marker.
     """
+    if () in names.groups.values():
+        return None
     objects, sites = dict(names.objects), dict(names.sites)
     for finding in findings:
         if finding.code.startswith("TB00") and finding.code != "TB009":
@@ -138,8 +150,10 @@ def _certain(names: SceneNames, findings: Sequence[Finding]) -> SceneNames | Non
         misplaced = finding.code == "TB102" and not rest  # "objects" may stand at the top
         if misplaced or (top == "scene" and (group not in _WHAT_NAMES or not name)):
             return None
-        if top == "scene" and (name := name.partition(".")[0]) in objects:
-            objects[name] = replace(objects[name], unread=True)
+        name = name.partition(".")[0]
+        if top == "scene" and (name in objects or name in names.groups):
+            for one in names.groups.get(name, (name,)):
+                objects[one] = replace(objects[one], unread=True)
         elif top == "scene" and name in sites:
             sites[name] = True
     return replace(names, objects=objects, sites=sites)
@@ -197,6 +211,7 @@ def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
         name: ObjectNames(
             parts=tuple(link.name for link in asset.links),
             joints={joint.name: joint.type for joint in asset.moving_joints},
+            fixed=tuple(joint.name for joint in asset.joints if not joint.moves),
         )
         for name, asset in assets.items()
         if isinstance(asset, Urdf)
@@ -214,33 +229,41 @@ def _check_whole(loading: _Loading, spec: TaskSpec) -> None:
         if name not in observers and not unknown:  # else it may be the one that was meant
             message = f'has no entry for the robot "{name}"; list what it observes, if only []'
             loading.report("TB101", message, ("observe",), key=True)
-    loading.findings += _check_joints(loading, spec.scene)
+    loading.findings += _check_scene(loading, spec, spec.scene)
 
 
-def _check_varied_joints(loading: _Loading, scenes: Sequence[SceneSpec]) -> None:
-    """Joint values that only a variation sets, each reported at its variation."""
+def _check_varied(loading: _Loading, spec: TaskSpec, scenes: Sequence[SceneSpec]) -> None:
+    """What only a variation gets wrong, each reported at its variation."""
     known = {(finding.path, finding.message) for finding in loading.findings}
     for index, scene in enumerate(scenes):
-        for finding in _check_joints(loading, scene):
+        for finding in _check_scene(loading, spec, scene):
             if (finding.path, finding.message) not in known:
                 message = f"{finding.path}: {finding.message}"
                 loading.report(finding.code, message, ("variations", index))
 
 
-def _check_joints(loading: _Loading, scene: SceneSpec) -> Iterator[Finding]:
-    """Joint values of robots and objects that do not fit their URDFs."""
+def _check_scene(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterator[Finding]:
+    """Joint values that do not fit their URDFs, and groups that do not fit as they are arranged."""
     for name, robot in scene.robots.items():
         model = loading.robots.get(name)
-        if model is not None and robot.home is not None and robot.home.joints_deg is not None:
-            yield from _check_home(loading.source, name, model, robot.home.joints_deg)
+        if model is None:
+            continue
+        path: Path_ = ("scene", "robots", name)
+        if robot.home is not None and robot.home.joints_deg is not None:
+            place: Path_ = (*path, "home", "joints_deg")
+            yield from _check_posture(loading.source, place, model, robot.home.joints_deg)
+        for key, posture in robot.postures.items():
+            place = (*path, "postures", key, "joints_deg")
+            yield from _check_posture(loading.source, place, model, posture.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
+    yield from check_arrangements(loading.source, scene, loading.assets)
+    yield from check_orders(loading.source, spec.expert, scene, loading.assets)
 
 
-def _check_home(
-    source: Source, name: str, model: RobotModel, joints_deg: Sequence[float]
+def _check_posture(
+    source: Source, path: Path_, model: RobotModel, joints_deg: Sequence[float]
 ) -> Iterator[Finding]:
-    path: Path_ = ("scene", "robots", name, "home", "joints_deg")
     if len(joints_deg) != len(model.arm):
         message = f"has {len(joints_deg)} values; {model.name} has {len(model.arm)} arm joints"
         yield Finding("TB302", message, dotted(path), source.locate(path))
@@ -278,7 +301,8 @@ def fill(instruction: str, scene: SceneSpec) -> str:
 def _scene_value(name: str, scene: SceneSpec) -> str:
     thing, _, key = name.partition(".")
     things: Mapping[str, Model] = {**scene.robots, **scene.objects, **scene.sites}
-    owner = things.get(thing)
+    first = scene.objects.get(f"{thing}_1")
+    owner = first if first is not None and first.count else things.get(thing)
     value = getattr(owner, key) if owner and key in type(owner).model_fields else None
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         known: Sequence[str] = [f"{name}.color" for name in (*scene.objects, *scene.sites)]

@@ -43,10 +43,12 @@ class Refers:
     Attributes:
         kind: What the name stands for.
         besides: A word that may stand there without being a name.
+        several: Whether a group may stand there, for all of its members.
     """
 
     kind: Kind
     besides: str | None = None
+    several: bool = False
 
 
 @dataclass(frozen=True)
@@ -57,54 +59,112 @@ class ObjectNames:
         parts: Named parts of a compound, or the links of a URDF.
         grasps: Named grasp points.
         joints: Joints of a URDF that move, and their type.
+        fixed: Joints of a URDF that do not move.
         unread: Its URDF could not be read, so any part or joint may be in it.
     """
 
     parts: tuple[str, ...] = ()
     grasps: tuple[str, ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
+    fixed: tuple[str, ...] = ()
     unread: bool = False
 
 
 @dataclass(frozen=True)
 class SceneNames:
-    """All names of a scene. ``sites`` says of each whether it has a marker, hence a volume."""
+    """All names of a scene.
+
+    Attributes:
+        robots: The robots.
+        objects: The objects, members of groups among them, and the names inside each.
+        sites: The sites, and whether each has a marker, hence a volume.
+        cameras: The cameras.
+        groups: The members of each group; none where its count cannot be read.
+    """
 
     robots: tuple[str, ...]
     objects: Mapping[str, ObjectNames]
     sites: Mapping[str, bool]
     cameras: tuple[str, ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def entries(self) -> tuple[str, ...]:
+        """The objects, with groups in place of their members."""
+        home = {one: group for group, members in self.groups.items() for one in members}
+        return tuple(dict.fromkeys(home.get(name, name) for name in self.objects))
 
     def known(self, kind: Kind) -> tuple[str, ...]:
         """Every reference of a kind that resolves, short names first."""
         return tuple(dict.fromkeys(_KNOWN[kind](self)))
 
-    def problem(self, kind: Kind, name: str) -> str | None:
-        """What is wrong with a reference, or None if it resolves."""
+    def members(self, name: str) -> tuple[str, ...] | None:
+        """What a group's name stands for, also a dotted one; None if it is no group's."""
+        owner, dot, inner = name.partition(".")
+        if owner not in self.groups:
+            return None
+        return tuple(f"{member}{dot}{inner}" for member in self.groups[owner])
+
+    def problem(self, kind: Kind, name: str, *, several: bool = False) -> str | None:
+        """What is wrong with a reference, or None if it resolves.
+
+        Args:
+            kind: What the name has to stand for.
+            name: The name.
+            several: Whether a group may stand there, for all of its members.
+        """
+        members = self.members(name)
+        if members is not None:
+            return self._problem_of_group(kind, name, members, several=several)
         known = self.known(kind)
         if name in known or self._may_be(kind, name):
             return None
         if name in self.known("robot") and kind == "frame":
             return f'"{name}" is a robot; name a frame of it: {name}.tcp or {name}.base'
-        several = "bodies" if kind == "body" else f"{kind}s"
+        plural = "bodies" if kind == "body" else f"{kind}s"
         if any(name in self.known(other) for other in _KNOWN):
-            return f'"{name}" is no {kind}; {suggestion(name, known, what=several)}'
+            return f'"{name}" is no {kind}; {suggestion(name, known, what=plural)}'
         owner, _, inner = name.partition(".")
+        if kind == "joint" and owner in self.objects and inner in self.objects[owner].fixed:
+            moving = ", ".join(each for each in known if each.startswith(f"{owner}."))
+            return f'"{name}" is fixed; joints that move: {moving or "none"}'
         if inner and owner in (*self.objects, *self.robots):
             own = [other.partition(".")[2] for other in known if other.startswith(f"{owner}.")]
-            has = suggestion(inner, own, what="it has") if own else f"it has no {several}"
+            has = suggestion(inner, own, what="it has") if own else f"it has no {plural}"
             return f'"{owner}" has no {kind} "{inner}"; {has}'
+        group, _, number = owner.rpartition("_")
+        if number.isdigit() and (ours := self.groups.get(group)):
+            return f'"{group}" has no member "{owner}"; it has {ours[0]} to {ours[-1]}'
         return f'the scene has no "{name}"; {suggestion(name, known, what="it has")}'
+
+    def _problem_of_group(
+        self, kind: Kind, name: str, members: tuple[str, ...], *, several: bool
+    ) -> str | None:
+        if not members:
+            return None  # what is wrong with it has been reported
+        first = members[0]
+        problem = self.problem(kind, first)
+        inside = [known for known in self.known(kind) if known.startswith(f"{first}.")]
+        if problem is not None and (several or not inside):
+            group = name.partition(".")[0]
+            return problem.replace(f'"{first.partition(".")[0]}', f'"{group}')
+        if several:
+            return None
+        one = first if problem is None else inside[0]
+        return f'"{name}" is a group of {len(members)} objects; name one of them, such as {one}'
 
     def joint_type(self, name: str) -> str | None:
         """The type of a joint (such as "prismatic"), or None where it is not known."""
-        owner, _, joint = name.partition(".")
+        owner, _, joint = (self.members(name) or (name,))[0].partition(".")
         inside = self.objects.get(owner)
         return inside.joints.get(joint) if inside else None
 
     def _may_be(self, kind: Kind, name: str) -> bool:
         owner, _, inner = name.partition(".")
         inside = self.objects.get(owner)
+        group, _, number = owner.rpartition("_")
+        if number.isdigit() and self.groups.get(group) == ():
+            return True
         lives_inside = kind in ("body", "solid", "surface", "frame", "container", "joint")
         return bool(inner and inside and inside.unread and lives_inside)
 

@@ -7,15 +7,17 @@ run in which shapes are wrong.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from taskbuilder.errors import Finding
 from taskbuilder.schema.channels import parse_channel
-from taskbuilder.schema.expert import STAGES, ExpertStage, Order, directed, kind_of_stage
-from taskbuilder.schema.names import Kind, ObjectNames, Refers, SceneNames
+from taskbuilder.schema.expert import STAGES, ExpertStage, directed, kind_of_stage
+from taskbuilder.schema.groups import member_names
+from taskbuilder.schema.names import ObjectNames, Refers, SceneNames
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import Model
@@ -25,7 +27,7 @@ from taskbuilder.schema.values import Model
 class _Reference:
     path: Path_
     name: str
-    kind: Kind
+    refers: Refers
     on_key: bool = False
 
 
@@ -46,7 +48,13 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
     }
     for name, inside in objects.items():
         grasps = tuple(grasp for grasp, _ in source.entries("scene", "objects", name, "grasps"))
-        objects[name] = ObjectNames(inside.parts, grasps, inside.joints, inside.unread)
+        objects[name] = replace(inside, grasps=grasps)
+    groups = {
+        name: member_names(name, source.get("scene", "objects", name, "count"))
+        for name in objects
+        if source.get("scene", "objects", name, "count") is not None
+    }
+    objects = {one: inside for name, inside in objects.items() for one in groups.get(name, (name,))}
     return SceneNames(
         robots=tuple(name for name, _ in source.entries("scene", "robots")),
         objects=objects,
@@ -59,37 +67,45 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
             if source.get("scene", "cameras") is None
             else (name for name, _ in source.entries("scene", "cameras"))
         ),
+        groups=groups,
     )
 
 
 def check_names(source: Source, names: SceneNames) -> Iterator[Finding]:
     """Every name of a task file that is used twice, stands for nothing, or runs in a circle."""
-    yield from _clashes(source)
+    yield from _clashes(source, names)
     yield from _shadowed(source, names)
     for reference in _references(TaskSpec, source.data):
-        if problem := names.problem(reference.kind, reference.name):
+        refers = reference.refers
+        if problem := names.problem(refers.kind, reference.name, several=refers.several):
             location = source.locate(reference.path, key=reference.on_key)
             yield Finding("TB201", problem, dotted(reference.path), location)
-    yield from _circles(source)
+    yield from _circles(source, names)
     yield from _channels(source, names)
 
 
-def _clashes(source: Source) -> Iterator[Finding]:
+def _clashes(source: Source, names: SceneNames) -> Iterator[Finding]:
     first: dict[str, Path_] = {}
     for group in ("robots", "objects", "sites", "cameras"):
         for name, _ in source.entries("scene", group):
             path: Path_ = ("scene", group, name)
-            if name in first:
-                message = f'"{name}" is also {dotted(first[name])}; every name stands for one thing'
-                yield Finding("TB202", message, dotted(path), source.locate(path, key=True))
-            first.setdefault(name, path)
+            for one in (name, *names.groups.get(name, ())):
+                if one in first:
+                    message = (
+                        f'"{one}" is also {dotted(first[one])}; every name stands for one thing'
+                    )
+                    location = source.locate(path, key=True)
+                    yield Finding("TB202", message, dotted(path), location)
+                first.setdefault(one, path)
 
 
 def _shadowed(source: Source, names: SceneNames) -> Iterator[Finding]:
     """Grasp points named as a link of their object, which may be somewhere else."""
-    for name, inside in names.objects.items():
-        if source.get("scene", "objects", name, "shape", "urdf") is None:
+    for name, _ in source.entries("scene", "objects"):
+        first = next(iter(names.groups.get(name, (name,))), None)
+        if first is None or source.get("scene", "objects", name, "shape", "urdf") is None:
             continue
+        inside = names.objects[first]
         for grasp in inside.grasps:
             if grasp in inside.parts:
                 path: Path_ = ("scene", "objects", name, "grasps", grasp)
@@ -118,7 +134,7 @@ def _references(hint: Any, value: Any, path: Path_ = ()) -> Iterator[_Reference]
         for key, held in value.items():
             for refers in get_args(inner[0]):
                 if isinstance(refers, Refers):
-                    yield _Reference((*path, key), key, refers.kind, on_key=True)
+                    yield _Reference((*path, key), key, refers, on_key=True)
             yield from _references(inner[1], held, (*path, key))
     elif isinstance(hint, type) and issubclass(hint, Model) and isinstance(value, dict):
         for key, annotation in _annotations(hint).items():
@@ -139,8 +155,11 @@ def _stage(stage: Any, path: Path_) -> Iterator[_Reference]:
         yield from _references(model, stage, path)
     elif isinstance(stage, dict):
         for robot in directed(stage):
-            yield _Reference((*path, robot), robot, "robot", on_key=True)
-            yield from _references(Order, stage[robot], (*path, robot))
+            yield _Reference((*path, robot), robot, Refers("robot"), on_key=True)
+            for place, order in _items(stage[robot], (*path, robot)):
+                found = _references(Order, order, place)
+                in_metres = isinstance(order, dict) and not {"slide", "press"}.isdisjoint(order)
+                yield from (ref for ref in found if not in_metres or ref.path[-1] != "to")
 
 
 def _texts(refers: Refers, value: Any, path: Path_) -> Iterator[_Reference]:
@@ -149,7 +168,7 @@ def _texts(refers: Refers, value: Any, path: Path_) -> Iterator[_Reference]:
         for place, item in _items(value, path):
             yield from _texts(refers, item, place)
     elif isinstance(value, str) and value != refers.besides:
-        yield _Reference(path, value, refers.kind)
+        yield _Reference(path, value, refers)
 
 
 def _items(value: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
@@ -161,15 +180,17 @@ def _items(value: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
         yield (*path, index), item
 
 
-def _circles(source: Source) -> Iterator[Finding]:
+def _circles(source: Source, names: SceneNames) -> Iterator[Finding]:
     """Things whose position is given in a frame that is, in the end, given in theirs."""
+    entry = {one: group for group, members in names.groups.items() for one in members}
     parents: dict[str, tuple[str, Path_]] = {}
     for group in ("objects", "sites"):
         for name, _ in source.entries("scene", group):
             for path in _frame_keys(group, name):
                 value: Any = source.get(*path)
                 if isinstance(value, str):
-                    parents[name] = (value.partition(".")[0], path)
+                    owner = value.partition(".")[0]
+                    parents[name] = (entry.get(owner, owner), path)
     reported: set[str] = set()
     for name in parents:
         chain = [name]

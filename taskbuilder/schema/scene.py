@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.arrangement import ARRANGEMENTS, MAX_COUNT, Arrangement
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.values import (
@@ -144,6 +145,9 @@ class Place(Model):
         return self
 
 
+_KINDS = f"one of {', '.join(ARRANGEMENTS)}"
+
+
 class _Placed(Model):
     """Something that stands at a position or is placed at random."""
 
@@ -177,6 +181,10 @@ class ObjectSpec(_Placed):
         "scale": "it goes with a mesh or urdf, inside shape: {{mesh: part.obj, scale: {}}}",
     }
 
+    count: Annotated[int, Field(ge=1, le=MAX_COUNT)] | None = Field(
+        None, description="Makes a group of this many objects, which `arrange` puts up."
+    )
+    arrange: Arrangement | None = Field(None, description="How the objects of a group stand.")
     shape: Shape | None = None
     parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
     fixed: bool = Field(False, description="Whether it is fixed to the world.")
@@ -215,7 +223,22 @@ class ObjectSpec(_Placed):
             raise PydanticCustomError("choice", "joints goes with urdf only")
         if self.urdf is None and not self.fixed and self.mass is None:
             raise PydanticCustomError("mass", "mass is missing; give kilograms, or fixed: true")
+        self._grouped()
         return self
+
+    def _grouped(self) -> None:
+        if self.count is not None and self.arrange is None:
+            raise PydanticCustomError(
+                "choice",
+                f"count needs an arrangement, such as arrange: {{line: 0.1}} ({_KINDS})",
+            )
+        if self.arrange is None:
+            return
+        if self.count is None:
+            raise PydanticCustomError("choice", "arrange goes with count; how many are there?")
+        if self.arrange.pile is not None and (self.fixed or self.urdf is not None):
+            what = "fixed objects" if self.fixed else "URDFs"
+            raise PydanticCustomError("choice", f"{what} make no pile; choose another arrangement")
 
 
 class Marker(Model):
@@ -306,6 +329,14 @@ class Home(Model):
         return self
 
 
+class NamedPosture(Model):
+    """A posture of an arm that its orders can name."""
+
+    joints_deg: tuple[float, ...] = Field(
+        description="One value per arm joint: degrees, or metres for a prismatic joint."
+    )
+
+
 class ActionSpec(Model):
     """What an agent's action means."""
 
@@ -333,6 +364,10 @@ class RobotEntry(Model):
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
     base: Base = Field(description="Pose of its base, such as {position: [0, 0, 0.4]}.")
     home: Home | None = Field(None, description="Start configuration; by default the model's own.")
+    postures: Annotated[Mapping[Name, NamedPosture], AfterValidator(frozen)] = Field(
+        default_factory=lambda: frozen({}),
+        description="Postures that orders can name, such as {tucked: {joints_deg: [...]}}.",
+    )
     action: ActionSpec = ActionSpec()
 
 

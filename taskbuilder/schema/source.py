@@ -55,6 +55,8 @@ class Source:
         values: Path of a value -> its line and column.
         keys: Path of a mapping entry -> line and column of its key.
         findings: What is wrong without keeping the rest from being read (duplicate keys, tags).
+        entries_of: Section and name of a thing that an entry of another name stands for -> section
+            and name of that entry; they stand below ``scene``.
     """
 
     file: Path
@@ -62,9 +64,16 @@ class Source:
     values: Mapping[Path_, tuple[int, int]]
     keys: Mapping[Path_, tuple[int, int]]
     findings: tuple[Finding, ...] = ()
+    entries_of: Mapping[Path_, Path_] = field(default_factory=dict)
+
+    def written(self, path: Path_) -> Path_:
+        """Where in the file a path is written: for ``scene.objects.cubes_3``, at its group."""
+        entry = self.entries_of.get(path[1:3]) if path[:1] == ("scene",) else None
+        return path if entry is None else ("scene", *entry, *path[3:])
 
     def locate(self, path: Path_, *, key: bool = False) -> Location:
         """The place of a value (or of its key), or of its nearest ancestor that exists."""
+        path = self.written(path)
         for length in range(len(path), 0, -1):
             ancestor = path[:length]
             wanted = self.keys if key or length < len(path) else self.values

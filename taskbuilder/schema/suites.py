@@ -112,6 +112,17 @@ def find_suite(name: str, catalogue: Catalogue) -> Suite:
     return suites[name]
 
 
+def suites_of(entry: CatalogueEntry, catalogue: Catalogue) -> list[str]:
+    """The names of the suites that a task is in.
+
+    Raises:
+        FileError: A file of suites has errors.
+    """
+    if not (entry.root / SUITES).is_file():
+        return []
+    return [suite.name for suite in find_suites(catalogue).values() if entry.name in suite.tasks]
+
+
 def _check(
     spec: SuitesSpec, source: Source, entries: list[CatalogueEntry], known: Mapping[str, Suite]
 ) -> Iterator[Finding]:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
 from zlib import crc32  # SHA-256 would take longer to import than all tasks to read
 
 from taskbuilder.errors import FileError
-from taskbuilder.schema.catalogue import SUITES, Catalogue, CatalogueEntry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 
 INDEX = "index.json"
 
@@ -40,40 +40,20 @@ class TaskSummary:
 def summarize(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     """What is said of a task: from the index beside it, or else from its file."""
     indexed = _read_index(entry.root).get(entry.file.stem)
-    if entry.trusted and indexed and indexed["checksum"] == _checksum(entry.file):
+    if entry.trusted and indexed and indexed["checksum"] == checksum(entry.file):
         known = {key: indexed[key] for key in ("robots", "episode_steps", "summary")}
         return TaskSummary(objects=tuple(indexed["objects"]), **known)
-    return _read(entry, catalogue)
+    return read_summary(entry, catalogue)
 
 
-def suites_of(entry: CatalogueEntry, catalogue: Catalogue) -> list[str]:
-    """The names of the suites that a task is in.
-
-    Raises:
-        FileError: A file of suites has errors.
-    """
-    indexed = _read_index(entry.root).get(entry.file.stem)
-    if entry.trusted and indexed:
-        return list(indexed["suites"])
-    return _read_suites(entry, catalogue)
+def indexed_suites(entry: CatalogueEntry) -> list[str] | None:
+    """The names of the suites that a packaged task is in; None if there is no index."""
+    indexed = _read_index(entry.root).get(entry.file.stem) if entry.trusted else None
+    return list(indexed["suites"]) if indexed else None
 
 
-def index_text(folder: Path) -> str:
-    """What the index of a folder of packaged tasks should hold."""
-    catalogue = Catalogue()
-    entries = [entry for entry in catalogue.tasks.values() if entry.root == folder]
-    index = {
-        entry.file.stem: {
-            "checksum": _checksum(entry.file),
-            **asdict(_read(entry, catalogue)),
-            "suites": _read_suites(entry, catalogue),
-        }
-        for entry in entries
-    }
-    return json.dumps(index, indent=2, ensure_ascii=False) + "\n"
-
-
-def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
+def read_summary(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
+    """What the file of a task says, whatever the index has."""
     from taskbuilder.schema.load import read_task  # takes longer than all else that `list` does
 
     try:
@@ -82,14 +62,6 @@ def _read(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
         return TaskSummary()
     robots = {name: robot.model for name, robot in spec.scene.robots.items()}
     return TaskSummary(robots, tuple(spec.scene.objects), spec.timing.episode_steps, spec.summary)
-
-
-def _read_suites(entry: CatalogueEntry, catalogue: Catalogue) -> list[str]:
-    if not (entry.root / SUITES).is_file():
-        return []
-    from taskbuilder.schema.suites import find_suites
-
-    return [suite.name for suite in find_suites(catalogue).values() if entry.name in suite.tasks]
 
 
 @cache
@@ -101,5 +73,6 @@ def _read_index(folder: Path) -> Mapping[str, Any]:
     return index
 
 
-def _checksum(file: Path) -> str:
+def checksum(file: Path) -> str:
+    """The checksum by which the index knows whether a file has changed."""
     return f"{crc32(file.read_bytes()):08x}"

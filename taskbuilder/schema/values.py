@@ -119,6 +119,9 @@ def _check_name(name: str) -> str:
     return name
 
 
+ONE, SEVERAL = "<one>", "<several>"
+"""Tags of what a robot is told in a stage; they are no names."""
+
 Name = Annotated[
     str,
     AfterValidator(_check_name),
@@ -130,6 +133,7 @@ Reference = Annotated[str, Field(min_length=1, max_length=100)]
 
 RobotName = Annotated[Name, Refers("robot")]
 ObjectName = Annotated[Reference, Refers("object")]
+ObjectOrGroup = Annotated[Reference, Refers("object", several=True)]
 FrameName = Annotated[Reference, Refers("frame")]
 FrameOrWorld = Annotated[Reference, Refers("frame", besides="world")]
 
@@ -211,6 +215,51 @@ Color = Annotated[
         }
     ),
 ]
+
+
+def check_place(value: Any) -> str | tuple[float, float, float]:
+    """The name of a frame, or three coordinates in the world.
+
+    Raises:
+        PydanticCustomError: It is neither.
+    """
+    if isinstance(value, str) and 1 <= len(value) <= 100:
+        return value
+    if isinstance(value, list | tuple) and len(value) == 3 and all(map(_is_coordinate, value)):
+        return (float(value[0]), float(value[1]), float(value[2]))
+    raise PydanticCustomError(
+        "place", "the name of a frame, or [x, y, z] in metres from -100 to 100, is needed"
+    )
+
+
+def _is_coordinate(value: Any) -> bool:
+    return is_number(value) and -100.0 <= value <= 100.0
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value of a file is a number; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+PLACE_SCHEMA: Mapping[str, Any] = FrozenDict(
+    anyOf=[
+        {"type": "string", "minLength": 1, "maxLength": 100},
+        {
+            "type": "array",
+            "items": {"type": "number", "minimum": -100, "maximum": 100},
+            "minItems": 3,
+            "maxItems": 3,
+        },
+    ]
+)
+
+Place = Annotated[
+    str | tuple[float, float, float],
+    GetPydanticSchema(lambda _, __: core_schema.no_info_plain_validator_function(check_place)),
+    WithJsonSchema(dict(PLACE_SCHEMA)),
+    Refers("frame"),
+]
+"""Where something is to go: the name of a frame, or [x, y, z] in the world."""
 
 
 def rgb(color: str | tuple[float, float, float]) -> tuple[float, float, float]:

@@ -6,7 +6,7 @@ The changed scene goes through the same model and the same name check as the pla
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from taskbuilder.errors import Finding
@@ -43,8 +43,11 @@ def read_variations(
         if scene is None:
             continue
         scenes.append(scene)
+        path: Path_ = ("variations", index)
+        if _counts(scene) != _counts(plain):
+            message = "changes count; a variation changes values, not how many objects there are"
+            findings.append(Finding("TB205", message, dotted(path), source.locate(path)))
         if _files(scene) != _files(plain):
-            path = ("variations", index)
             message = "names another model, mesh or urdf; a variation changes values, not files"
             findings.append(Finding("TB205", message, dotted(path), source.locate(path)))
     return scenes, findings
@@ -57,12 +60,16 @@ def _files(scene: SceneSpec) -> tuple[object, ...]:
     return (models, *((shape.mesh, shape.urdf) for shape in shapes))
 
 
+def _counts(scene: SceneSpec) -> dict[str, int | None]:
+    return {name: thing.count for name, thing in scene.objects.items()}
+
+
 def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterator[Finding]:
     """What is wrong with the quantities to be randomised and with the values they may take."""
     for key, distribution in spec.randomize.items():
         path: Path_ = ("randomize", key)
         thing, _, quantity = key.partition(".")
-        if quantity and thing in (*names.robots, *names.objects, *names.sites, *names.cameras):
+        if quantity and any(thing in owner for owner in _owners(names)):
             allowed = _randomizable(thing, names)
             if quantity not in allowed:
                 help_ = "only what objects and sites have can be"
@@ -79,7 +86,7 @@ def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterat
 
 
 def _randomizable(thing: str, names: SceneNames) -> tuple[str, ...]:
-    if thing in names.objects:
+    if thing in names.entries:
         return RANDOMIZABLE
     return ("color",) if thing in names.sites else ()
 
@@ -107,15 +114,24 @@ def _changed(
 
 def _scene_path(key: str, names: SceneNames) -> tuple[str, ...]:
     thing, *inner = key.split(".")
-    owners = (names.robots, names.objects, names.sites, names.cameras)
+    owners = _owners(names)
     for group, owner in zip(_GROUPS, owners, strict=True):
         if thing in owner and inner:
             return (group, thing, *inner)
     if not inner:
         raise _BadChange(f'"{key}" names no value; write thing.key, such as stick.color')
+    for group, members in names.groups.items():
+        if thing in members:
+            advice = f"change all of them: {'.'.join((group, *inner))}"
+            raise _BadChange(f'"{thing}" is one of the group "{group}"; {advice}')
     known = [name for owner in owners for name in owner]
     help_ = suggestion(thing, known, what="it has")
     raise _BadChange(f'the scene has no "{thing}"; {help_}')
+
+
+def _owners(names: SceneNames) -> tuple[Iterable[str], ...]:
+    """The names that changes may begin with, section by section."""
+    return (names.robots, names.entries, names.sites, names.cameras)
 
 
 def _replaced(data: Any, path: tuple[str, ...], value: Any) -> Any:

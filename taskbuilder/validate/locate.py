@@ -31,9 +31,9 @@ def finding_at(
     scene = task.file.spec.scene
     groups = {"robots": scene.robots, "objects": scene.objects, "sites": scene.sites}
     group = next(group for group, things in groups.items() if name in things)
-    path = ("scene", group, name, *inner)
+    path = task.file.source.written(("scene", group, name, *inner))
     location = task.file.source.locate(path, key=not inner)
-    return Finding(code, message, ".".join(path), location, severity)
+    return Finding(code, message, dotted(path), location, severity)
 
 
 def finding_of_scene(task: Task, code: str, message: str) -> Finding:

@@ -14,13 +14,14 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.script.dry_run import dry_run
-from taskbuilder.expert.script.foresight import displaced
+from taskbuilder.expert.script.joints import displaced
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.expert.ways import Kind, Way
 from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together
+from taskbuilder.schema.expert import ExpertStage, Repeat, Together, listed, orders_of
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.checks.reach import reaches
@@ -229,8 +230,10 @@ def first_grasps(stages: Sequence[ExpertStage]) -> dict[str, str]:
             continue
         now = {
             order.grasp: robot
-            for robot, order in stage.items()
-            if order.grasp and order.grasp.partition(".")[0] not in taken
+            for robot, order in orders_of(stage)
+            if isinstance(order, Order)
+            and order.grasp
+            and order.grasp.partition(".")[0] not in taken
         }
         found |= now
         taken |= {grasp.partition(".")[0] for grasp in now}
@@ -250,9 +253,13 @@ def sharers(stages: Sequence[ExpertStage]) -> dict[str, set[str]]:
                 if robot in holds:
                     found.setdefault(holds[robot], set()).update(stage.together)
             continue
-        taken = {r: o.grasp.partition(".")[0] for r, o in stage.items() if o.grasp}
-        for robot, order in stage.items():
-            for thing in order.touching:
+        taken = {}
+        for robot, told in stage.items():
+            for order in listed(told):
+                if order.grasp:
+                    taken[robot] = order.grasp.partition(".")[0]
+        for robot, order in ((r, order) for r, told in stage.items() for order in listed(told)):
+            for thing in (*order.touching, *([order.push] if order.push else [])):
                 found.setdefault(thing.partition(".")[0], set()).add(robot)
             if order.release:
                 holds.pop(robot, None)
@@ -264,7 +271,9 @@ def sharers(stages: Sequence[ExpertStage]) -> dict[str, set[str]]:
     return found
 
 
-def _each(stages: Sequence[ExpertStage]) -> Iterator[dict[str, Order] | Together]:
+def _each(
+    stages: Sequence[ExpertStage],
+) -> Iterator[dict[str, Order | tuple[Order, ...]] | Together]:
     for stage in stages:
         if isinstance(stage, Repeat):
             yield from _each(stage.stages)

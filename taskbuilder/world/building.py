@@ -28,7 +28,7 @@ from taskbuilder.sim.renderers import choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.world.gripper import build_gripper
 from taskbuilder.world.loading import Loader
-from taskbuilder.world.placement import placement_order, put
+from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
@@ -218,6 +218,8 @@ def _put_all(world: World) -> None:
         spec = world.scene.objects.get(name) or world.scene.sites[name]
         if spec.place is None:
             put(world, name)
+        elif name in world.task.names.groups:
+            put_aloft(world, name)
 
 
 def _movers(world: World) -> list[Body]:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from taskbuilder.errors import Finding, PlacementError
-from taskbuilder.geometry import Box, Pose, from_rpy_deg, multiply
+from taskbuilder.geometry import ORIGIN, Box, Pose, Quat, bounding_box, from_rpy_deg, multiply
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.sim.body import Body
@@ -30,6 +31,12 @@ SINK = 0.002
 
 LIFT = 0.0005
 """Metres above its surface at which a thing is put, to settle from."""
+
+ALOFT = 20.0
+"""Metres above each other at which groups are built that are placed in every episode.
+
+Where they touch nothing, a reset has no contacts to restore.
+"""
 
 
 class PlacementWorld(Protocol):
@@ -61,6 +68,14 @@ class PlacementWorld(Protocol):
     def box(self, body: str) -> Box:
         """Bounding box of an object, a part or a site's marker, in its own frame."""
 
+    @property
+    def plan(self) -> PlacementPlan:
+        """What is placed."""
+
+    @property
+    def piled(self) -> Mapping[str, Pose]:
+        """Poses of the members of piles, in the frames of their arrangements."""
+
     def refresh(self) -> None:
         """Clear the cached values."""
 
@@ -82,6 +97,25 @@ def placement_order(scene: SceneSpec) -> tuple[str, ...]:
     return tuple(order)
 
 
+@dataclass(frozen=True)
+class PlacementPlan:
+    """What is placed in a scene, which is the same in every episode.
+
+    Attributes:
+        still: The objects that are where they were built.
+        parties: Each placed thing, followed by what stands at positions in its frame.
+    """
+
+    still: tuple[str, ...]
+    parties: tuple[tuple[str, ...], ...]
+
+    @classmethod
+    def of(cls, scene: SceneSpec) -> PlacementPlan:
+        """The plan of a scene."""
+        moved = _moved(scene)
+        return cls(tuple(name for name in scene.objects if name not in moved), _parties(scene))
+
+
 def place_all(world: PlacementWorld, rng: np.random.Generator) -> None:
     """Put every placed thing, and what goes with it, where its region says.
 
@@ -92,11 +126,14 @@ def place_all(world: PlacementWorld, rng: np.random.Generator) -> None:
     Raises:
         PlacementError: A thing found no free place.
     """
-    moved = _moved(world.scene)
-    settled = [name for name in world.objects if name not in moved]
-    for group in _groups(world.scene):
-        _place_group(world, group, settled, rng)
-        settled += [name for name in group if name in world.objects]
+    plan = world.plan
+    for name in plan.still:
+        if name in world.piled:
+            put(world, name)
+    settled = list(plan.still)
+    for party in plan.parties:
+        _place_party(world, party, settled, rng)
+        settled += [name for name in party if name in world.objects]
 
 
 def put(world: PlacementWorld, name: str) -> None:
@@ -104,7 +141,13 @@ def put(world: PlacementWorld, name: str) -> None:
     thing = world.objects.get(name)
     spec = thing.spec if thing else world.sites[name].spec
     parent = world.pose(spec.frame) if spec.frame != "world" else Pose()
-    _move(world, name, parent @ spec.pose)
+    _move(world, name, parent @ world.piled.get(name, spec.pose))
+
+
+def put_aloft(world: PlacementWorld, group: str) -> None:
+    """Put the frame of a group, which is placed in every episode, where nothing is."""
+    number = tuple(world.task.names.groups).index(group)
+    _move(world, group, Pose((0.0, 0.0, ALOFT * (number + 1))))
 
 
 def _parents(scene: SceneSpec, name: str) -> Iterator[str]:
@@ -125,37 +168,38 @@ def _moved(scene: SceneSpec) -> set[str]:
     return moved
 
 
-def _groups(scene: SceneSpec) -> list[list[str]]:
+def _parties(scene: SceneSpec) -> tuple[tuple[str, ...], ...]:
     """Each placed thing, followed by what stands at positions in its frame."""
-    groups: dict[str, list[str]] = {}
+    parties: dict[str, list[str]] = {}
     leader: dict[str, str] = {}
     for name in placement_order(scene):
         spec = scene.objects[name] if name in scene.objects else scene.sites[name]
         if spec.place is not None:
             leader[name] = name
-            groups[name] = [name]
+            parties[name] = [name]
         else:
             above = [leader[parent] for parent in _parents(scene, name) if parent in leader]
             if above:
                 leader[name] = above[0]
-                groups[above[0]].append(name)
-    return list(groups.values())
+                parties[above[0]].append(name)
+    return tuple(tuple(party) for party in parties.values())
 
 
-def _place_group(
-    world: PlacementWorld, group: list[str], settled: list[str], rng: np.random.Generator
+def _place_party(
+    world: PlacementWorld, party: tuple[str, ...], settled: list[str], rng: np.random.Generator
 ) -> None:
-    first, *followers = group
+    first, *followers = party
     spec = world.scene.objects.get(first) or world.scene.sites[first]
     place = spec.place
     if place is None:
-        raise ValueError(f"{first} leads a group but is not placed")
+        raise ValueError(f"{first} leads a party but is not placed")
+    others = _others(world, settled)
     in_the_way: Counter[str] = Counter()
     for _ in range(TRIES):
         _move(world, first, _sample(world, first, place, rng))
         for name in followers:
             put(world, name)
-        obstacle = _obstacle(world, group, settled, place)
+        obstacle = _obstacle(world, party, others, place)
         if obstacle is None:
             return
         in_the_way[obstacle] += 1
@@ -186,10 +230,21 @@ def _sample(world: PlacementWorld, name: str, place: Place, rng: np.random.Gener
     pose = frame @ Pose((point[0], point[1], 0.0), turn)
     x, y, _ = pose.position
     top = world.box(place.surface).seen_from(world.pose(place.surface)).high[2]
-    resting = Pose((0.0, 0.0, 0.0), pose.quaternion)
-    reach_down = world.box(name).seen_from(resting).low[2] if name in world.objects else 0.0
-    lift = LIFT if name in world.objects else 0.0
-    return Pose((x, y, top - reach_down + lift), pose.quaternion)
+    return Pose((x, y, top + _lift(world, name, pose.quaternion)), pose.quaternion)
+
+
+def _lift(world: PlacementWorld, name: str, turn: Quat) -> float:
+    """How far above a surface the frame of a thing is that stands on it."""
+    if name in world.objects:
+        return LIFT - world.box(name).seen_from(Pose(ORIGIN, turn)).low[2]
+    members = world.task.names.groups.get(name)
+    if members is None:
+        return 0.0
+    first = members[0]
+    if first in world.piled:
+        return LIFT
+    own = world.scene.objects[first].pose.quaternion
+    return LIFT - world.box(first).seen_from(Pose(ORIGIN, multiply(turn, own))).low[2]
 
 
 def _move(world: PlacementWorld, name: str, pose: Pose) -> None:
@@ -208,21 +263,47 @@ def _move_site(site: Site, world_pose: Pose) -> None:
         site.marker.place(world_pose)
 
 
+@dataclass(frozen=True)
+class _Other:
+    """Something that stands where it is while a party is placed."""
+
+    name: str
+    body: Body
+    box: Box
+    is_robot: bool
+
+
+def _others(world: PlacementWorld, settled: list[str]) -> list[_Other]:
+    bodies = [(name, world.objects[name].body, False) for name in settled]
+    bodies += [(name, robot.body, True) for name, robot in world.robots.items()]
+    return [_Other(name, body, body.occupied(), is_robot) for name, body, is_robot in bodies]
+
+
 def _obstacle(
-    world: PlacementWorld, group: list[str], settled: list[str], place: Place
+    world: PlacementWorld, party: tuple[str, ...], others: list[_Other], place: Place
 ) -> str | None:
-    """The first thing that a group overlaps or comes too near, or None."""
-    bodies = [world.objects[name] for name in group if name in world.objects]
+    """The first thing that a party overlaps or comes too near, or None."""
+    bodies = [world.objects[name] for name in party if name in world.objects]
+    if not bodies:
+        return None
+    boxes = [thing.body.occupied() for thing in bodies]
+    around = bounding_box([corner for box in boxes for corner in (box.low, box.high)])
+    near = [other for other in others if _may_meet(around, other.box)]
     surface = (place.surface or "").partition(".")[0]
-    for thing in bodies:
-        for name in settled:
-            gap = -SINK if name in (surface, thing.spec.frame.partition(".")[0]) else GAP
-            if _too_near(thing, world.objects[name].body, gap):
-                return name
-        for name, robot in world.robots.items():
-            if _too_near(thing, robot.body, GAP):
-                return name
+    for thing, box in zip(bodies, boxes, strict=True):
+        for other in near:
+            below = other.name in (surface, thing.spec.frame.partition(".")[0])
+            gap = -SINK if below and not other.is_robot else GAP
+            if _may_meet(box, other.box) and _too_near(thing, other.body, gap):
+                return other.name
     return None
+
+
+def _may_meet(one: Box, other: Box) -> bool:
+    """Whether two boxes come nearer to each other than things keep."""
+    return all(
+        abs(one.center[i] - other.center[i]) <= one.half[i] + other.half[i] + GAP for i in range(3)
+    )
 
 
 def _too_near(thing: SceneObject, other: Body, gap: float) -> bool:

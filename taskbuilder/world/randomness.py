@@ -41,22 +41,31 @@ class EpisodeRandomness:
         """For whether and where an episode goes on from a recorded one."""
         return self._generator(4)
 
+    def piles(self) -> np.random.Generator:
+        """For how piles come to lie."""
+        return self._generator(5)
+
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 
 
-def written(scene: SceneSpec, randomize: Iterable[str]) -> dict[str, Any]:
+Members = Mapping[str, tuple[str, ...]]
+"""The members of each group; all of them have the value that is drawn for the group."""
+
+
+def written(scene: SceneSpec, randomize: Iterable[str], groups: Members) -> dict[str, Any]:
     """The quantities that the task can randomise, as its file writes them.
 
     Args:
         scene: The scene that was built.
         randomize: Names of the quantities, such as ``stick.mass``.
+        groups: The members of each group.
     """
     things = {**scene.objects, **scene.sites}
     values = {}
     for key in randomize:
         thing, _, quantity = key.rpartition(".")
-        values[key] = getattr(things[thing], quantity)
+        values[key] = getattr(things[groups.get(thing, (thing,))[0]], quantity)
     return values
 
 
@@ -74,13 +83,17 @@ def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
 
 
 def apply(
-    objects: Mapping[str, SceneObject], sites: Mapping[str, Site], values: Mapping[str, Any]
+    objects: Mapping[str, SceneObject],
+    sites: Mapping[str, Site],
+    values: Mapping[str, Any],
+    groups: Members,
 ) -> None:
     """Give quantities of objects and of sites, such as ``stick.mass``, their values."""
     for key, value in values.items():
         thing, _, quantity = key.rpartition(".")
-        marker = sites[thing].marker if thing in sites else None
-        _set(marker or objects[thing].body, quantity, value)
+        for one in groups.get(thing, (thing,)):
+            marker = sites[one].marker if one in sites else None
+            _set(marker or objects[one].body, quantity, value)
 
 
 def _set(body: Body, quantity: str, value: Any) -> None:

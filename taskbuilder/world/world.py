@@ -2,34 +2,40 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from taskbuilder.errors import Finding, UnknownNameError
-from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, scale, subtract
+from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, subtract
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import ContactPoint, contacts
+from taskbuilder.sim.contacts import ContactPoint
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
 from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
-from taskbuilder.world.placement import place_all
+from taskbuilder.world.piles import PILES, Piles
+from taskbuilder.world.placement import PlacementPlan, place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
+from taskbuilder.world.restored_contacts import part, press, touches_to_restore
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.touch import Touch
 
-PRESS_M = 3e-4
-"""How deep links are pushed into each other to find their contact again."""
+MANY = 50
+"""Members of groups from which on a reset settles for `MANY_SETTLE_S` only, to stay fast."""
+
+MANY_SETTLE_S = 1 / 60
+"""Enough to come down on a surface; a hundred things take 2 ms for every physics step."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,8 @@ class World(Single):
         warnings: Warnings of the engine while it loaded assets.
         time: Seconds since the episode began.
         quantities: Values of the quantities that the task can randomise, in this episode.
+        piled: Where the members of piles lie at the start of this episode, in the frames of their
+            arrangements.
         onlooker: An iterator, advanced before each physics step, to read the state between control
             steps. It must not change anything, and must call `refresh` before it reads any values.
             Usually None.
@@ -97,7 +105,7 @@ class World(Single):
         self.floor = floor
         self.warnings = warnings
         self.time = 0.0
-        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize)
+        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
         self._springs = tuple(
@@ -106,6 +114,9 @@ class World(Single):
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
+        self.plan = PlacementPlan.of(scene)
+        self._piles = Piles(task, scene)
+        self.piled: Mapping[str, Pose] = {}
         self._built: WorldState | None = None
 
     # Time
@@ -128,13 +139,35 @@ class World(Single):
             ExplosionError: The physics diverged.
         """
         randomness = EpisodeRandomness(seed)
+        if self._piles:
+            self._pile(int(randomness.piles().integers(PILES)))
         self.restore(self._built or self.keep_as_built())
         if randomized:
             self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
         place_all(self, randomness.placement())
-        self.step()
+        self._run({}, self._settling_steps)
         self.time = 0.0
         self._forces.clear()
+
+    @cached_property
+    def _settling_steps(self) -> int:
+        """Physics steps of a reset: a control step, or less where there are very many things."""
+        substeps = self.spec.timing.substeps
+        if sum(map(len, self.task.names.groups.values())) < MANY:
+            return substeps
+        return min(substeps, math.ceil(MANY_SETTLE_S * self.spec.timing.physics_hz))
+
+    def _pile(self, number: int) -> None:
+        """Take one of the piles, and settle it if that was never done."""
+        if self._piles.settled(number) is None:
+            onlooker, self.onlooker = self.onlooker, None  # of the episode, which has not begun
+            randomness = EpisodeRandomness(number)
+            self.restore(self._built or self.keep_as_built())
+            self.piled = self._piles.loose(randomness.piles())
+            place_all(self, randomness.placement())
+            self._piles.settle(number, self)
+            self.onlooker = onlooker
+        self.piled = self._piles.settled(number) or {}
 
     def step(self, arm_targets: Mapping[str, Sequence[float]] | None = None) -> None:
         """Run one control step.
@@ -147,16 +180,18 @@ class World(Single):
         Raises:
             ExplosionError: The physics diverged; build the world anew.
         """
-        timing = self.spec.timing
-        targets = arm_targets or {}
-        drives = [self.robots[name].ramp(to, timing.substeps) for name, to in targets.items()]
+        self._run(arm_targets or {}, self.spec.timing.substeps)
+
+    def _run(self, targets: Mapping[str, Sequence[float]], substeps: int) -> None:
+        """Run some physics steps."""
+        drives = [self.robots[name].ramp(to, substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
         drives += [joint.act() for joint in self._springs]
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
-        self.client.step(timing.substeps, drives, self._forces.read if self._forces else None)
-        self.time += 1.0 / timing.control_hz
+        self.client.step(substeps, drives, self._forces.read if self._forces else None)
+        self.time += substeps / self.spec.timing.physics_hz
         self.refresh()
         self._check()
 
@@ -188,10 +223,7 @@ class World(Single):
         for robot in self.robots.values():
             motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        loosest: dict[tuple[int, ...], ContactPoint] = {}  # contact of each two links
-        for c in sorted(contacts(self.client), key=lambda contact: -contact.distance):
-            loosest.setdefault((c.body_a, c.link_a, c.body_b, c.link_b), c)
-        touches = tuple(reversed(loosest.values()))
+        touches = touches_to_restore(self.client)
         snapshot = save(self.client, motors)
         return WorldState(
             snapshot, self.time, sites, self.quantities, touches, self._forces.readings
@@ -201,9 +233,9 @@ class World(Single):
         """Restore a saved state of this world, bit for bit."""
         if state.touches:
             restore(state.snapshot)
-            self._press(state.touches)
+            press(self.client, self._bodies, state.touches)
         else:
-            self._part()
+            part(self.client, self._bodies)
         restore(state.snapshot)
         self.time = state.time
         for name, pose in state.sites.items():
@@ -220,44 +252,15 @@ class World(Single):
         """Close the physics client."""
         self.client.close()
 
-    def _part(self) -> None:
-        """Move everything apart, so that nothing touches.
-
-        Bullet restores the contacts of a snapshot, but where it has none it keeps the present
-        ones, whose forces would carry over.
-        """
+    @property
+    def _bodies(self) -> list[Body]:
         bodies = [thing.body for thing in self.objects.values()]
-        bodies += [robot.body for robot in self.robots.values()]
-        for number, body in enumerate(bodies, start=1):
-            body.place(Pose((0.0, 0.0, 1000.0 * number)))
-        self.client.collide()
-
-    def _press(self, touches: Sequence[ContactPoint]) -> None:
-        """Push links that touch into each other for a moment, pair by pair.
-
-        Bullet restores the contacts of two links only if it finds them near each other then, and
-        of links of several shapes it looks closer than when it keeps a contact up: a gap of a
-        few micrometres, as between a grip and what it holds, is enough to lose it.
-
-        Args:
-            touches: A contact of each two links, the loosest last: to press one finger against what
-                is held pulls the other off, which only the tighter contacts stand.
-        """
-        bodies = {robot.body.id: robot.body for robot in self.robots.values()}
-        bodies |= {thing.body.id: thing.body for thing in self.objects.values()}
-        for touch in touches:
-            sign = -1.0 if touch.body_a in bodies else 1.0
-            body = bodies[touch.body_a if touch.body_a in bodies else touch.body_b]
-            pose = body.pose()
-            depth = sign * (max(touch.distance, 0.0) + PRESS_M)
-            body.place(pose.moved(scale(touch.normal_on_b, depth)))
-            self.client.collide()
-            body.place(pose)
+        return bodies + [robot.body for robot in self.robots.values()]
 
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
         changed = {k: value for k, value in values.items() if value != self.quantities[k]}
-        apply(self.objects, self.sites, changed)
+        apply(self.objects, self.sites, changed, self.task.names.groups)
         self.quantities = values
 
     def _check(self) -> None:

@@ -7,7 +7,7 @@ import pytest
 from taskbuilder import description
 from taskbuilder.reference.codes import known
 from taskbuilder.reference.lookup import explain
-from taskbuilder.schema.expert import VERBS
+from taskbuilder.schema.order import VERBS
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,11 @@ def test_list_names_what_is_broken_and_goes_on(run, broken):
     assert {task["name"] for task in listed} == {*TASKS, "broken"}
     (entry,) = [task for task in listed if task["name"] == "broken"]
     assert (entry["robots"], entry["episode_steps"]) == ({}, None)
+    ran = run("list", "--task-path", ".")
+    assert ran.status == 0
+    *_, row, _, hint = ran.out.splitlines()
+    assert row.split() == ["broken", "-", "-", "-", "(has", "errors)"]
+    assert hint == "to see what is wrong: taskbuilder validate broken"
 
 
 @pytest.mark.parametrize("variable", [True, False], ids=["variable", "option"])

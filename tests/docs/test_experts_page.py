@@ -10,7 +10,8 @@ from pydantic import TypeAdapter
 from written_pages import written
 
 from taskbuilder.rollout.record import CAUSES
-from taskbuilder.schema.expert import VERBS, ExpertStage
+from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.schema.order import VERBS
 
 PAGE = written("experts.md")
 
@@ -31,7 +32,7 @@ def test_its_stages_are_stages():
         for block in blocks("yaml")
         for found in yaml.safe_load(textwrap.dedent(block.removeprefix("expert:\n")))
     ]
-    assert len(listed) == 11
+    assert len(listed) == 15
     for found in listed:
         stage.validate_python(found, strict=False)
 

@@ -61,7 +61,7 @@ def test_its_lines_of_python_demonstrate_train_and_evaluate(tmp_path, monkeypatc
 
 def test_it_has_the_two_blocks_that_are_run_as_they_are():
     main, tests = blocks("(?:sh|bash|shell)")
-    assert "validate --all" in main
+    assert "validate --suite seed" in main
     assert "demo handover --video --out demos" in main
     assert "pytest" in tests
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter
 
-from taskbuilder.schema.expert import ONLY_WITH, VERBS, ExpertStage, Order
+from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.schema.order import ONLY_WITH, VERBS, Order
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 
@@ -35,6 +36,19 @@ TOLD = {
     "{'left': {'retreat': 0.12, 'speed': 0.5, 'touching': ('a', 'b')}}": (
         "1. `left`: retreat 12 cm, may touch `a` and `b`, at 50 % of full speed"
     ),
+    "{'left': [{'reach': 'a'}, {'push': 'b', 'to': (0.1, 0.0, 0.5)}], 'right': 'release'}": (
+        "1. `left`: reach `a`, then push `b` to `[0.1, 0, 0.5]`; `right`: release"
+    ),
+    "{'left': {'turn': 'chest.lid', 'to_deg': 70.0, 'turn_tool': False}}": (
+        "1. `left`: turn `chest.lid` to 70°, without turning the tool"
+    ),
+    "{'left': {'slide': 'cabinet.runner', 'to': 0.2}, 'right': {'press': 'x', 'to': 0.01}}": (
+        "1. `left`: slide `cabinet.runner` to 20 cm; `right`: press `x` to 1 cm"
+    ),
+    "{'left': 'home', 'right': {'posture': 'tucked'}}": (
+        "1. `left`: go home; `right`: take the posture `tucked`"
+    ),
+    "{'left': {'press': 'button', 'depth': 0.005}}": "1. `left`: press `button`, 5 mm deep",
     "{'left': {'close': 'nothing'}, 'right': {'close': 'cube'}}": (
         "1. `left`: close on nothing; `right`: close on `cube`"
     ),

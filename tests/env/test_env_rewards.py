@@ -61,6 +61,25 @@ def test_local_pay_is_ones_own_and_an_even_share_of_what_is_common(make):
             assert rewards[agent] == pytest.approx(own + terms["carry"] / 2.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("view", ["parallel", "joint"])
+def test_a_sparse_reward_is_one_while_success_holds_and_else_nothing(make, view):
+    env = make(arm(steps=12), reward="sparse")
+    if view == "joint":
+        env = JointEnv(env.task, reward="sparse", horizon=12)
+    env.reset(seed=0)
+    parallel = env if view == "parallel" else env.parallel
+    seen = []
+    for target in [SPOT] * 3 + [(0.45, -0.1, 0.4)] * 9:
+        action = towards(parallel, {"arm": target}, {})
+        _, reward, _, _, info = env.step(action if view == "parallel" else action["arm"])
+        paid, told = (reward["arm"], info["arm"]) if view == "parallel" else (reward, info)
+        assert paid == told["success"]
+        assert told["team_reward"] != paid
+        seen.append(paid)
+    assert {0.0, 1.0} == set(seen)
+    env.close()
+
+
 def test_the_joint_view_is_paid_the_team_reward(make):
     env = JointEnv("handover", reward="local")
     env.reset(seed=0)

@@ -7,10 +7,11 @@ import math
 import pytest
 from written_experts import RIGHT, made
 
+from taskbuilder.errors import FileError
 from taskbuilder.expert.script.orders import phases
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.geometry import turn_between
-from taskbuilder.schema.expert import NOTHING, VERBS, Order
+from taskbuilder.schema.order import NOTHING, VERBS, Order
 
 GRASP = "arm: {grasp: block.middle}"
 
@@ -21,6 +22,12 @@ ORDERS = {
     "retreat": Order(retreat=0.1),
     "release": Order(release=True),
     "close": Order(close=NOTHING),
+    "turn": Order(turn="chest.hinge", to_deg=70.0),
+    "slide": Order(slide="cabinet.runner", to=0.2),
+    "push": Order(push="block", to="goal"),
+    "press": Order(press="button"),
+    "home": Order(home=True),
+    "posture": Order(posture="tucked"),
 }
 """Verb -> an order."""
 
@@ -77,6 +84,14 @@ def test_above_and_offset_say_where_beside_a_frame(play):
     assert world.position("arm.tcp") == pytest.approx((-0.05, -0.1, 0.7), abs=0.01)
 
 
+def test_a_point_of_the_world_may_stand_for_a_frame(play):
+    demonstration, world = play(GRASP, "arm: {bring: block, to: [-0.1, -0.1, 0.5]}")
+    assert demonstration.trouble is None
+    assert math.dist(world.position("block"), (-0.1, -0.1, 0.5)) < 0.02
+    _, world = play("arm: {reach: [-0.15, 0.1, 0.6], above: 0.05}")
+    assert world.position("arm.tcp") == pytest.approx((-0.15, 0.1, 0.65), abs=0.01)
+
+
 def test_offset_is_along_the_axes_of_the_frame(play):
     turned = "    turned: {position: [-0.1, 0, 0.6], rpy_deg: [0, 0, 90]}\n"
     _, world = play("arm: {reach: turned, offset: [0.1, 0, 0]}", sites=turned)
@@ -128,6 +143,89 @@ def test_a_closed_gripper_pushes_what_it_may_touch(play):
     demonstration, world = play("arm: {close: nothing}", behind, f"{push}, touching: [block]}}")
     assert demonstration.trouble is None
     assert world.position("block")[1] < 0.05
+
+
+@pytest.mark.parametrize("goal", ["[-0.1, 0, 0]", "[-0.2, 0.25, 0]", "[0.05, 0.15, 0]"])
+def test_a_push_takes_a_block_to_its_goal_in_any_direction(play, goal):
+    demonstration, world = play(f"arm: {{push: block, to: {goal}, speed: 0.5}}")
+    assert demonstration.trouble is None
+    x, y, _ = (float(part) for part in goal.strip("[]").split(","))
+    assert math.dist(world.position("block")[:2], (x, y)) < 0.02
+    assert world.position("block")[2] == pytest.approx(0.425, abs=0.003)  # it stands
+
+
+def test_who_holds_something_pushes_nothing(play):
+    demonstration, _ = play(GRASP, "arm: {push: block, to: goal}")
+    assert demonstration.trouble.cause == "lost on the way"
+    assert demonstration.trouble.message == (
+        "arm has to push with an empty gripper, and holds block"
+    )
+
+
+def test_what_is_pressed_to_a_depth_is_pressed_from_above(play):
+    pad = "    pad: {position: [-0.1, -0.1, 0.46]}\n"
+    demonstration, world = play("arm: {press: pad, depth: 0.02}", sites=pad)
+    assert demonstration.trouble is None
+    x, y, z = world.position("arm.tcp")
+    assert (x, y) == pytest.approx((-0.1, -0.1), abs=0.01)
+    assert z < 0.5
+
+
+@pytest.mark.parametrize("mode", ["tcp_delta", "joint_position"])
+def test_an_arm_goes_home_or_to_a_posture(play, mode):
+    postures = """\
+    right:
+      model: ur5e
+      base: {position: [0.6, 0, 0.4], rpy_deg: [0, 0, 180]}
+      home: {joints_deg: [0, -90, 90, -90, -90, 0]}
+      postures: {aside: {joints_deg: [40, -90, 90, -90, -90, 0]}}
+      action: {arm: MODE}
+""".replace("MODE", mode)
+    demonstration, world = play("right: {posture: aside}", robots=postures)
+    assert demonstration.trouble is None
+    assert math.degrees(world.robots["right"].arm_state()[0][0]) == pytest.approx(40, abs=2)
+    demonstration, world = play("right: {posture: aside}", "right: home", robots=postures)
+    assert demonstration.trouble is None
+    assert world.robots["right"].arm_state()[0] == pytest.approx(
+        world.robots["right"].home, abs=0.04
+    )
+
+
+def test_a_posture_beyond_the_limits_of_an_arm_is_refused(tmp_path):
+    postures = (
+        RIGHT
+        + "      postures: {far: {joints_deg: [0, 0, 200, 0, 0, 0]}, few: {joints_deg: [0]}}\n"
+    )
+    with pytest.raises(FileError) as caught:
+        made(tmp_path, "right: home", robots=postures)
+    assert [f"{each.code} {each.path}" for each in caught.value.findings] == [
+        "TB302 scene.robots.right.postures.far.joints_deg[2]",
+        "TB302 scene.robots.right.postures.few.joints_deg",
+    ]
+
+
+def test_several_orders_of_a_robot_are_done_one_after_the_other(play):
+    stage = f"arm: [{{{GRASP[6:-1]}}}, {{bring: block, to: spot}}, {{bring: block, to: goal}}]"
+    demonstration, world = play(stage)
+    assert demonstration.trouble is None
+    assert len(demonstration.stage_ends) == 1
+    assert math.dist(world.position("block"), world.position("goal")) < 0.02
+
+
+def test_a_list_of_one_robot_goes_on_while_the_other_does_its_own(play):
+    mine = "arm: [{reach: spot}, {reach: spot, above: 0.1}, {reach: spot}]"
+    other = "right: [{reach: [0.2, 0, 0.6]}, {reach: [0.3, 0, 0.6]}, {reach: [0.2, 0.1, 0.6]}]"
+    alone, _ = play(mine, robots=RIGHT)
+    both, world = play(f"{{{mine}, {other}}}", robots=RIGHT)
+    assert both.trouble is None
+    assert world.position("right.tcp") == pytest.approx((0.2, 0.1, 0.6), abs=0.01)
+    assert both.steps <= alone.steps + 6
+
+
+def test_the_order_of_a_list_that_fails_is_named(play):
+    demonstration, _ = play("arm: [{reach: spot}, {reach: [0, 0, 3]}]")
+    assert demonstration.trouble.order == "arm: reach [0, 0, 3]"
+    assert demonstration.trouble.cause == "out of reach"
 
 
 def test_slow_takes_longer(play):

@@ -38,7 +38,7 @@ def paid(made, ladder, reward=0.0, **outcome):
 # --- team and local
 
 
-@pytest.mark.parametrize("name", ["team", "local"])
+@pytest.mark.parametrize("name", ["team", "local", "sparse"])
 def test_the_environments_own_rewards_are_passed_on(name):
     made = TRAINING_REWARDS[name](1, 0.97)
     rewards = np.array([[1.5, -2.0]])

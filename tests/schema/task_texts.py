@@ -82,6 +82,7 @@ scene:
       model: panda
       base: {position: [0.8, 0, 0.4], rpy_deg: [0, 0, 180]}
       home: {joints_deg: [0, -45, 0, -135, 0, 90, 45]}
+      postures: {tucked: {joints_deg: [0, -60, 0, -150, 0, 90, 45]}}
       action: {arm: joint_position, gripper: continuous}
     third: {model: xarm6, base: {position: [0, 0.8, 0.4]}}
   objects:
@@ -119,6 +120,26 @@ scene:
       mass: 0.3
       grasps: {rim: {at: [-0.1, 0, 0.02], across: y}}
       place: {surface: table, center: [0.2, 0], size: [0.06, 0.1]}
+    pins: {shape: {sphere: 0.01}, fixed: true, count: 2, arrange: {line: 0.1}, position: [0, 0, 2]}
+    tiles:
+      shape: {box: [0.02, 0.02, 0.01]}
+      mass: 0.01
+      count: 3
+      arrange: {grid: {columns: 2, spacing: [0.03, 0.04]}}
+      place: {surface: table, center: [-0.5, 0.3], size: [0.02, 0.02], yaw_deg: [0, 90]}
+    posts:
+      shape: {cylinder: {radius: 0.01, length: 0.05}}
+      mass: 0.02
+      count: 4
+      arrange: {ring: 0.05}
+      position: [-0.5, -0.3, 0.425]
+    beads:
+      shape: {sphere: 0.005}
+      mass: 0.002
+      rolling_friction: 0.001
+      count: 5
+      arrange: {pile: [0.03, 0.03, 0.05]}
+      position: [0.5, -0.3, 0.4]
     cabinet:
       shape: {urdf: assets/cabinet.urdf, scale: 0.5}
       fixed: true
@@ -186,6 +207,10 @@ expert:
     speed: 0.4
     tolerance: 0.03
   - {until: tray at goal, within: 1.5}
+  - left: {slide: cabinet.slide, to: 0.08}
+    right: [{turn: cabinet.hinge, to_deg: 40, turn_tool: false}, release]
+    third: [{push: ball, to: [0, 0.1, 0]}, {press: cabinet.drawer, to: 0.02}]
+  - {third: {press: rod, depth: 0.01}, left: home, right: {posture: tucked, speed: 0.5}}
   - repeat: 3
     unless: success
     stages:

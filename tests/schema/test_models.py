@@ -99,7 +99,7 @@ def test_a_specification_says_what_its_file_says(everything):
     ]
     assert everything.spec.expert[4].together == ("left", "right")
     assert everything.spec.expert[5].until == "tray at goal"
-    assert everything.spec.expert[6].stages[1].stages[0]["left"].retreat == 0.02
+    assert everything.spec.expert[8].stages[1].stages[0]["left"].retreat == 0.02
 
 
 def test_variations_change_what_they_name_and_nothing_else(everything):
@@ -204,6 +204,9 @@ def test_every_feature_fits_the_json_schema(everything):
         ("radius: 0.01, length: 0.2", "radius: 0.01, lenght: 0.2"),
         ("{left: {retreat: 0.1", "{left: {retreet: 0.1"),
         ("- left: release", "- left: relese"),
+        ("to: 0.08", "to: [0.08]"),
+        ("[0, 0.1, 0]}, {press", "[0, 0.1]}, {press"),
+        ("to_deg: 40", "to_deg: far"),
         ("speed: 0.4", "speed: 1.4"),
         ("together: [left, right]", "together: [left]"),
         ("until: tray at goal", "untill: tray at goal"),

@@ -6,13 +6,14 @@ import pytest
 
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.dump import as_yaml
-from taskbuilder.schema.expert import Order, Repeat, Together, Wait, kind_of_stage, waits
+from taskbuilder.schema.expert import Repeat, Together, Wait, kind_of_stage, waits
 from taskbuilder.schema.load import read_task
+from taskbuilder.schema.order import Order
 
 LAST = "  - left: {bring: cube, to: goal}\n"
-VERBS = "grasp, reach, bring, retreat, release, close"
+VERBS = "grasp, reach, bring, retreat, release, close, turn, slide, push, press, home, posture"
 OWN_STAGES = "together, until, repeat and orders for robots are stages of their own"
-ORDER = "an order is needed: release, or a mapping such as {grasp: stick.left_end}"
+ORDER = "an order is needed: release, home, or a mapping such as {grasp: stick.left_end}"
 OF_A_ROBOT = "without a robot; an order is some robot's: {left: {grasp: stick.left_end}}"
 
 
@@ -36,6 +37,7 @@ def stages(load):
     [
         ("{left: release}", "each"),
         ("{left: {reach: goal}, right: {close: nothing}}", "each"),
+        ("{left: [release, {reach: goal}], right: release}", "each"),
         ("{together: [left, right], bring: cube, to: goal}", "together"),
         ("{until: success}", "until"),
         ("{until: release}", "until"),
@@ -79,6 +81,11 @@ def test_every_condition_that_is_waited_for_has_its_place(stages):
         ("{left: {retreat: 0.1}}", "retreat by 0.1 m"),
         ("{left: release}", "release"),
         ("{left: {close: nothing}}", "close nothing"),
+        ("{left: {push: cube, to: goal}}", "push cube to goal"),
+        ("{left: home}", "go home"),
+        ("{left: {press: goal}}", "press goal"),
+        ("{left: {reach: [0.1, 0, 0.5]}}", "reach [0.1, 0, 0.5]"),
+        ("{left: {bring: cube, to: [0.1, 0, 0.5]}}", "bring cube to [0.1, 0, 0.5]"),
         ("{together: [left, right], bring: cube, to: goal}", "bring cube to goal"),
         ("{until: at goal}", "until at goal"),
         ("{repeat: 3, stages: [{left: release}]}", "repeat 3 times"),
@@ -145,8 +152,8 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         (
             "{left: {wait: 2}}",
             "27:13: error[TB102] expert[1].left.wait: unknown key; known keys: "
-            f"{VERBS}, to, above, offset, approach, rpy_deg, align, straight, touching, speed, "
-            "tolerance",
+            f"{VERBS}, to, to_deg, turn_tool, depth, above, offset, approach, rpy_deg, "
+            "align, straight, touching, speed, tolerance",
         ),
         # the key that says what a stage is
         (
@@ -173,7 +180,8 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         ("{repeat: 2}", "27:5: error[TB101] expert[1].stages: missing; the stages to repeat"),
         (
             "{together: [left, right], bring: cube}",
-            "27:5: error[TB101] expert[1].to: missing; frame to bring it to",
+            "27:5: error[TB101] expert[1].to: missing; "
+            "frame, or point of the world, to bring it to",
         ),
         # values
         (
@@ -271,7 +279,8 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         (
             "{left: {close: cube, speed: 0.5}}",
             "27:12: error[TB106] expert[1].left: "
-            "speed goes with grasp, reach, bring and retreat only",
+            "speed goes with grasp, reach, bring, retreat, turn, slide, push, press, home "
+            "and posture only",
         ),
         (
             "{left: {reach: goal, align: true}}",
@@ -279,12 +288,100 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         ),
         (
             "{left: {reach: goal, to: cube}}",
-            "27:12: error[TB106] expert[1].left: bring and to go together: "
-            "{bring: stick, to: goal}",
+            "27:12: error[TB106] expert[1].left: to goes with bring, slide, push and press only",
         ),
         (
             "{left: {}}",
             f"27:12: error[TB106] expert[1].left: an order has none; give exactly one of {VERBS}",
+        ),
+        (
+            "{left: {push: cube}}",
+            "27:12: error[TB106] expert[1].left: push and to go together: {push: block, to: goal}",
+        ),
+        (
+            "{left: {push: cube, to: 0.2}}",
+            "27:12: error[TB106] expert[1].left: to of push is a frame or [x, y, z]: "
+            "{push: block, to: goal}",
+        ),
+        (
+            "{left: {press: cube, to: goal}}",
+            "27:12: error[TB106] expert[1].left: to of press is the joint's position in metres: "
+            "{press: button, to: 0.01}",
+        ),
+        (
+            "{left: {press: cube, to: 0.01, depth: 0.02}}",
+            "27:12: error[TB106] expert[1].left: press has to and depth; give one of them",
+        ),
+        (
+            "{left: {press: cube, to: 0.01}}",
+            "27:26: error[TB106] expert[1].left.to: cube is not on one prismatic joint, so no "
+            "position can be given; name a link that slides, or write depth, in metres",
+        ),
+        (
+            "{left: {press: cube, depth: deep}}",
+            '27:33: error[TB103] expert[1].left.depth: is the text "deep"; a number is needed',
+        ),
+        (
+            "{left: {press: cube, depth: 0}}",
+            "27:33: error[TB104] expert[1].left.depth: is 0; must be at least 0.0005",
+        ),
+        (
+            "{left: {reach: goal, depth: 0.1}}",
+            "27:12: error[TB106] expert[1].left: depth goes with press only",
+        ),
+        (
+            "{left: {turn: cube.lid, to_deg: 70}}",
+            '27:19: error[TB201] expert[1].left.turn: "cube" has no joint "lid"; it has no joints',
+        ),
+        (
+            "{left: {reach: [0.1, 0]}}",
+            "27:20: error[TB103] expert[1].left.reach: "
+            "the name of a frame, or [x, y, z] in metres from -100 to 100, is needed "
+            "(got a list of 2)",
+        ),
+        (
+            "{left: {bring: cube, to: [1, 2, 300]}}",
+            "27:30: error[TB103] expert[1].left.to: "
+            "the name of a frame, or [x, y, z] in metres from -100 to 100, is needed "
+            "(got a list of 3)",
+        ),
+        (
+            "{left: {bring: cube, to: 0.3}}",
+            "27:12: error[TB106] expert[1].left: to of bring is a frame or [x, y, z]: "
+            "{bring: stick, to: goal}",
+        ),
+        # postures
+        (
+            "{left: {posture: tucked}}",
+            '27:22: error[TB201] expert[1].left.posture: left has no posture "tucked"; '
+            "it has none; write scene.robots.left.postures",
+        ),
+        (
+            "{left: {posture: [0, 0]}}",
+            "27:22: error[TB103] expert[1].left.posture: is a list of 2; text is needed",
+        ),
+        (
+            "{left: {home: false}}",
+            "27:19: error[TB105] expert[1].left.home: false is no choice here; choices: true",
+        ),
+        # several orders of a robot
+        ("{left: []}", "27:12: error[TB104] expert[1].left: is empty; at least one is needed"),
+        (
+            "{left: [{reach: goal}, retreat]}",
+            f'27:28: error[TB103] expert[1].left[1]: {ORDER} (got the text "retreat")',
+        ),
+        (
+            "{left: [{graps: cube.middle}, release]}",
+            '27:14: error[TB102] expert[1].left[0].graps: unknown key; did you mean "grasp"?',
+        ),
+        (
+            "{left: [{grasp: cube.midle}, release]}",
+            '27:21: error[TB201] expert[1].left[0].grasp: "cube" has no grasp "midle"; '
+            'did you mean "middle"?',
+        ),
+        (
+            "{lft: [{grasp: cube.middle}, release]}",
+            '27:6: error[TB201] expert[1].lft: the scene has no "lft"; did you mean "left"?',
         ),
         # names
         (

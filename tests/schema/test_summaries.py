@@ -9,8 +9,9 @@ import pytest
 from taskbuilder._library import folder
 from taskbuilder.schema import summaries
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.index import index_text
 from taskbuilder.schema.load import read_task
-from taskbuilder.schema.summaries import INDEX, TaskSummary, index_text, summarize
+from taskbuilder.schema.summaries import INDEX, TaskSummary, summarize
 
 TASKS = folder("tasks")
 
@@ -24,7 +25,7 @@ def test_the_index_is_true():
 def test_the_index_says_what_the_file_says(name, monkeypatch):
     catalogue = Catalogue()
     spec = read_task(catalogue.task(name), catalogue).spec
-    monkeypatch.setattr(summaries, "_read", None)  # the index is enough
+    monkeypatch.setattr(summaries, "read_summary", None)  # the index is enough
     summary = summarize(catalogue.task(name), catalogue)
     assert summary.summary == spec.summary
     assert summary.episode_steps == spec.timing.episode_steps

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from taskbuilder.schema.expert import Order, Together
+from taskbuilder.schema.expert import Together
+from taskbuilder.schema.order import Order
 from taskbuilder.task import load_task
 from taskbuilder.validate.checks.necessity import _in_reach
 from taskbuilder.validate.env_cache import EnvCache, Start

@@ -50,8 +50,8 @@ def ends(
     """Spaces for the different joint solutions at the goals, the nearest first.
 
     Args:
-        parts: The moving parts; the ends of jointed parts are not determined yet.
-        goals: Goals of the tools of jointed parts, in the world.
+        parts: The moving parts; the ends of jointed parts with a goal are not determined yet.
+        goals: Goals of the tools of jointed parts whose end is open, in the world.
         rng: Generator of start points of inverse kinematics.
 
     Raises:
@@ -59,7 +59,7 @@ def ends(
     """
     near: list[Subspace] = []
     for part in parts:
-        if isinstance(part, Jointed):
+        if isinstance(part, Jointed) and part.reach.name in goals:
             goal = goals[part.reach.name]
             end = _solved(part.reach, goal, part.begin, rng)
             near.append(Jointed(part.reach, part.begin, end))
@@ -69,7 +69,9 @@ def ends(
     if not goals:
         return
     choices = [
-        _branches(part, goals[part.reach.name], rng) if isinstance(part, Jointed) else [part]
+        _branches(part, goals[part.reach.name], rng)
+        if isinstance(part, Jointed) and part.reach.name in goals
+        else [part]
         for part in near
     ]
     spaces = [Space(choice) for choice in product(*choices)]

@@ -10,7 +10,7 @@ from taskbuilder.env.actions import can_be_planned
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.errors import PlanningError
 from taskbuilder.expert.planning.reach import Reach
-from taskbuilder.expert.planning.subspaces import ArmJoints, Carried
+from taskbuilder.expert.planning.subspaces import Arc, ArmJoints, Carried
 from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.world.world import World
 
@@ -30,6 +30,9 @@ class Move:
         straight: Whether only a straight line with an even rotation is allowed.
         speed: Fraction of the speed that the action mode allows, above 0 and at most 1.
         touching: Objects that may be touched, pushed or pressed on the way.
+        arc: The arc that leads to the goal in place of the straight line, or None.
+        joints: Joint positions (rad or m) at the goal of the only arm, as far as the action mode
+            commands joints; None for any.
     """
 
     carriers: Mapping[str, Pose]
@@ -37,6 +40,8 @@ class Move:
     straight: bool = False
     speed: float = 1.0
     touching: Collection[str] = ()
+    arc: Arc | None = None
+    joints: tuple[float, ...] | None = None
 
     @property
     def tools(self) -> dict[str, Pose]:
@@ -61,11 +66,13 @@ class Move:
         arms = {name: reaches[name] for name in self.carriers}
         tools = {name: reach.tool(joints[name]) for name, reach in arms.items()}
         for name, goal in self.tools.items():
-            _check_tilt(arms[name], goal)
+            _check_tilt(arms[name], goal, "; or write turn_tool: false" if self.arc else "")
         first, grasp = next(iter(self.carriers.items()))
         start = tools[first] @ grasp.inverse()
         grasps = {name: (start.inverse() @ tools[name], end) for name, end in self.carriers.items()}
-        return Carried(arms, grasps | {first: (grasp, grasp)}, start, self.goal, self.straight)
+        return Carried(
+            arms, grasps | {first: (grasp, grasp)}, start, self.goal, self.straight, self.arc
+        )
 
 
 def check_moves(moves: Sequence[Move], held: Mapping[str, str], world: World) -> None:
@@ -94,7 +101,7 @@ def check_moves(moves: Sequence[Move], held: Mapping[str, str], world: World) ->
             raise UsageError(f"a speed is above 0 and at most 1, not {move.speed}")
 
 
-def _check_tilt(reach: Reach, goal: Pose) -> None:
+def _check_tilt(reach: Reach, goal: Pose, otherwise: str) -> None:
     tilt = turn_between(goal.quaternion, reach.commandable(goal).quaternion)
     if tilt > MOST_TILT:
         kept = "orientation" if reach.arm.spec.turn == "none" else "tilt"
@@ -103,5 +110,5 @@ def _check_tilt(reach: Reach, goal: Pose) -> None:
             "out of reach",
             f"{reach.name}'s tool would have to be turned by {math.degrees(tilt):.0f}° more than "
             f"its actions can turn it: the action mode keeps the tool's {kept} from home; write "
-            f"action: {{turn: full}} for {reach.name}, or turn it less",
+            f"action: {{turn: full}} for {reach.name}, or turn it less{otherwise}",
         )

@@ -134,7 +134,9 @@ class _Motion:
         open_ends = self._open(self._ends(lines))
         nearest = next(open_ends)
         yield nearest, Search.straight
-        for search in self._open(iter([Space(lines)]), strict=False):
+        exact = any(move.joints is not None for move in self.moves)
+        worldly = iter([] if exact else [Space(lines)])
+        for search in self._open(worldly, strict=False):
             yield search, Search.straight
             yield search, Search.simple
         others = list(open_ends)
@@ -151,8 +153,10 @@ class _Motion:
         for move, line in zip(self.moves, lines, strict=True):
             if move.by_joints(self.collision_world.reaches):
                 ((name, goal),) = move.tools.items()
-                goals[name] = goal
-                parts.append(Jointed(line.arms[name], self.joints[name], self.joints[name]))
+                begin = self.joints[name]
+                if move.joints is None:
+                    goals[name] = goal
+                parts.append(Jointed(line.arms[name], begin, move.joints or begin))
             else:
                 parts.append(line)
         return ends(parts, goals, self.rng)

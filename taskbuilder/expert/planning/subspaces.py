@@ -13,7 +13,17 @@ from functools import cached_property, lru_cache
 from typing import Protocol
 
 from taskbuilder.expert.planning.reach import Reach, between
-from taskbuilder.geometry import Pose, norm, subtract, turn_between
+from taskbuilder.geometry import (
+    Pose,
+    Vec3,
+    add,
+    multiply,
+    norm,
+    rotate,
+    scale,
+    subtract,
+    turn_between,
+)
 
 FINE_M, FINE_TURN = 0.015, math.radians(5.0)
 """Maximum step of the tool (m, rad) when a motion is followed and checked."""
@@ -68,6 +78,30 @@ class Subspace(Protocol):
 
 
 @dataclass(frozen=True)
+class Arc:
+    """A turn about an axis of the world.
+
+    Attributes:
+        center: A point of the axis.
+        axis: Its direction, a unit vector.
+        angle: In rad.
+        turns: Whether what moves along the arc turns too.
+    """
+
+    center: Vec3
+    axis: Vec3
+    angle: float
+    turns: bool = True
+
+    def pose(self, start: Pose, share: float) -> Pose:
+        """Where a frame is after a share of the turn, from where it starts."""
+        half = 0.5 * share * self.angle
+        turn = (*scale(self.axis, math.sin(half)), math.cos(half))
+        position = add(self.center, rotate(turn, subtract(start.position, self.center)))
+        return Pose(position, multiply(turn, start.quaternion) if self.turns else start.quaternion)
+
+
+@dataclass(frozen=True)
 class Carried:
     """A frame that is carried along lines in the world, by one arm or several.
 
@@ -81,6 +115,7 @@ class Carried:
         start: Pose of the frame at the start.
         goal: Goal of the frame.
         straight: Whether only the straight path is allowed.
+        arc: The arc that takes the place of the straight path, or None.
     """
 
     arms: Mapping[str, Reach]
@@ -88,6 +123,7 @@ class Carried:
     start: Pose
     goal: Pose
     straight: bool
+    arc: Arc | None = None
 
     @property
     def begin(self) -> Coordinates:
@@ -114,10 +150,14 @@ class Carried:
         """The length in metres of a unit of each coordinate."""
         turn = METRES_PER_RADIAN * turn_between(self.start.quaternion, self.goal.quaternion)
         way = norm(subtract(self.goal.position, self.start.position))
+        if self.arc is not None:
+            way = max(way, abs(self.arc.angle) * METRES_PER_RADIAN)
         return (way + turn,) if self.straight else (1.0, 1.0, 1.0, turn)
 
     def frame(self, at: Coordinates) -> Pose:
         """The pose of the frame at coordinates."""
+        if self.arc is not None:
+            return self.arc.pose(self.start, at[0])
         if self.straight:
             return between(self.start, self.goal, at[0])
         x, y, z, share = at
@@ -145,8 +185,10 @@ class Carried:
     def steps(self, begin: Coordinates, end: Coordinates) -> float:
         """The number of small steps of a straight motion."""
         one, other = self.aims(begin), self.aims(end)
+        arc = abs(self.arc.angle * (end[0] - begin[0])) / FINE_TURN if self.arc else 0.0
         return max(
             max(
+                arc,
                 norm(subtract(other[name].position, one[name].position)) / FINE_M,
                 turn_between(one[name].quaternion, other[name].quaternion) / FINE_TURN,
             )

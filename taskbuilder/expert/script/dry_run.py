@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
+from typing import Any
 
 from taskbuilder.expert.script.foresight import Foresight
-from taskbuilder.expert.script.orders import Go, NothingHeldError, Phase, bring, phases
+from taskbuilder.expert.script.orders import bring, phases
+from taskbuilder.expert.script.situation import Go, NotHeldError, Phase
 from taskbuilder.geometry import Pose
-from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.expert import ExpertStage, Repeat, Together, Wait, listed
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.world.world import World
 
@@ -70,6 +73,14 @@ class _Standing:
         """A robot's tcp in the world."""
         return self.world.pose(f"{robot}.tcp")
 
+    def handle(self, robot: str) -> str | None:  # noqa: ARG002  # what every situation takes
+        """Nothing."""
+        return None
+
+    def joint(self, name: str) -> float:
+        """Position of a joint, in rad or m."""
+        return self.world.joint(name)
+
     def load(self, robot: str) -> str | None:  # noqa: ARG002  # what every situation takes
         """Nothing."""
         return None
@@ -99,25 +110,33 @@ class _DryRun:
                 self.foresight.guesses |= changed
         elif isinstance(stage, Together):
             robots = stage.together
-            group: Mapping[str, Phase | None] = {"": lambda now: bring(now, robots, stage)}
+            group: Mapping[str, Phase] = {"": lambda now: bring(now, robots, stage)}
             yield from self._act(number, group, {"": stage})
         else:
-            # An object that one robot brings is at its goal for the others of the stage.
-            first = sorted(stage.items(), key=lambda item: item[1].bring is None)
-            listed = [phases(robot, order) for robot, order in first]
-            for acts in zip_longest(*listed):
-                yield from self._act(number, dict(zip(dict(first), acts, strict=True)), stage)
+            queues = {
+                robot: [(phase, order) for order in listed(told) for phase in phases(robot, order)]
+                for robot, told in stage.items()
+            }
+            for acts in zip_longest(*queues.values(), fillvalue=None):
+                steps = {robot: act for robot, act in zip(queues, acts, strict=True) if act}
+                # An object that one robot brings is at its goal for the others of the stage.
+                first = sorted(steps, key=lambda robot: steps[robot][1].bring is None)
+                yield from self._act(
+                    number,
+                    {robot: steps[robot][0] for robot in first},
+                    {robot: steps[robot][1] for robot in first},
+                )
 
     def _act(
         self,
         number: int,
-        group: Mapping[str, Phase | None],
+        group: Mapping[str, Phase],
         orders: Mapping[str, Order | Together],
     ) -> Iterator[Asked]:
         for who, phase in group.items():
             try:
-                act = phase(self.foresight.now) if phase else None
-            except NothingHeldError:
+                act = phase(self.foresight.now)
+            except NotHeldError:
                 continue  # the grasp was required, and is reported, before
             if isinstance(act, Go):
                 move = act.choices[0]
@@ -131,10 +150,12 @@ class _DryRun:
 
     def _guess(self, order: Order | Together, robots: Sequence[str]) -> str:
         """The roughly predicted object or robot that an order depends on, or ""."""
-        frames = [order.bring, order.to]
+        frames: list[Any] = [order.bring, order.to]
         if isinstance(order, Order):
-            frames += [order.grasp, order.reach]
+            frames += [order.grasp, order.reach, order.push, order.press, order.joint]
+        if isinstance(order, Order) and (order.home or order.posture):
+            return ""
         # An order that names no frame moves the tool relative to where it is.
-        named = [frame for frame in frames if frame] or robots
+        named = [frame for frame in frames if isinstance(frame, str)] or robots
         owners = [self.foresight.owner(frame) for frame in named]
         return next((owner for owner in owners if owner in self.foresight.guesses), "")

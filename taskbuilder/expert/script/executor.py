@@ -15,18 +15,13 @@ from taskbuilder.env.action_encoder import ActionEncoder, Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.expert.planning.planner import Move, Planner, PlanningError, Trajectory
-from taskbuilder.expert.script.orders import (
-    Foreseen,
-    Go,
-    Grip,
-    NothingHeldError,
-    Phase,
-    bring,
-    phases,
-)
+from taskbuilder.expert.script.orders import bring, phases
+from taskbuilder.expert.script.situation import Foreseen, Go, Grip, NotHeldError, Phase
 from taskbuilder.geometry import Pose
-from taskbuilder.schema.expert import ExpertStage, Order, Repeat, Together, Wait
+from taskbuilder.schema.expert import ExpertStage, Repeat, Together, Wait, listed
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.world.world import World
 
 SETTLE_S = 0.6
 """Time for a motion to arrive after its last command, in seconds."""
@@ -48,6 +43,10 @@ LOST_STEPS = 2
 
 CORRECTIONS = 2
 """Maximum number of corrections for a load that has slipped in the gripper."""
+
+
+Step = tuple[Order | Together, Phase]
+"""A phase, and the order that it is of."""
 
 
 class StageError(TaskbuilderError):
@@ -97,9 +96,14 @@ class Executor:
     # --- the situation
 
     @property
+    def world(self) -> World:
+        """The world of the episode."""
+        return self._env.episode.world
+
+    @property
     def scene(self) -> SceneSpec:
         """The scene that was built."""
-        return self._env.episode.world.scene
+        return self.world.scene
 
     def pose(self, frame: str) -> Pose:
         """A named frame in the world."""
@@ -114,6 +118,20 @@ class Executor:
         """The object that a robot holds."""
         world = self._env.episode.world
         return next((name for name in world.movable if world.held(name, robot)), None)
+
+    def handle(self, robot: str) -> str | None:
+        """The link of an articulated object that a robot holds, such as ``chest.lid``."""
+        links = (
+            f"{name}.{link}"
+            for name, thing in self.world.objects.items()
+            if thing.joints
+            for link in thing.boxes
+        )
+        return next((link for link in links if self.world.held(link, robot)), None)
+
+    def joint(self, name: str) -> float:
+        """Position of an articulated object's joint, in rad or m."""
+        return self.world.joint(name)
 
     def is_open(self, robot: str) -> bool:
         """Whether a robot's gripper is open."""
@@ -143,20 +161,24 @@ class Executor:
         else:
             yield from self._each({r: o for r, o in stage.items() if r not in self._without})
 
-    def _each(self, orders: Mapping[str, Order]) -> Iterator[Actions]:
+    def _each(self, told: Mapping[str, Order | tuple[Order, ...]]) -> Iterator[Actions]:
         """Play orders in parallel: the first phases of all, then the second, and so on."""
-        # Orders with `bring` come first, so that the others find objects at their goals.
-        first = dict(sorted(orders.items(), key=lambda item: item[1].bring is None))
-        queues = {robot: deque(phases(robot, order)) for robot, order in first.items()}
+        queues: dict[str, deque[Step]] = {
+            robot: deque((order, phase) for order in listed(own) for phase in phases(robot, order))
+            for robot, own in told.items()
+        }
         while any(queues.values()):
-            yield from self._act(queues, first)
+            # Orders with `bring` come first, so that the others find objects at their goals.
+            waiting = (item for item in queues.items() if item[1])
+            first = sorted(waiting, key=lambda item: not item[1][0][0].bring)
+            yield from self._act(dict(first))
 
     def _together(self, stage: Together) -> Iterator[Actions]:
         robots = tuple(robot for robot in stage.together if robot not in self._without)
         if robots:
             name = " and ".join(robots)
             phase = partial(bring, robots=robots, order=stage)
-            yield from self._act({name: deque([phase])}, {name: stage})
+            yield from self._act({name: deque([(stage, phase)])})
 
     def _wait(self, stage: Wait) -> Iterator[Actions]:
         for _ in range(self._steps(stage.within)):
@@ -175,12 +197,10 @@ class Executor:
 
     # --- phases
 
-    def _act(
-        self, queues: Mapping[str, deque[Phase]], orders: Mapping[str, Order | Together]
-    ) -> Iterator[Actions]:
+    def _act(self, queues: Mapping[str, deque[Step]]) -> Iterator[Actions]:
         """Play the next phase of several orders at the same time."""
-        told = {who: f"{who}: {orders[who]}" for who in queues}
-        acts, group = self._next(queues, told)
+        acts, steps = self._next(queues)
+        told = {who: f"{who}: {order}" for who, (order, _) in steps.items()}
         goes = {who: act for who, act in acts.items() if isinstance(act, Go)}
         grips = {who: act for who, act in acts.items() if isinstance(act, Grip)}
         if grips:
@@ -188,43 +208,46 @@ class Executor:
         if goes:
             yield from self._go(goes, told)
             for _ in range(CORRECTIONS):
-                if not (wrong := self._shifted(goes, group)):
+                if not (wrong := self._shifted(goes, steps)):
                     break
                 yield from self._go(wrong, told)
             self._check_arrived(goes, told)
         yield from self._check_grips(grips, told)
 
     def _next(
-        self, queues: Mapping[str, deque[Phase]], told: Mapping[str, str]
-    ) -> tuple[dict[str, Go | Grip], dict[str, Phase]]:
+        self, queues: Mapping[str, deque[Step]]
+    ) -> tuple[dict[str, Go | Grip], dict[str, Step]]:
         """The next motions and grips, and their phases.
 
-        Phases that are already done are skipped. An object that one robot brings is predicted at
-        its goal for the others.
+        Phases that are already done are skipped. What one robot moves is predicted at its goal for
+        the others.
         """
         acts: dict[str, Go | Grip] = {}
-        group: dict[str, Phase] = {}
+        steps: dict[str, Step] = {}
         moved: dict[str, Pose] = {}
         for who, queue in queues.items():
             act = None
             while queue and act is None:
-                group[who] = queue.popleft()
+                order, phase = steps[who] = queue.popleft()
                 try:
-                    act = group[who](Foreseen(self, moved))
-                except NothingHeldError as error:
+                    act = phase(Foreseen(self, moved))
+                except NotHeldError as error:
                     cause, said = "lost on the way", str(error)
-                    raise StageError(told[who], error.robot, cause, said) from None
+                    raise StageError(f"{who}: {order}", error.robot, cause, said) from None
             if act is not None:
                 acts[who] = act
             if isinstance(act, Go) and act.brings:
                 (robot, _), *_ = act.choices[0].carriers.items()
                 moved[self.load(robot) or act.brings] = act.choices[0].goal
-        return acts, group
+            elif isinstance(act, Go):
+                moved |= act.moved(self)
+        return acts, steps
 
     def _go(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> Iterator[Actions]:
         """Play motions in parallel, until all have arrived or have failed to."""
         moves, trajectory = self._plan(goes, told)
         loads = {r: load for move in moves for r in move.carriers if (load := self.load(r))}
+        loads |= {r: go.holds for go in goes.values() for r in go.choices[0].carriers if go.holds}
         missed = dict.fromkeys(loads, 0)
         for step in range(trajectory.steps):
             joints = {robot: path[step] for robot, path in trajectory.joints.items()}
@@ -269,12 +292,12 @@ class Executor:
                 message = f"{robot} has lost {load} on the way, at {_place(world.position(load))}"
                 raise StageError(_whose(robot, told), robot, "lost on the way", message)
 
-    def _shifted(self, goes: Mapping[str, Go], group: Mapping[str, Phase]) -> dict[str, Go]:
-        """Corrected motions of loads that have not arrived."""
-        late = [who for who, go in goes.items() if go.brings and not self._arrived(go)]
+    def _shifted(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
+        """Corrected motions of loads, pushed objects and joints that have not arrived."""
+        late = [who for who, go in goes.items() if go.subject and not self._arrived(go)]
         found = {}
         for who in late:
-            act = group[who](self)
+            act = steps[who][1](self)
             if isinstance(act, Go):
                 found[who] = act
         return found
@@ -284,6 +307,8 @@ class Executor:
 
     def _gap(self, go: Go) -> float:
         """The remaining distance of a motion, in metres."""
+        if go.gap is not None:
+            return go.gap(self)
         move = go.choices[0]
         (robot, offset), *_ = move.carriers.items()
         if not go.brings:
@@ -296,7 +321,7 @@ class Executor:
         for who, go in goes.items():
             if not self._arrived(go):
                 robot = next(iter(go.choices[0].carriers))
-                what = go.brings or f"{robot}.tcp"
+                what = go.subject or f"{robot}.tcp"
                 gap = self._gap(go)
                 far = f"stays {gap * 100:.1f} cm away" if math.isfinite(gap) else "is lost"
                 touched = self._touched(robot)

@@ -12,25 +12,23 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from taskbuilder.assets.model import Urdf, UrdfJoint
+from taskbuilder.assets.model import Urdf
 from taskbuilder.expert.planning.moves import Move
-from taskbuilder.expert.script.orders import Foreseen, Go, Grip, Situation
+from taskbuilder.expert.script.contact_orders import finger_boxes
+from taskbuilder.expert.script.joints import Joint, joints_above
+from taskbuilder.expert.script.situation import Foreseen, Go, Grip, Situation
 from taskbuilder.geometry import (
     Box,
     Pose,
     Vec3,
-    add,
     cross,
     dot,
     from_axes,
     norm,
-    rotate,
     scale,
     subtract,
     unit,
 )
-from taskbuilder.world.robot import Robot
-from taskbuilder.world.shapes import link_box
 from taskbuilder.world.world import World
 
 RESTING_M = 0.003
@@ -48,6 +46,7 @@ class Foresight:
         tools: Pose in the world of tools that are elsewhere.
         loads: What robots hold that moves freely.
         handles: Links of articulated objects that robots hold, as ``chest.lid``.
+        joints: Positions of joints that are elsewhere, in rad or m.
         guesses: Objects, and robots, whose pose is foreseen only roughly.
     """
 
@@ -57,6 +56,7 @@ class Foresight:
     tools: dict[str, Pose] = field(default_factory=dict)
     loads: dict[str, str | None] = field(default_factory=dict)
     handles: dict[str, str] = field(default_factory=dict)
+    joints: dict[str, float] = field(default_factory=dict)
     guesses: set[str] = field(default_factory=set)
     _closed: set[str] = field(default_factory=set)
     _fingers: dict[tuple[str, bool], tuple[Box, ...]] = field(default_factory=dict)
@@ -64,7 +64,7 @@ class Foresight:
     @property
     def now(self) -> Foreseen:
         """The situation as it would be."""
-        return Foreseen(self.start, self.moved, self.tools, self.loads)
+        return Foreseen(self.start, self.moved, self.tools, self.loads, self.handles, self.joints)
 
     def owner(self, frame: str) -> str:
         """The object or robot that a frame moves with."""
@@ -91,7 +91,7 @@ class Foresight:
         if not grip.thing:
             return
         link = grip.link or self._nearest_link(robot, grip.thing)
-        if link and self._joints_above(grip.thing, link):
+        if link and joints_above(self.world, grip.thing, link):
             self.handles[robot] = f"{grip.thing}.{link}"
         if grip.thing in self.world.movable:
             self.loads[robot] = grip.thing
@@ -133,7 +133,15 @@ class Foresight:
         handled = {r: self.handles[r] for r in robots if r in self.handles and not go.brings}
         swung = {handle.partition(".")[0] for handle in handled.values()}
         loads = {load for robot in robots if (load := self.now.load(robot))} - swung
-        self._push(move, before, after, loads | swung)
+        if go.pushes is not None:
+            thing, place = go.pushes
+            self._carry([thing], place @ self.now.pose(thing).inverse())
+            self.guesses.add(thing)
+        elif go.joint is not None:
+            self._move_joint(*go.joint)
+            handled = {}
+        else:
+            self._push(move, before, after, loads | swung)
         first = robots[0]
         shift = after[first] @ before[first].inverse()
         things = sorted(loads | ({go.brings} if go.brings else set()))
@@ -167,49 +175,31 @@ class Foresight:
 
     # --- joints
 
-    def _joints_above(self, thing: str, link: str) -> tuple[UrdfJoint, ...]:
-        """The joints that move between an articulated object's base and a link."""
-        urdf = self.world.task.assets.get(thing)
-        return urdf.moving_joints_above(link) if isinstance(urdf, Urdf) else ()
-
     def _turn(self, handle: str, begin: Vec3, end: Vec3) -> None:
         """A held link follows a tool along its joint, as far as that goes."""
         thing, _, link = handle.partition(".")
-        joint, *others = self._joints_above(thing, link)
+        above, *others = joints_above(self.world, thing, link)
         if others:
             self.guesses.add(thing)
             return
-        child = f"{thing}.{joint.child}"
-        at = self.now.pose(child)
-        axis = rotate(at.quaternion, joint.axis)
-        if joint.type == "prismatic":
-            by = dot(subtract(end, begin), axis)
+        joint = Joint(self.world, f"{thing}.{above.name}")
+        at = self.now.pose(joint.child)
+        if joint.slides:
+            by = dot(subtract(end, begin), joint.axis(at))
         else:
-            by = _angle(subtract(begin, at.position), subtract(end, at.position), axis)
-        shift = displaced(joint, at, self._within_limits(child, joint, by))
-        if joint.type == "prismatic":
-            self._carry(self._riders(child), shift)
-        below = [
-            f"{thing}.{name}"
-            for name in self.world.objects[thing].boxes
-            if joint in self._joints_above(thing, name)
-        ]
-        self.moved |= {frame: shift @ self.now.pose(frame) for frame in below}
+            by = _angle(subtract(begin, at.position), subtract(end, at.position), joint.axis(at))
+        low, high = joint.limits
+        self._move_joint(joint.name, min(max(self.now.joint(joint.name) + by, low), high))
 
-    def _within_limits(self, child: str, joint: UrdfJoint, by: float) -> float:
-        """How far a joint can go of a way, from where it would be by now."""
-        thing = child.partition(".")[0]
-        parent = f"{thing}.{joint.parent}"
-        rest = self.now.pose(parent) @ joint.origin
-        at = self.now.pose(child)
-        axis = rotate(at.quaternion, joint.axis)
-        if joint.type == "prismatic":
-            by_now = dot(subtract(at.position, rest.position), axis)
-        else:
-            aside = (1.0, 0.0, 0.0) if abs(joint.axis[0]) < 0.9 else (0.0, 1.0, 0.0)
-            by_now = _angle(rotate(rest.quaternion, aside), rotate(at.quaternion, aside), axis)
-        built = self.world.objects[thing].body.joints[joint.name]
-        return min(max(by_now + by, built.lower), built.upper) - by_now
+    def _move_joint(self, name: str, position: float) -> None:
+        """A joint moves, with the links below it and what lies in those that slide."""
+        joint, now = Joint(self.world, name), self.now
+        shift = joint.shift(now.pose(joint.child), position - now.joint(name))
+        below = {frame: shift @ now.pose(frame) for frame in joint.below}
+        if joint.slides:
+            self._carry(self._riders(joint.child), shift)
+        self.moved |= below
+        self.joints[name] = position
 
     # --- pushes
 
@@ -250,42 +240,11 @@ class Foresight:
         """What a robot pushes with, each a box and its pose: its fingers and what they hold."""
         key = robot, robot in self._closed
         if key not in self._fingers:
-            self._fingers[key] = tuple(_finger_boxes(self.world.robots[robot], closed=key[1]))
+            self._fingers[key] = tuple(finger_boxes(self.world.robots[robot], closed=key[1]))
         for box in self._fingers[key]:
             yield box, tool
         if load := self.now.load(robot):
             yield self.world.box(load), self.now.pose(load)
-
-
-def displaced(joint: UrdfJoint, child: Pose, by: float) -> Pose:
-    """How the world's points on a link move as its joint does.
-
-    Args:
-        joint: The joint above the link.
-        child: Pose of the link in the world.
-        by: How far the joint moves, in rad or m.
-    """
-    axis = rotate(child.quaternion, joint.axis)
-    if joint.type == "prismatic":
-        return Pose(scale(axis, by))
-    turn = (*scale(axis, math.sin(by / 2.0)), math.cos(by / 2.0))
-    return Pose(subtract(child.position, rotate(turn, child.position)), turn)
-
-
-def _finger_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
-    """Boxes of a gripper's fingers in the frame of its tcp.
-
-    Fingers that are closed meet in the middle, wherever they are now.
-    """
-    into_tool = robot.tcp.inverse()
-    names = {index: name for name, index in robot.body.links.items()}
-    for index in (link for finger in robot.fingers for link in finger):
-        box = link_box(robot.model.urdf.link(names[index]).collisions, 1.0)
-        box = box.seen_from(into_tool @ robot.body.link_pose(index))
-        inner = min(box.low[1], box.high[1], key=abs)
-        if closed and box.low[1] * box.high[1] > 0.0:
-            box = Box(add(box.center, (0.0, -inner, 0.0)), box.half)
-        yield box
 
 
 def _frame_along(direction: Vec3) -> Pose:

@@ -7,11 +7,22 @@ phase is computed from the current situation, so an object that has moved is gra
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Protocol
 
 from taskbuilder.expert.planning.planner import Move
+from taskbuilder.expert.script.contact_orders import press_phases, push_phases
+from taskbuilder.expert.script.joint_orders import move_joint
+from taskbuilder.expert.script.situation import (
+    DOWN,
+    LOAD_TOLERANCE_M,
+    TOOL_TOLERANCE_M,
+    Go,
+    Grip,
+    NotHeldError,
+    Phase,
+    Situation,
+    grasp_of,
+    place_of,
+)
 from taskbuilder.geometry import (
     Pose,
     Quat,
@@ -29,126 +40,13 @@ from taskbuilder.geometry import (
     turn_between,
     unit,
 )
-from taskbuilder.schema.expert import NOTHING, Order, Together
-from taskbuilder.schema.scene import Grasp, SceneSpec
+from taskbuilder.schema.expert import Together
+from taskbuilder.schema.order import NOTHING, Order
+from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.scene import Grasp
 
 APPROACH_M = 0.08
 """Default length of the straight path to a grasp point, in metres."""
-
-TOOL_TOLERANCE_M = 0.01
-LOAD_TOLERANCE_M = 0.02
-
-DOWN: Vec3 = (0.0, 0.0, -1.0)
-
-
-class Situation(Protocol):
-    """The state of the scene, in the simulation or in a dry run."""
-
-    @property
-    def scene(self) -> SceneSpec:
-        """The scene that was built."""
-
-    def pose(self, frame: str) -> Pose:
-        """A named frame in the world."""
-
-    def tool(self, robot: str) -> Pose:
-        """The commanded pose of a robot's tcp, in the world."""
-
-    def load(self, robot: str) -> str | None:
-        """The object that a robot holds."""
-
-    def is_open(self, robot: str) -> bool:
-        """Whether a robot's gripper is open."""
-
-
-@dataclass(frozen=True)
-class Foreseen:
-    """A predicted situation, as differences from the current one.
-
-    Attributes:
-        now: The current situation.
-        moved: World poses of objects, and of links such as ``chest.lid``, that differ.
-        tools: World poses of tools that differ.
-        loads: Held objects, or None, of robots for which they differ.
-    """
-
-    now: Situation
-    moved: Mapping[str, Pose] = field(default_factory=dict)
-    tools: Mapping[str, Pose] = field(default_factory=dict)
-    loads: Mapping[str, str | None] = field(default_factory=dict)
-
-    @property
-    def scene(self) -> SceneSpec:
-        """The scene that was built."""
-        return self.now.scene
-
-    def pose(self, frame: str) -> Pose:
-        """The predicted pose of a named frame, in the world."""
-        carrier = carrier_of(self.scene, frame)
-        owner, _, inner = carrier.partition(".")
-        at = self.now.pose(frame)
-        for mover in (carrier, owner):
-            if mover in self.moved:
-                return self.moved[mover] @ self.now.pose(mover).inverse() @ at
-        if owner in self.tools and inner == "tcp":
-            return self.tools[owner] @ self.now.pose(carrier).inverse() @ at
-        return at
-
-    def tool(self, robot: str) -> Pose:
-        """The predicted commanded pose of a robot's tcp, in the world."""
-        return self.tools[robot] if robot in self.tools else self.now.tool(robot)
-
-    def load(self, robot: str) -> str | None:
-        """The object that a robot will hold."""
-        return self.loads[robot] if robot in self.loads else self.now.load(robot)
-
-    def is_open(self, robot: str) -> bool:
-        """Whether a robot's gripper is open now."""
-        return self.now.is_open(robot)
-
-
-class NothingHeldError(Exception):
-    """A robot has to bring an object and holds nothing."""
-
-    def __init__(self, robot: str, thing: str) -> None:
-        super().__init__(f"{robot} holds nothing that would bring {thing}")
-        self.robot = robot
-
-
-@dataclass(frozen=True)
-class Go:
-    """A motion.
-
-    Attributes:
-        choices: Equivalent moves, the nearest first.
-        brings: The object that has to arrive, or "" for the tool itself.
-        tolerance: Tolerance of the end position, in metres; None to continue without waiting.
-    """
-
-    choices: tuple[Move, ...]
-    brings: str = ""
-    tolerance: float | None = None
-
-
-@dataclass(frozen=True)
-class Grip:
-    """A gripper opens or closes.
-
-    Attributes:
-        robot: The robot.
-        opening: From 0 (closed) to 1.
-        thing: The object to hold or to release; "" for none in particular.
-        link: The link of the object that is held, if the task file names it; else "".
-    """
-
-    robot: str
-    opening: float
-    thing: str = ""
-    link: str = ""
-
-
-Phase = Callable[[Situation], Go | Grip | None]
-"""Computes the next motion or grip; None if it is already done."""
 
 
 def phases(robot: str, order: Order) -> tuple[Phase, ...]:
@@ -172,27 +70,24 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
         return (lambda _: Grip(robot, 0.0, thing),)
     if order.release:
         return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+    if order.joint is not None:
+        return (lambda now: move_joint(now, robot, order),)
+    if order.push is not None:
+        return push_phases(robot, order, order.push)
+    if order.press is not None:
+        return press_phases(robot, order, order.press)
+    if order.home or order.posture is not None:
+        return (lambda now: _posture(now, robot, order),)
     raise NotImplementedError(f"{order.verb} has no phases")
 
 
 def _take(now: Situation, robot: str, point: str) -> Grip:
     """To close a gripper at a grasp point."""
-    grasp = _grasp_of(now.scene, point)
+    grasp = grasp_of(now.scene, point)
     return Grip(robot, 0.0, point.partition(".")[0], (grasp.link if grasp else None) or "")
 
 
-def carrier_of(scene: SceneSpec, frame: str) -> str:
-    """What a frame moves with: an object, a link as ``chest.lid``, or a frame of a robot."""
-    while frame in scene.sites:
-        frame = scene.sites[frame].frame
-    grasp = _grasp_of(scene, frame)
-    if grasp is None:
-        return frame
-    owner = frame.partition(".")[0]
-    return owner if grasp.link is None else f"{owner}.{grasp.link}"
-
-
-def _way_in(robot: str, order: Order, frame: str, usual: float) -> tuple[Phase, ...]:
+def _way_in(robot: str, order: Order, frame: str | Vec3, usual: float) -> tuple[Phase, ...]:
     """Phases to reach a frame, with a straight path at the end if there is one."""
     way = usual if order.approach is None else order.approach
     tolerance = order.tolerance or TOOL_TOLERANCE_M
@@ -239,14 +134,30 @@ def _retreat(now: Situation, robot: str, order: Order) -> Go:
     return Go((move,), "", order.tolerance or TOOL_TOLERANCE_M)
 
 
+def _posture(now: Situation, robot: str, order: Order) -> Go:
+    """The motion to home or to a named posture: of the joints, or of the tool that they give."""
+    built, entry = now.world.robots[robot], now.scene.robots[robot]
+    joints = built.home
+    if order.posture is not None:
+        joints = joint_values(built.model.arm, entry.postures[order.posture].joints_deg)
+    move = Move(
+        {robot: Pose()},
+        entry.base.pose @ built.chain.forward(joints),
+        speed=order.speed,
+        touching=order.touching,
+        joints=joints,
+    )
+    return Go((move,), "", order.tolerance or TOOL_TOLERANCE_M)
+
+
 # --- poses
 
 
-def tool_poses(now: Situation, robot: str, order: Order, frame: str) -> tuple[Pose, ...]:
+def tool_poses(now: Situation, robot: str, order: Order, frame: str | Vec3) -> tuple[Pose, ...]:
     """World poses of a robot's tcp that reach a frame, the nearest orientation first."""
-    tool, at = now.tool(robot), now.pose(frame)
+    tool, at = now.tool(robot), place_of(now, frame)
     shift = add(rotate(at.quaternion, order.offset), (0.0, 0.0, order.above))
-    grasp = _grasp_of(now.scene, frame)
+    grasp = grasp_of(now.scene, frame) if isinstance(frame, str) else None
     if order.rpy_deg is not None:
         turns: tuple[Quat, ...] = (from_rpy_deg(order.rpy_deg),)
     elif grasp is not None:
@@ -257,12 +168,6 @@ def tool_poses(now: Situation, robot: str, order: Order, frame: str) -> tuple[Po
         turns = (tool.quaternion,)
     near_first = sorted(turns, key=lambda turn: turn_between(tool.quaternion, turn))
     return tuple(Pose(add(at.position, shift), turn) for turn in near_first)
-
-
-def _grasp_of(scene: SceneSpec, frame: str) -> Grasp | None:
-    owner, _, name = frame.partition(".")
-    thing = scene.objects.get(owner)
-    return thing.grasps.get(name) if thing else None
 
 
 def grasp_turn(grasp: Grasp, body: Pose) -> Quat:
@@ -299,13 +204,13 @@ def bring(
     The object may be the load, or lie on it. A load of several robots is kept level.
 
     Raises:
-        NothingHeldError: A robot holds nothing.
+        NotHeldError: A robot holds nothing.
     """
     thing = order.bring or ""
     loads = {robot: now.load(robot) for robot in robots}
     for robot, load in loads.items():
         if load is None:
-            raise NothingHeldError(robot, thing)
+            raise NotHeldError(robot, f"holds nothing that would bring {thing}")
     held = thing if thing in loads.values() else str(loads[robots[0]])
     load_at, thing_at, goal = now.pose(held), now.pose(thing), _goal(now, order)
     turn = load_at.quaternion
@@ -324,7 +229,7 @@ def bring(
 
 
 def _goal(now: Situation, order: Order | Together) -> Pose:
-    at = now.pose(order.to or "")
+    at = place_of(now, order.place if isinstance(order, Order) else order.to)
     return at.moved(add(rotate(at.quaternion, order.offset), (0.0, 0.0, order.above)))
 
 
