@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields
 
-from taskbuilder.description import Ladder, Minimum
+from taskbuilder.description import Ladder
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
 from taskbuilder.description.node import AllOf, AnyOf, Node, Not
 
@@ -13,7 +13,7 @@ from taskbuilder.description.node import AllOf, AnyOf, Node, Not
 def expression(node: Node) -> str:
     """A condition or a measure as it is written in a description."""
     match node:
-        case AllOf() | AnyOf():
+        case AllOf() | AnyOf() if not node.gathers:
             return (" & " if isinstance(node, AllOf) else " | ").join(
                 f"({expression(part)})" if isinstance(part, AllOf | AnyOf) else expression(part)
                 for part in node.of
@@ -31,8 +31,6 @@ def expression(node: Node) -> str:
                 f"({expression(factor)})" if isinstance(factor, Sum) else expression(factor)
                 for factor in node.of
             )
-        case Minimum():
-            return f"Minimum({', '.join(map(expression, node.of))})"
         case Ladder():
             rungs = (f"({expression(when)}, {expression(value)})" for when, value in node.rungs)
             return f"Ladder({', '.join((expression(node.ground), *rungs))})"
@@ -43,7 +41,9 @@ def _call(node: Node) -> str:
     inside = []
     for field in fields(node):  # type: ignore[arg-type]  # every node that is not a call is one
         value = getattr(node, field.name)
-        if value != field.default:
+        if isinstance(value, tuple) and value and all(isinstance(one, Node) for one in value):
+            inside += map(expression, value)
+        elif value != field.default:
             text = expression(value) if isinstance(value, Node) else _literal(value)
             inside.append(f"{field.name}={text}" if field.kw_only else text)
     return f"{type(node).__name__}({', '.join(inside)})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import jsonschema
@@ -75,6 +76,7 @@ def test_a_folder_of_tasks_is_searched(variable, run, good, monkeypatch):
 @pytest.mark.parametrize("task", TASKS)
 def test_what_show_prints_is_the_same_task(task, run, tmp_path):
     catalogue = Catalogue.discover()
+    shutil.copytree(catalogue.task(task).root / "objects", tmp_path / "objects")  # what it names
     shown = tmp_path / f"{task}.yaml"
     shown.write_text(run("show", task).out)
     again = read_task(CatalogueEntry(task, shown), catalogue)

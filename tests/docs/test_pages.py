@@ -13,6 +13,7 @@ from taskbuilder.schema.catalogue import Catalogue
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 MOST_BYTES = 150_000
+MOST_FILM_BYTES = 300_000
 
 SCENE = """
 task: example
@@ -68,3 +69,10 @@ def test_every_task_and_robot_of_the_library_has_a_small_picture():
     wanted += [f"robot-{name}" for name, entry in catalogue.robots.items() if entry.module]
     for name in [*wanted, "tasks"]:
         assert 1_000 < (DOCS / "images" / f"{name}.png").stat().st_size < MOST_BYTES, name
+
+
+@pytest.mark.parametrize("name", [n for n, entry in Catalogue().tasks.items() if entry.module])
+def test_every_task_of_the_library_has_a_page_with_a_film(name):
+    assert f"images/{name}.gif" in (DOCS / "tasks" / f"{name}.md").read_text(encoding="utf-8")
+    film = DOCS / "images" / f"{name}.gif"
+    assert 10_000 < film.stat().st_size <= MOST_FILM_BYTES, "run `python docs/make_images.py`"

@@ -63,7 +63,7 @@ def test_local_pay_of_an_environment_adds_up_to_the_teams_reward():
 
 def test_only_local_pay_differs_between_agents():
     assert {name for name, reward in TRAINING_REWARDS.items() if not reward.shared} == {"local"}
-    assert {name for name, made in TRAINING_REWARDS.items() if made.sharing != "team"} == {"local"}
+    assert {name for name, made in TRAINING_REWARDS.items() if made.sharing == "local"} == {"local"}
 
 
 # --- shaped
