@@ -95,7 +95,7 @@ def prove(name: str, jobs: int) -> bool:
 
 
 def main() -> int:
-    """Prove what is asked for, or what has changed."""
+    """Prove the tasks named on the command line, or those whose files have changed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tasks", nargs="*", metavar="TASK")
     parser.add_argument("--jobs", type=int, default=cores())

@@ -65,7 +65,7 @@ class WorkerConfig:
         from taskbuilder.description.load import load_description
 
         load_description(pickle.load(file))  # noqa: S301  # written by the parent process
-        config: WorkerConfig = pickle.load(file)  # noqa: S301  # likewise
+        config: WorkerConfig = pickle.load(file)  # noqa: S301  # written by the parent process
         return config
 
     def group(self, memory: int, rows: range) -> EnvGroup:

@@ -155,6 +155,6 @@ class Algorithm:
     learner: Callable[..., Any]
     collection: Callable[..., Collection]
     presets: Mapping[str, Preset] = field(default_factory=dict)
-    default_preset: Callable[[bool, bool], str] = lambda demos, init: ""  # noqa: ARG005  # one signature for all
+    default_preset: Callable[[bool, bool], str] = lambda demos, init: ""  # noqa: ARG005  # the default ignores them
     cannot: Mapping[str, str] = field(default_factory=dict)
-    settings_of: Callable[[TrainedPolicy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005  # one signature for all
+    settings_of: Callable[[TrainedPolicy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005  # the default ignores them

@@ -62,7 +62,7 @@ def check_orders(
     scene: SceneSpec,
     assets: Mapping[str, Mesh | Urdf],
 ) -> Iterator[Finding]:
-    """Joints that an expert moves wrongly, and postures that there are not.
+    """Check the joints and postures that the expert's orders name.
 
     Args:
         source: The task file.

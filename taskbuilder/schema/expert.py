@@ -174,7 +174,7 @@ def kind_of_stage(stage: Any) -> str:
 
 
 def listed(told: Order | tuple[Order, ...]) -> tuple[Order, ...]:
-    """What a robot is told in a stage, one order after the other."""
+    """A robot's orders in a stage, in sequence; a single order becomes a tuple of one."""
     return told if isinstance(told, tuple) else (told,)
 
 

@@ -120,7 +120,7 @@ def _check_name(name: str) -> str:
 
 
 ONE, SEVERAL = "<one>", "<several>"
-"""Tags of what a robot is told in a stage; they are no names."""
+"""Discriminator tags: a robot has one order in a stage, or several. They are not valid names."""
 
 Name = Annotated[
     str,

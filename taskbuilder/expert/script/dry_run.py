@@ -73,7 +73,7 @@ class _Standing:
         """A robot's tcp in the world."""
         return self.world.pose(f"{robot}.tcp")
 
-    def handle(self, robot: str) -> str | None:  # noqa: ARG002  # what every situation takes
+    def handle(self, robot: str) -> str | None:  # noqa: ARG002  # part of the `Situation` protocol
         """Nothing."""
         return None
 
@@ -81,11 +81,11 @@ class _Standing:
         """Position of a joint, in rad or m."""
         return self.world.joint(name)
 
-    def load(self, robot: str) -> str | None:  # noqa: ARG002  # what every situation takes
+    def load(self, robot: str) -> str | None:  # noqa: ARG002  # part of the `Situation` protocol
         """Nothing."""
         return None
 
-    def is_open(self, robot: str) -> bool:  # noqa: ARG002  # what every situation takes
+    def is_open(self, robot: str) -> bool:  # noqa: ARG002  # part of the `Situation` protocol
         """All grippers are."""
         return True
 
