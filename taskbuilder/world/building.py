@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from taskbuilder.sim.islands import unite
 from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
-from taskbuilder.sim.renderers import choose
+from taskbuilder.sim.renderers import Request, choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.world.gripper import build_gripper
 from taskbuilder.world.loading import Loader
@@ -40,9 +39,7 @@ ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
-def build_world(
-    task: TaskFile, *, variation: int = 0, renderer: Literal["auto", "tiny", "egl"] = "tiny"
-) -> World:
+def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto") -> World:
     """Build the world of a task.
 
     Args:
@@ -56,7 +53,7 @@ def build_world(
         SimulationError: The renderer does not work here.
     """
     scene = task.scenes[variation]
-    client = Client(physics_hz=task.spec.timing.physics_hz, egl=choose(renderer) == "egl")
+    client = Client(physics_hz=task.spec.timing.physics_hz, renderer=choose(renderer))
     loader = Loader(client, task)
     try:
         floor = _build_floor(client) if scene.floor else None
