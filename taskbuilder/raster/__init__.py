@@ -5,7 +5,16 @@ poses and a camera, which change. The kernels are compiled by Numba when they ar
 kept on disk. The same input gives the same picture, bit for bit.
 """
 
-from taskbuilder.raster.meshes import TriangleMesh, box, capsule, cylinder, mesh_of, sphere
+from taskbuilder.raster.meshes import (
+    TriangleMesh,
+    box,
+    capsule,
+    cylinder,
+    mesh_of,
+    parts_of,
+    simplified,
+    sphere,
+)
 from taskbuilder.raster.scene import Camera, Drawing, Lamp, Scene, Shape
 
 __all__ = [
@@ -19,5 +28,7 @@ __all__ = [
     "capsule",
     "cylinder",
     "mesh_of",
+    "parts_of",
+    "simplified",
     "sphere",
 ]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.raster.kernels import crease_normals
+from taskbuilder.raster.geometry import crease_normals, nearest
 
 Floats = NDArray[np.float32]
 Points = NDArray[np.float64]
@@ -20,8 +20,8 @@ Indices = NDArray[np.int32]
 CREASE_DEG = 40.0
 """Faces that meet at a larger angle do not share a normal."""
 
-MOST_TRIANGLES = 1_500
-"""Meshes with more triangles are simplified to so many."""
+INWARD = 0.25
+"""How far towards the middle of a triangle its corners are looked up."""
 
 ROUND = 32
 """Corners of a circle."""
@@ -43,30 +43,74 @@ class TriangleMesh:
     triangles: Indices
 
 
-def mesh_of(points: Points, triangles: Indices, *, most: int = MOST_TRIANGLES) -> TriangleMesh:
-    """A mesh from points and triangles; one with many triangles is simplified.
+def mesh_of(points: Points, triangles: Indices) -> TriangleMesh:
+    """A mesh from points and triangles.
 
     Args:
         points: (p, 3) positions in metres.
         triangles: (t, 3) numbers of points.
-        most: Number of triangles above which it is simplified, by quadric error (Garland and
-            Heckbert, 1997).
     """
-    points, triangles = _merged(points, triangles)
-    if len(triangles) > most:
-        points, triangles = _simplified(points, triangles, most)
+    (mesh,) = parts_of(points, triangles, np.zeros(len(triangles), np.intp))
+    return mesh
+
+
+def parts_of(points: Points, triangles: Indices, part: NDArray[np.intp]) -> list[TriangleMesh]:
+    """The parts of a mesh, which is as smooth where they meet as within.
+
+    Args:
+        points: (p, 3) positions in metres.
+        triangles: (t, 3) numbers of points.
+        part: (t,) number of each triangle's part, from 0; no number without triangles.
+    """
+    points, triangles, kept = _merged(points, triangles)
     if _is_closed(triangles) and _volume(points, triangles) < 0.0:  # inside out
         triangles = np.ascontiguousarray(triangles[:, ::-1])
-    corners = crease_normals(points, triangles, math.cos(math.radians(CREASE_DEG)))
-    keys = np.concatenate(
-        [triangles.reshape(-1, 1), np.round(corners * 1024.0).astype(np.int64)], axis=1
-    )
+    normals = crease_normals(points, triangles, math.cos(math.radians(CREASE_DEG)))
+    normals = normals.reshape(-1, 3, 3)
+    part = part[kept]
+    chosen = [part == number for number in range(part.max() + 1)]
+    return [_part(points, triangles[own], normals[own]) for own in chosen]
+
+
+def _part(points: Points, triangles: Indices, normals: NDArray[np.float64]) -> TriangleMesh:
+    """A mesh whose corners with the same point and normal are one vertex."""
+    numbers, corners = triangles.reshape(-1, 1), normals.reshape(-1, 3)
+    keys = np.concatenate([numbers, np.round(corners * 1024.0).astype(np.int64)], axis=1)
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     return TriangleMesh(
-        np.ascontiguousarray(points[triangles.reshape(-1)[first]], dtype=np.float32),
+        np.ascontiguousarray(points[numbers[first, 0]], dtype=np.float32),
         np.ascontiguousarray(corners[first], dtype=np.float32),
         inverse.reshape(-1, 3).astype(np.int32),
     )
+
+
+def simplified(
+    points: Points, triangles: Indices, most: int
+) -> tuple[Points, Indices, NDArray[np.intp]]:
+    """A mesh with fewer triangles, by quadric error (Garland and Heckbert, 1997).
+
+    Args:
+        points: (p, 3) positions in metres.
+        triangles: (t, 3) numbers of points.
+        most: Number of triangles; a mesh that has no more stays as it is.
+
+    Returns:
+        Points, triangles, and (t, 3) for each corner of these the triangle that was there: those
+            around a corner tell more of a large triangle than what is nearest to its middle, which
+            may be a layer below.
+    """
+    from fast_simplification import simplify
+
+    if len(triangles) <= most:
+        return points, triangles, np.repeat(np.arange(len(triangles)), 3).reshape(-1, 3)
+    joined, faces, _ = _merged(points, triangles)
+    share = 1.0 - most / len(faces)
+    fewer, left = simplify(joined.astype(np.float32), faces, target_reduction=share)
+    made, numbers = np.asarray(fewer, dtype=np.float64), np.asarray(left, dtype=np.int32)
+    corners = made[numbers]
+    within = (1.0 - INWARD) * corners + INWARD * corners.mean(axis=1, keepdims=True)
+    before = nearest(within.reshape(-1, 3), points[triangles].mean(axis=1))
+    return made, numbers, before.reshape(-1, 3)
 
 
 def box(edges: tuple[float, float, float]) -> TriangleMesh:
@@ -121,28 +165,18 @@ def _turned(profile: list[tuple[float, float]]) -> TriangleMesh:
             np.stack([low + index, low + after, high + after], axis=1),
             np.stack([low + index, high + after, high + index], axis=1),
         ]
-    return mesh_of(
-        np.concatenate(rings), np.concatenate(triangles).astype(np.int32), most=1_000_000
-    )
+    return mesh_of(np.concatenate(rings), np.concatenate(triangles).astype(np.int32))
 
 
-def _merged(points: Points, triangles: Indices) -> tuple[Points, Indices]:
-    """Points at the same place made one, and triangles without an area left out."""
+def _merged(points: Points, triangles: Indices) -> tuple[Points, Indices, NDArray[np.intp]]:
+    """Points at the same place made one, and the triangles with an area, by number."""
     _, first, inverse = np.unique(
         np.round(points * 1e6).astype(np.int64), axis=0, return_index=True, return_inverse=True
     )
     joined = inverse.reshape(-1)[triangles].astype(np.int32)
     a, b, c = joined.T
-    kept = joined[(a != b) & (b != c) & (c != a)]
-    return np.ascontiguousarray(points[first], dtype=np.float64), np.ascontiguousarray(kept)
-
-
-def _simplified(points: Points, triangles: Indices, most: int) -> tuple[Points, Indices]:
-    from fast_simplification import simplify
-
-    share = 1.0 - most / len(triangles)
-    fewer, faces = simplify(points.astype(np.float32), triangles, target_reduction=share)
-    return _merged(np.asarray(fewer, dtype=np.float64), np.asarray(faces, dtype=np.int32))
+    (kept,) = np.nonzero((a != b) & (b != c) & (c != a))
+    return np.ascontiguousarray(points[first], dtype=np.float64), joined[kept], kept
 
 
 def _is_closed(triangles: Indices) -> bool:

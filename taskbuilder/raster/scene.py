@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.raster import kernels
+from taskbuilder.raster import filling, finishing
 from taskbuilder.raster.meshes import TriangleMesh
 
 Array = NDArray[np.float64]
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 SHADOW_SIDE = 1024
 """Width and height of the depth map in which shadows are looked up."""
 
-SHADOW_DEPTH = 0.5
+SHADOW_DEPTH = 0.42
 """Share of the diffuse light that a shadow takes away."""
 
 SHADOW_BIAS_M = 0.006
@@ -136,7 +136,7 @@ class Scene:
         Args:
             links: (l, 7) position and quaternion (x, y, z, w) of each link in the world.
         """
-        self._poses = kernels.place(links, self._link_of, self._local)
+        self._poses = filling.place(links, self._link_of, self._local)
 
     def draw(
         self,
@@ -169,7 +169,7 @@ class Scene:
             self._shade(view, lens, direction, lamp.ambient, keys, ids, shades)
         rgb, depth = np.empty((*size, 3), np.uint8), np.empty(size, np.float32)
         colors = self._colors * np.array(lamp.color, np.float32)
-        kernels.resolve(keys, ids, shades, colors, backdrop, camera.far, rgb, depth)
+        finishing.resolve(keys, ids, shades, colors, backdrop, camera.far, rgb, depth)
         if len(self._glass):
             self._glaze(view, lens, light, keys, colors, rgb)
         return Drawing(rgb, depth, ids)
@@ -186,7 +186,7 @@ class Scene:
         *,
         flat: bool = False,
     ) -> None:
-        kernels.draw(
+        filling.draw(
             shapes,
             self._spans,
             self._balls,
@@ -221,7 +221,7 @@ class Scene:
             ids = np.empty(keys.shape, np.int32)
             self._fill(np.array([shape]), view, lens, light, over_keys, ids, shades)
             opacity = float(self._opacity[shape])
-            kernels.blend(keys, over_keys, shades, colors[shape], opacity, rgb)
+            finishing.blend(keys, over_keys, shades, colors[shape], opacity, rgb)
 
     def _shade(
         self,
@@ -241,7 +241,7 @@ class Scene:
         light = np.array((*direction, 1.0, 0.0))
         self._fill(self._casting, lamp_view, lamp_lens, light, lamp_keys, *unused, flat=True)
         world = np.concatenate([view[:, :3].T, -(view[:, :3].T @ view[:, 3:])], axis=1)
-        kernels.darken(
+        finishing.darken(
             *(keys, ids, shades, world, lens, lamp_view, lamp_lens, lamp_keys),
             *(ambient, SHADOW_BIAS_M, SHADOW_DEPTH),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
@@ -10,13 +11,27 @@ from numpy.typing import NDArray
 
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.geometry import Pose, Quat, Vec3
-from taskbuilder.raster import Scene, Shape, TriangleMesh, box, capsule, cylinder, mesh_of, sphere
+from taskbuilder.raster import (
+    Scene,
+    Shape,
+    TriangleMesh,
+    box,
+    capsule,
+    cylinder,
+    parts_of,
+    simplified,
+    sphere,
+)
 from taskbuilder.sim.body import BASE, inertial_frame
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.mesh_colors import WHITE, Color, face_colors
 
 FLOOR_REACH_M = 1.5
 """What is wider than this, from its middle, casts no shadow that anybody would see."""
+
+MOST_TRIANGLES = 3_000
+"""Meshes with more are simplified."""
 
 
 def raster_world(client: Client) -> RasterWorld:
@@ -56,10 +71,9 @@ class RasterWorld:
             base = None if inertial == Pose() else inertial.inverse()
             self._bodies.append((body, base, list(range(count))))
             for data in self._bullet.getVisualShapeData(body):
-                shape = _shape(rows + 1 + data[1], *data[2:8])
-                if shape is not None:
-                    shapes.append(shape)
-                    owners.append((body, data[1]))
+                made = _shapes(rows + 1 + data[1], *data[2:8])
+                shapes += made
+                owners += [(body, data[1])] * len(made)
             rows += 1 + count
         self.scene = Scene(shapes)
         self.bodies = np.array([*(body for body, _ in owners), -1], np.int32)
@@ -81,7 +95,7 @@ class RasterWorld:
         self.scene.place(np.array(rows))
 
 
-def _shape(
+def _shapes(
     row: int,
     kind: int,
     sizes: tuple[float, ...],
@@ -89,35 +103,45 @@ def _shape(
     position: Vec3,
     quaternion: Quat,
     color: tuple[float, float, float, float],
-) -> Shape | None:
-    """A shape from Bullet's account of it; None for one that cannot be drawn."""
-    mesh = _mesh(kind, tuple(sizes), file)
-    if mesh is None:
-        return None
+) -> list[Shape]:
+    """What Bullet's account of a shape looks like; nothing for one that cannot be drawn."""
     in_link = Pose(position, quaternion)
     columns = [in_link.axis(0), in_link.axis(1), in_link.axis(2), position]
     pose = np.ascontiguousarray(np.array(columns).T)
-    wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
-    return Shape(mesh, row, pose, color, casts_shadow=not wide)
+    red, green, blue, opacity = color
+    shapes = []
+    for mesh, (r, g, b) in _meshes(kind, tuple(sizes), file):
+        wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
+        tinted = (red * r, green * g, blue * b, opacity)
+        shapes.append(Shape(mesh, row, pose, tinted, casts_shadow=not wide))
+    return shapes
 
 
 @lru_cache(maxsize=512)
-def _mesh(kind: int, sizes: tuple[float, ...], file: bytes) -> TriangleMesh | None:
+def _meshes(
+    kind: int, sizes: tuple[float, ...], file: bytes
+) -> tuple[tuple[TriangleMesh, Color], ...]:
+    """The meshes of a shape, each with its tint."""
     if kind == p.GEOM_BOX:
-        return box((sizes[0], sizes[1], sizes[2]))
+        return ((box((sizes[0], sizes[1], sizes[2])), WHITE),)
     if kind == p.GEOM_SPHERE:
-        return sphere(sizes[0])
+        return ((sphere(sizes[0]), WHITE),)
     if kind == p.GEOM_CYLINDER:
-        return cylinder(sizes[1], sizes[0])
+        return ((cylinder(sizes[1], sizes[0]), WHITE),)
     if kind == p.GEOM_CAPSULE:
-        return capsule(sizes[1], sizes[0])
+        return ((capsule(sizes[1], sizes[0]), WHITE),)
     if kind == p.GEOM_MESH:
-        return _from_file(Path(file.decode()), sizes)
-    return None
+        return tuple(_from_file(Path(file.decode()), sizes))
+    return ()
 
 
-def _from_file(path: Path, scale: tuple[float, ...]) -> TriangleMesh:
+def _from_file(path: Path, scale: tuple[float, ...]) -> Iterator[tuple[TriangleMesh, Color]]:
+    """The parts of a mesh file that have one colour each."""
     mesh = read_mesh(path)
     points = np.asarray(mesh.points, np.float64).reshape(-1, 3) * np.asarray(scale)
     triangles: NDArray[np.int32] = np.asarray(mesh.corners, np.int32).reshape(-1, 3)
-    return mesh_of(points, triangles)
+    colors, color_of = face_colors(path, len(triangles))
+    points, triangles, origin = simplified(points, triangles, MOST_TRIANGLES)
+    most = np.median(color_of[origin], axis=1).astype(np.intp)  # what two of three corners have
+    left, part = np.unique(most, return_inverse=True)
+    yield from zip(parts_of(points, triangles, part), (colors[n] for n in left), strict=True)

@@ -7,7 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taskbuilder.raster import TriangleMesh, box, capsule, cylinder, mesh_of, sphere
+from taskbuilder.raster import (
+    TriangleMesh,
+    box,
+    capsule,
+    cylinder,
+    mesh_of,
+    parts_of,
+    simplified,
+    sphere,
+)
 
 SIZES = st.floats(0.01, 2.0)
 
@@ -67,9 +76,22 @@ def test_a_heavy_mesh_is_made_light_and_keeps_its_shape():
         for i in range(200)
     ]
     faces = np.array([f for a, b, c, d in cells for f in ((a, b, c), (a, c, d))], np.int32)
-    mesh = mesh_of(grid, faces, most=1500)
+    points, fewer, origin = simplified(grid, faces, 1500)
+    mesh = mesh_of(points, fewer)
     assert len(mesh.triangles) <= 1500
+    middles, before = points[fewer].mean(axis=1), grid[faces].mean(axis=1)
+    assert np.linalg.norm(middles - before[origin[:, 0]], axis=1).max() < 0.2
     radii = np.linalg.norm(mesh.vertices[:, :2], axis=1)
     assert radii.min() > 0.19
     assert radii.max() < 0.21
     assert np.abs(mesh.vertices[:, 2]).max() == pytest.approx(1.0, abs=0.01)
+
+
+def test_parts_of_a_mesh_are_smooth_where_they_meet():
+    ball = sphere(0.1)
+    upper = ball.vertices[ball.triangles].mean(axis=1)[:, 2] > 0
+    parts = parts_of(ball.vertices.astype(float), ball.triangles, upper.astype(np.intp))
+    assert sum(len(part.triangles) for part in parts) == len(ball.triangles)
+    for part in parts:
+        outward_normals = part.vertices / np.linalg.norm(part.vertices, axis=1, keepdims=True)
+        np.testing.assert_allclose(part.normals, outward_normals, atol=0.05)
