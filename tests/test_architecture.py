@@ -84,7 +84,9 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "pydantic_core": ("taskbuilder/schema/",),
     "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),
-    "cv2": ("taskbuilder/visual/", "taskbuilder/sim/cameras.py"),
+    "cv2": ("taskbuilder/visual/", "taskbuilder/sim/cameras.py", "taskbuilder/sim/mesh_colors.py"),
+    "numba": ("taskbuilder/raster/",),
+    "fast_simplification": ("taskbuilder/raster/",),
     "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "PIL": (
