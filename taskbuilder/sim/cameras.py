@@ -214,7 +214,8 @@ def _rasterised(
         shadow=shadow,
     )
     shapes = drawing.shapes
-    return drawing.rgb, drawing.depth, world.bodies[shapes], world.links[shapes]
+    bodies, links = (numbers.take(shapes, mode="wrap") for numbers in (world.bodies, world.links))
+    return drawing.rgb, drawing.depth, bodies, links
 
 
 def _by_bullet(

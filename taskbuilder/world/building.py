@@ -36,6 +36,7 @@ from taskbuilder.world.world import World
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
 ARM_SPEED = 3.14  # rad/s or m/s, likewise
 ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
+THICK_M, ZONE_OPACITY = 0.06, 0.35  # markers of zones, which things are seen in
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
@@ -204,9 +205,12 @@ def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:
     if spec.marker is None:
         return Site(name, spec, spec.pose, None, None)
     shape = shape_of(spec.marker)
-    part = Part(shape, Pose(), (*rgb(spec.color), 1.0))
+    box = bounds(shape)
+    zone = 2.0 * min(box.half) > THICK_M
+    opacity = spec.opacity or (ZONE_OPACITY if zone else 1.0)
+    part = Part(shape, Pose(), (*rgb(spec.color), opacity))
     marker = create_body(client, {name: part}, name=name, collides=False)
-    return Site(name, spec, spec.pose, bounds(shape), marker)
+    return Site(name, spec, spec.pose, box, marker)
 
 
 def _put_all(world: World) -> None:
