@@ -14,7 +14,14 @@ from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer, add_suite
+from taskbuilder.cli.shared_options import (
+    add_jobs,
+    add_json,
+    add_picture,
+    add_ray,
+    add_renderer,
+    add_suite,
+)
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.wording import suggestion
 
@@ -186,6 +193,7 @@ def _add_validate(adder: Adder) -> None:
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
     add_jobs(parser)
+    add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",

@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_table([*told, ["plays", _episodes(seeds)]], indent="  ")
         print(flush=True)
     compared = _compared(arguments)
-    arms = play_arms(found.config, jobs_of(seeds, compared), arguments.jobs)
+    arms = play_arms(found.config, jobs_of(seeds, compared), arguments)
     played = arms[SUBJECT]
     stages = ("", *found.task.description.stages)
     summary = summarise(played, len(stages) - 1)

@@ -17,6 +17,23 @@ def add_jobs(parser: ArgumentParser) -> None:
     )
 
 
+def add_ray(parser: ArgumentParser, pieces: str) -> None:
+    """``--ray``: a cluster that plays episodes, in place of processes.
+
+    Args:
+        parser: The command's parser.
+        pieces: What its nodes share among them, in words.
+    """
+    parser.add_argument(
+        "--ray",
+        nargs="?",
+        const="local",
+        metavar="ADDRESS",
+        help=f"share {pieces} among the nodes of a Ray cluster: host:port of its head, or auto; "
+        "without an address, a cluster of this machine alone",
+    )
+
+
 def add_json(parser: ArgumentParser) -> None:
     """``--json``: the result as JSON instead of text."""
     parser.add_argument("--json", action="store_true", help="JSON on standard output")

@@ -5,13 +5,17 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import closing as ending
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from taskbuilder.cli.output import emit, paint, print_json, print_table, progress, show_finding
+from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
+from taskbuilder.cluster import cluster
 from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
 from taskbuilder.quiet import printing_to_stderr
@@ -35,23 +39,36 @@ def run(arguments: argparse.Namespace) -> int:
         catalogue.task(name)  # one that is not there is refused before any takes its time
     pages = _Pages(arguments.report, catalogue)
     reports: list[TaskReport] = []
-    for name in names:
-        with printing_to_stderr():  # what a description prints is no part of the result
-            report = validate_task(
-                name,
-                level=arguments.level,
-                seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
-                jobs=arguments.jobs or cores(),
-                catalogue=catalogue,
-                progress=progress,
-            )
-        report = _with_command(report, name, arguments)
-        reports.append(report)
-        _print_task(report, arguments.format)
-        pages.add(name, report)
+    with ending(_validated(names, catalogue, arguments)) as validated:
+        for name, found in zip(names, validated, strict=True):
+            report = _with_command(found, name, arguments)
+            reports.append(report)
+            _print_task(report, arguments.format)
+            pages.add(name, report)
     seconds = sum(report.seconds for report in reports)
     _print_end(reports, arguments.format, seconds, pages.finish())
     return 0 if all(report.ok for report in reports) else 1
+
+
+def _validated(
+    names: Sequence[str], catalogue: Catalogue, arguments: argparse.Namespace
+) -> Generator[TaskReport, None, None]:
+    """The reports, each as soon as it is made."""
+    check_spread(arguments)
+    validate = partial(
+        validate_task,
+        level=arguments.level,
+        seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
+        catalogue=catalogue,
+    )
+    if arguments.ray:
+        with cluster(arguments.ray) as spread:
+            yield from progress(spread(validate, names), "tasks", len(names))
+        return
+    for name in names:
+        with printing_to_stderr():  # what a description prints is no part of the result
+            report = validate(name, jobs=arguments.jobs or cores(), progress=progress)
+        yield report
 
 
 def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) -> TaskReport:

@@ -66,7 +66,7 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
         check_plays(found)
         trial = trial_of(found, file, data["seeds"], data["controls_seeds"])
         jobs = jobs_of(trial.seeds, trial.compared)
-        again = certificate(trial, play_arms(found.config, jobs, arguments.jobs), "")
+        again = certificate(trial, play_arms(found.config, jobs, arguments), "")
     except UsageError as error:
         if "task" not in here:
             raise  # it is not said where it is
