@@ -52,7 +52,10 @@ def share(text: str) -> float:
 
 def side_or_size(text: str) -> tuple[int, int]:
     """A converter for WIDTHxHEIGHT, or the side of a square."""
-    return size(text if "x" in text else f"{text}x{text}")
+    if "x" in text:
+        return size(text)
+    side = whole(16, 2048)(text)
+    return side, side
 
 
 def listed(text: str) -> tuple[str, ...]:

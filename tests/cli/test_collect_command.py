@@ -72,12 +72,20 @@ def test_a_trained_policy_plays_with_the_options_of_its_training(run):
     assert len(about["collected"]["policy_digests"]["zoo:handover/demos"]) == 64
 
 
+def test_progress_and_the_time_left_are_told(run, good, monkeypatch):
+    monkeypatch.setattr("taskbuilder.cli.collect_command.SAY_EVERY_S", 0.0)
+    ran = collected(run, "good.yaml", *RANDOM, "--out", "out")
+    (line,) = ran.err.splitlines()
+    assert line.startswith("1 of 2 episodes, 1 failed; about ")
+    assert line.endswith(" s left")
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("collect", "handover", "--cameras", "frnt"), 'handover has no camera "frnt"; did you'),
-        (("collect", "handover", "--cameras", "front", "--size", "0"), "0x0 is not from 16x16"),
-        (("collect", "handover", "--cameras", "front", "--size", "100000"), "is no size"),
+        (("collect", "handover", "--cameras", "front", "--size", "0"), "0 is not from 16 to 2048"),
+        (("collect", "handover", "--cameras", "front", "--size", "100000"), "100000 is not from"),
         (("collect", "handover", "--cameras", "front", "--size", "33"), "even width and height"),
         (("collect", "handover", "--episodes", "0"), "0 is not from 1 to"),
         (("collect", "handover", "--policy", "exprt"), 'no policy "exprt"; did you mean "expert"'),

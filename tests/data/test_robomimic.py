@@ -44,6 +44,8 @@ def test_every_number_is_that_of_the_episode(exported, pictured):
             assert np.array_equal(demo["obs/front_image"][()], images[:-1])
             assert np.array_equal(demo["next_obs/front_image"][-1], images[-1])
             assert demo["obs/front_image"].dtype == np.uint8
+            depth = episode.depth("left_wrist")[:-1, :, :, None]
+            assert np.array_equal(demo["obs/left_wrist_depth"][()], depth)
             reward = episode.rewards["left"]
             assert np.array_equal(demo["agents/left/reward"][()], reward)
             assert json.loads(demo.attrs["subtasks"]) == list(episode.subtasks)

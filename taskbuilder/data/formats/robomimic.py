@@ -106,4 +106,6 @@ def _observations(episode: RecordedEpisode) -> dict[str, Any]:
             found[f"{name.split('/')[1]}_pose"] = values
     for camera in episode.cameras:
         found[f"{camera}_image"] = episode.images(camera)
+        if "depth" in episode.about["cameras"][camera]:
+            found[f"{camera}_depth"] = episode.depth(camera)[..., None]
     return found
