@@ -44,6 +44,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         UsageError: An option does not fit the task.
     """
 
+    _spec: EnvSpec | None = None
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  # Gymnasium's
 
     def __init__(

@@ -125,6 +125,13 @@ def test_the_length_of_episodes_is_where_wrappers_look(options):
     again.close()
 
 
+def test_an_environment_that_gymnasium_did_not_make_has_no_spec():
+    env = JointEnv("handover", horizon=9)
+    assert env.spec is None
+    assert env.max_episode_steps == 9
+    env.close()
+
+
 def test_several_at_once_tell_their_instructions():
     envs = gymnasium.make_vec("taskbuilder/Handover-v0", 2, vectorization_mode="sync")
     _, infos = envs.reset(seed=0)
