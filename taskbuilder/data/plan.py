@@ -250,11 +250,28 @@ def changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
     yield from _task_changes(there.get("tasks", {}), here["tasks"])
     if there.get("library") != here["library"]:
         yield "taskbuilder's own files changed"
+    for what, was_, now_ in machine_changes(there, here):
+        yield f"{what} is {now_} now and was {was_}"
+
+
+def machine_changes(
+    there: Mapping[str, Any], here: Mapping[str, Any]
+) -> Iterator[tuple[str, str | None, str | None]]:
+    """In what machines and versions differ that may change the last digits of numbers.
+
+    Args:
+        there: What a data set says of itself.
+        here: ``versions``, ``processor`` and ``system`` of this machine.
+
+    Yields:
+        What differs, how it is there, and how it is here.
+    """
     for name in ("versions", "processor", "system"):
-        then = there.get(name, {})
-        for key in dict.fromkeys((*then, *here[name])):
-            if then.get(key) != here[name].get(key):
-                yield f"{name}: {key} is {here[name].get(key)} now and was {then.get(key)}"
+        then, now = there.get(name, {}), here[name]
+        for key in dict.fromkeys((*then, *now)):
+            counts = name != "system" or key == "c library"  # no number depends on the kernel
+            if counts and then.get(key) != now.get(key):
+                yield f"{name}: {key}", then.get(key), now.get(key)
 
 
 def _task_changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:

@@ -86,6 +86,14 @@ def test_another_processor_is_no_damage(copied, monkeypatch):
     assert any("processor: architecture is riscv64 here" in said for said in result.elsewhere)
 
 
+def test_another_kernel_is_no_excuse(copied, monkeypatch):
+    edited(copied)
+    here = checking.system()
+    monkeypatch.setattr(checking, "system", lambda: {**here, "kernel": "Linux 99"})
+    result = check_dataset(copied, 0.1)
+    assert (result.ok, result.elsewhere) == (False, ())
+
+
 def test_a_task_that_is_not_here_is_said_and_is_no_damage(copied):
     about = json.loads((copied / layout.ABOUT).read_text())
     about["tasks"] = {"elsewhere": about["tasks"]["handover"]}
