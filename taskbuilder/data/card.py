@@ -22,6 +22,25 @@ def card_text(about: Mapping[str, Any], index: Mapping[str, Any]) -> str:
     )
 
 
+def export_card_text(about: Mapping[str, Any], index: Mapping[str, Any], form: str) -> str:
+    """The card of an export: licence, task and figures, without how to read it.
+
+    Args:
+        about: What the data set says of itself.
+        index: Its index.
+        form: The format of the export.
+    """
+    tags = ", ".join(dict.fromkeys(("taskbuilder", "multi-agent", _TAGS.get(form, form))))
+    header = list(_header(about))
+    header[3] = f"tags: [{tags}]"
+    lines = (*header, *_summary(about, index), *_tasks(about, index))
+    return "\n".join((*lines, "Exported by taskbuilder.", ""))
+
+
+_TAGS = {"lerobot": "LeRobot"}
+"""Tags by which the Hub recognises a format, where it is not the name."""
+
+
 def _header(about: Mapping[str, Any]) -> Iterator[str]:
     yield from ("---", f"license: {about['license'].lower()}", "task_categories: [robotics]")
     yield from ("tags: [taskbuilder, multi-agent, simulation]", "---", "")

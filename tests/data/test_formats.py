@@ -44,6 +44,23 @@ def test_what_is_in_the_way_is_left_alone(pictured, tmp_path):
     assert bytes_of(tmp_path) == {"mine.txt": b"mine"}
 
 
+@pytest.mark.parametrize(("form", "tag"), [("lerobot", "LeRobot"), ("robomimic", "robomimic")])
+def test_an_export_has_a_card_with_the_licence(form, tag, mixed, tmp_path):
+    out = export_dataset(load_dataset(mixed), form, tmp_path / "out")
+    card = (out / "reach" / "README.md").read_text()
+    assert card.startswith("---\nlicense: mit\n")
+    assert f"tags: [taskbuilder, multi-agent, {tag}]" in card
+    assert "A data set of 3 episodes" in card
+    assert "pick_place" not in card
+
+
+def test_what_a_killed_export_left_is_swept_up(mixed, tmp_path):
+    (tmp_path / ".out.0123abcd" / "data").mkdir(parents=True)
+    (tmp_path / ".out.notes").mkdir()
+    export_dataset(load_dataset(mixed), "lerobot", tmp_path / "out")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".out.notes", "out"]
+
+
 def test_an_export_that_fails_leaves_nothing(pictured, tmp_path, monkeypatch):
     def failing(dataset, folder, options):
         (folder / "half").write_text("half")

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from secrets import token_hex
 
+from taskbuilder.data.card import export_card_text
 from taskbuilder.data.dataset import Dataset
 from taskbuilder.data.formats.lerobot import write_lerobot
 from taskbuilder.data.formats.robomimic import write_robomimic
+from taskbuilder.data.layout import CARD
 from taskbuilder.errors import UsageError, display_path
 
 
@@ -71,13 +73,18 @@ def export_dataset(
         raise UsageError(f"{display_path(dataset.folder)} has no episodes")
     out.parent.mkdir(parents=True, exist_ok=True)
     place = out.resolve()
+    for left in place.parent.glob(f".{place.name}.{'[0-9a-f]' * 8}"):  # by one that was killed
+        shutil.rmtree(left)
     aside = place.with_name(f".{place.name}.{token_hex(4)}")
     aside.mkdir()
     try:
         for task in dataset.tasks:
             part = aside if len(dataset.tasks) == 1 else aside / task.replace("/", "-")
             part.mkdir(parents=True, exist_ok=True)
-            FORMATS[form](dataset.of_task(task), part, options)
+            episodes = dataset.of_task(task)
+            FORMATS[form](episodes, part, options)
+            card = export_card_text(episodes.about, episodes.contents, form)
+            (part / CARD).write_text(card, encoding="utf-8")
         if out.exists():
             out.rmdir()
         aside.rename(out)
