@@ -225,6 +225,13 @@ def _add_render(adder: Adder) -> None:
         default=["rgb"],
         help="kinds of image (default rgb)",
     )
+    parser.add_argument(
+        "--show",
+        nargs="+",
+        default=[],
+        metavar="WHAT",
+        help="draw over the pictures, with names: frames, grasps, sites, regions, cameras, reach",
+    )
     _add_episode(parser, "seed of the episode (default 0)")
     add_json(parser)
 
