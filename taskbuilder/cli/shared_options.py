@@ -55,3 +55,14 @@ def add_renderer(parser: ArgumentParser) -> None:
         default="auto",
         help="tiny: on the CPU; egl: through OpenGL (default auto)",
     )
+
+
+def add_show(parser: ArgumentParser) -> None:
+    """``--show``: what is drawn over pictures."""
+    parser.add_argument(
+        "--show",
+        nargs="+",
+        default=[],
+        metavar="WHAT",
+        help="draw over the pictures, with names: frames, grasps, sites, regions, cameras, reach",
+    )
