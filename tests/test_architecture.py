@@ -39,7 +39,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "validate": (
         *("bench", "visual", "expert", "rollout", "env"),
-        *("diagnostics", "jobs", "files", "processes", *SIMULATED),
+        *("diagnostics", "jobs", "digests", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
     "trial": (*("learn", "expert", "rollout", "env", "machine", "digests", "files", *SIMULATED),),

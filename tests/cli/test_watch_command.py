@@ -42,7 +42,8 @@ class Watched:
             command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         self._lines: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._read, daemon=True).start()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
 
     def _read(self) -> None:
         for line in self.process.stdout or ():
@@ -80,6 +81,8 @@ def watched(good: Path) -> Iterator[Watched]:
     if made.process.poll() is None:
         made.process.kill()
     made.process.wait()
+    made.reader.join()
+    made.process.stdout.close()
 
 
 def test_it_follows_a_task_through_mistakes_and_back(watched, good):
