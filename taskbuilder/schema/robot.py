@@ -62,7 +62,7 @@ class GripperSpec(Model):
 
 
 class RobotSpec(Model):
-    """An arm with a gripper, over a URDF."""
+    """An arm with a gripper, or with a tool that takes nothing, over a URDF."""
 
     robot: Name = Field(description="The name of its folder.")
     summary: Text
@@ -74,4 +74,6 @@ class RobotSpec(Model):
     home_deg: tuple[float, ...] = Field(
         description="One value per arm joint: degrees, or metres for a prismatic joint."
     )
-    gripper: GripperSpec = Field(description="Its joints, fingers, stroke and force.")
+    gripper: GripperSpec | None = Field(
+        None, description="Its joints, fingers, stroke and force; without it, the robot pushes."
+    )

@@ -14,7 +14,7 @@ from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.robots import RobotModel, joint_values
 from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
@@ -26,7 +26,8 @@ from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
-from taskbuilder.world.gripper import build_gripper
+from taskbuilder.world.end_effector import EndEffector, Tool
+from taskbuilder.world.fingers import Fingers
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
@@ -99,11 +100,16 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
         velocities=[joint.velocity or ARM_SPEED for joint in joints],
         position_gain=ARM_GAIN,
     )
-    fingers = tuple(tuple(body.links[link] for link in finger) for finger in spec.gripper.fingers)
     home = _home(loader, name, entry, chain)
-    robot = Robot(name, model, body, chain, arm, build_gripper(body, model), home, fingers)
+    robot = Robot(name, model, body, chain, arm, _build_end(body, model), home)
     robot.go_home()
     return robot
+
+
+def _build_end(body: Body, model: RobotModel) -> EndEffector:
+    if model.spec.gripper is not None:
+        return Fingers(body, model, model.spec.gripper)
+    return Tool(body.links[model.spec.tcp.link])
 
 
 def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[float, ...]:

@@ -32,9 +32,6 @@ GRIP_S = 1.0
 PART_S = 0.4
 """Time for which an open gripper may still touch a released object, in seconds."""
 
-STOPPED = 0.01
-"""Speed below which a gripper's joints count as stopped, m/s or rad/s."""
-
 OPEN = 0.5
 """Opening from which a gripper counts as open; it opens further while the arm moves."""
 
@@ -364,8 +361,7 @@ class Executor:
             return not held and self.is_open(grip.robot)
         if grip.thing:
             return world.held(grip.thing, grip.robot)
-        robot = world.robots[grip.robot]
-        return max(map(abs, robot.body.joint_speeds(robot.gripper.indices))) < STOPPED
+        return not world.robots[grip.robot].gripper.moves()
 
     def _parted(self, grip: Grip) -> bool:
         """Whether an opening gripper no longer touches the object that it held."""
