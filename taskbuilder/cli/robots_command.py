@@ -171,7 +171,7 @@ def _print_robot(urdf: Urdf, robot: RobotModel | None) -> None:
     print_table(rows, indent="  ")
     if robot:
         print()
-        held = f"gripper opens {robot.grip}" if robot.takes_hold else "no gripper"
+        held = f"gripper opens {robot.grip}" if robot.stroke else robot.grip or "no gripper"
         print(f"  tcp on {robot.spec.tcp.link}; {held}")
     print()
 

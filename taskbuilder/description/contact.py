@@ -16,7 +16,7 @@ _CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has le
 
 @dataclass(frozen=True)
 class Held(Condition):
-    """A robot holds a body: its fingers press on it from opposite sides.
+    """A robot holds a body: fingers press on it from opposite sides, or a suction cup holds it.
 
     ``by`` is a robot, several that must all hold at once, or None for any robot.
     """

@@ -38,6 +38,12 @@ def check_end_effectors(
         if name in scene.robots and "gripper" in scene.robots[name].action.model_fields_set:
             path: Path_ = ("scene", "robots", name, "action", "gripper")
             yield finding(path, f"{_lacks(name, handless)}; leave gripper out")
+    for name, entry in scene.robots.items():
+        sucks = name in robots and robots[name].spec.suction is not None
+        if sucks and entry.action.gripper == "continuous":
+            path = ("scene", "robots", name, "action", "gripper")
+            message = f"the suction of {name} is on or off; write gripper: binary"
+            yield Finding("TB216", message, dotted(path), source.locate(path))
     for path, robot, order in each_order(stages):
         if robot in handless and order.verb in _HOLDING:
             message = f"{_lacks(robot, handless)}, and cannot {order}; {_instead(order)}"

@@ -45,11 +45,13 @@ class RobotModel:
     @property
     def takes_hold(self) -> bool:
         """Whether it can hold objects."""
-        return self.spec.gripper is not None
+        return self.spec.gripper is not None or self.spec.suction is not None
 
     @property
     def grip(self) -> str:
-        """What it holds with, in a table: the stroke of its fingers; empty without a gripper."""
+        """What it holds with, in a table: stroke or suction force; empty if it holds nothing."""
+        if self.spec.suction is not None:
+            return f"suction {self.spec.suction.force:g} N"
         return f"{self.stroke * 1000:.0f} mm" if self.takes_hold else ""
 
     @property
@@ -165,9 +167,12 @@ def _misfits(spec: RobotSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
             yield ("arm",), f"not from base to wrist; that is {', '.join(moving)}"
     if spec.gripper is not None:
         yield from _gripper_misfits(spec.gripper, urdf)
-    elif spec.tcp.link in links and not urdf.link(spec.tcp.link).collisions:
+    elif (
+        spec.suction is None and spec.tcp.link in links and not urdf.link(spec.tcp.link).collisions
+    ):
         message = f'without a gripper, "{spec.tcp.link}" is what the robot pushes with'
-        yield ("tcp", "link"), f"{message}, and it has no collision shape; name a link that has one"
+        advice = "and it has no collision shape; name a link that has one"
+        yield ("tcp", "link"), f"{message}, {advice}"
 
 
 def _gripper_misfits(gripper: GripperSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
@@ -226,6 +231,9 @@ def _link_names(spec: RobotSpec) -> Iterator[tuple[Path_, str]]:
     for i, finger in enumerate(spec.gripper.fingers if spec.gripper else ()):
         for j, link in enumerate(finger):
             yield ("gripper", "fingers", i, j), link
+
+    if spec.suction is not None:
+        yield ("suction", "cup"), spec.suction.cup
 
 
 def _joint_names(spec: RobotSpec) -> Iterator[tuple[Path_, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Vec3
@@ -37,6 +37,7 @@ class Client(Single):
         id: Bullet's number for this client.
         physics_hz: Physics steps a second.
         snapshots: How many snapshots of it are kept.
+        holders: Its links that can hold others; see `attachments`.
 
     Raises:
         SimulationError: Bullet refuses a connection, or the EGL renderer does not load.
@@ -49,6 +50,7 @@ class Client(Single):
             raise SimulationError(f"physics_hz must be above 0, not {physics_hz}")
         self.physics_hz = physics_hz
         self.snapshots = 0
+        self.holders: list[Any] = []
         self.id: int = p.connect(p.DIRECT)
         if self.id < 0:
             raise SimulationError("Bullet opens no more clients in this process; close some first")

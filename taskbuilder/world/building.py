@@ -33,6 +33,7 @@ from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
+from taskbuilder.world.suction import Suction
 from taskbuilder.world.world import World
 
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
@@ -109,6 +110,8 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
 def _build_end(body: Body, model: RobotModel) -> EndEffector:
     if model.spec.gripper is not None:
         return Fingers(body, model, model.spec.gripper)
+    if model.spec.suction is not None:
+        return Suction(body, model.spec.suction, model.spec.tcp)
     return Tool(body.links[model.spec.tcp.link])
 
 

@@ -1,4 +1,4 @@
-"""What an arm works with: fingers that close, or a tool that pushes and takes hold of nothing."""
+"""What an arm works with: fingers that close, suction, or a tool that takes hold of nothing."""
 
 from __future__ import annotations
 
@@ -60,8 +60,15 @@ class EndEffector(Commanded, Protocol):
     def moves(self) -> bool:
         """Whether it has not come to rest yet."""
 
-    def drive(self) -> Iterator[None] | None:
-        """What it does before each physics step and after the last, if anything, once a `next`."""
+    def words(self) -> str:
+        """Its state, for messages."""
+
+    def drive(self, surfaces: Sequence[Body]) -> Iterator[None] | None:
+        """What it does before each physics step and after the last, if anything, once a `next`.
+
+        Args:
+            surfaces: The bodies that can be held.
+        """
 
 
 class Tool:
@@ -107,5 +114,9 @@ class Tool:
         """It never does."""
         return False
 
-    def drive(self) -> None:
+    def words(self) -> str:
+        """It has no state."""
+        return "it has no gripper"
+
+    def drive(self, surfaces: Sequence[Body]) -> None:
         """Nothing."""

@@ -8,6 +8,7 @@ other, as they are in the metal.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations, pairwise
 
 from taskbuilder.geometry import dot, norm, subtract
@@ -101,7 +102,11 @@ class Fingers:
         """Whether its joints have not stopped yet."""
         return max(map(abs, self._body.joint_speeds(self.joints))) >= STOPPED
 
-    def drive(self) -> None:
+    def words(self) -> str:
+        """How far it is open, for messages."""
+        return f"its gripper is {max(self.opening(), 0.0) * 100:.0f} % open"
+
+    def drive(self, surfaces: Sequence[Body]) -> None:
         """Nothing: motors go on with what they were told."""
 
 

@@ -55,7 +55,7 @@ class Touch:
         """Whether any finger of a robot, or its tool, touches an object or part."""
         touches = self.between(robot, body)
         tips = {link for tip in self._robots[robot].gripper.tips for link in tip}
-        return any(contact.link_a in tips for contact in touches)
+        return any(contact.link_a in tips for contact in touches) or self.held(body, robot)
 
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which one object or part carries another."""

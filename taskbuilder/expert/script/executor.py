@@ -371,16 +371,14 @@ class Executor:
 
     def _missed(self, grip: Grip) -> str:
         world = self._env.episode.world
-        opening = world.robots[grip.robot].opening()
+        state = world.robots[grip.robot].gripper.words()
         if grip.opening:
-            part = f"its gripper is {max(opening, 0.0) * 100:.0f} % open"
-            return f"{grip.robot} does not let go of {grip.thing or 'anything'}: {part}"
+            return f"{grip.robot} does not let go of {grip.thing or 'anything'}: {state}"
         forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
         felt = f"pressing with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
         touched = self._touched(grip.robot)
-        closed = f"its gripper is {max(opening, 0.0) * 100:.0f} % open"
-        closed += f" and touches {touched}" if touched else ""
-        return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or closed}"
+        state += f" and touches {touched}" if touched else ""
+        return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
 
 
 def _whose(robot: str, told: Mapping[str, str]) -> str:
