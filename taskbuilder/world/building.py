@@ -93,7 +93,7 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
     body = loader.urdf(model.urdf, name, entry.base.pose, fixed=True)
     joints = [body.joints[joint] for joint in spec.arm]
     indices = [joint.index for joint in joints]
-    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose)
+    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose, posture=model.home)
     arm = Motors(
         body,
         indices,
