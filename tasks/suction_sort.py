@@ -7,7 +7,9 @@ class SuctionSort(d.Description):
     """The plate lies flat on the pad and the block in the tray, and nobody touches them."""
 
     plate_held, block_held = d.Held("plate", by="cup"), d.Held("block", by="hand")
-    flat = d.On("plate", "pad") & d.Near("plate", "pad", within=0.04) & d.Level("plate", within_deg=5)
+    flat = (
+        d.On("plate", "pad") & d.Near("plate", "pad", within=0.04) & d.Level("plate", within_deg=5)
+    )
     plate_sorted = flat & d.Released("plate") & d.Stationary("plate")
     in_tray = d.Inside("block", "tray") & d.On("block", "tray")
     block_sorted = in_tray & d.Released("block") & d.Stationary("block")
