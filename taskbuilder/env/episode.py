@@ -277,11 +277,11 @@ class Episode(Single):
         return float(any(world.held(name, robot) for name in world.movable))
 
     def forces(self, robot: str) -> Sequence[float]:
-        """Force of each finger on the object that the robot touches most, in newtons."""
+        """Force of each finger, or of the tool, on the object that it touches most, in newtons."""
         world = self.world
         pressed = [world.grip_forces(name, robot) for name in world.movable]
-        fingers = len(world.robots[robot].fingers)
-        return max(pressed, key=sum, default=()) or (0.0,) * fingers
+        tips = len(world.robots[robot].gripper.tips)
+        return max(pressed, key=sum, default=()) or (0.0,) * tips
 
     def previous_action(self, robot: str) -> Sequence[float]:
         """The last action, from -1 to 1; zeros after reset."""

@@ -37,7 +37,7 @@ class Observer:
     def __init__(self, task: Task, options: Options, world: World) -> None:
         spec, names = task.file.spec, task.file.names
         self._flat = options.flat
-        listed = spec.observe or {agent: default_channels(names) for agent in task.agents}
+        listed = spec.observe or {agent: default_channels(names, agent) for agent in task.agents}
         if options.observe == "scene":
             listed = {agent: surroundings(agent, world) for agent in task.agents}
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
