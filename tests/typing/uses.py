@@ -24,9 +24,10 @@ vec = taskbuilder.make_vec("handover", 4, workers=2, observe="scene", autoreset=
 assert_type(vec, taskbuilder.TaskVectorEnv)
 taskbuilder.make_vec("handover", 4, observe="scenes")  # type: ignore[arg-type]
 
-joint = taskbuilder.JointEnv("handover", frame="base", camera_size=(64, 48))
+joint = taskbuilder.JointEnv("handover", frame="base", camera_size=(64, 48), pixels="nested")
 taskbuilder.JointEnv("handover", frame="tool")  # type: ignore[arg-type]
 taskbuilder.JointEnv("handover", camera_size=64)  # type: ignore[arg-type]
+taskbuilder.JointEnv("handover", pixels="nest")  # type: ignore[arg-type]
 
 assert_type(taskbuilder.catalogue().tasks["handover"].name, str)
 assert_type(taskbuilder.load_task("handover").name, str)
