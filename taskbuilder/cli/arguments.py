@@ -234,6 +234,13 @@ def _add_render(adder: Adder) -> None:
         help="kinds of image (default rgb)",
     )
     _add_episode(parser, "seed of the episode (default 0)")
+    parser.add_argument(
+        "--randomize",
+        type=whole(1, 100),
+        metavar="N",
+        help="instead, one sheet of N episodes, in which light, colours of furniture and "
+        "background, cameras, and what the task lists under randomize are drawn",
+    )
     add_json(parser)
 
 
@@ -270,6 +277,12 @@ def _add_demo(adder: Adder) -> None:
     )
     add_picture(parser, cameras="its first", of="a picture")
     _add_episode(parser, "seed of the first episode (default 0); others follow")
+    parser.add_argument(
+        "--randomize",
+        choices=("quantities", "looks", "all"),
+        help="quantities: draw what the task lists under randomize; looks: draw light, colours of "
+        "furniture and background, and cameras; all: both",
+    )
     add_json(parser)
 
 

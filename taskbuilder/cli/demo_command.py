@@ -77,6 +77,8 @@ def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFacto
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
+    if arguments.randomize:
+        options["randomize"] = arguments.randomize == "quantities" or arguments.randomize
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))
     factory = PlayerFactory(make_env, arguments.policy)
     if trained:

@@ -9,7 +9,7 @@ from taskbuilder.cli.output import print_json
 from taskbuilder.cli.tasks import asked_tasks, catalogue_of, check_views, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.task import Task, load_task
-from taskbuilder.visual.still import contact_sheet, save_image, save_still, take_still
+from taskbuilder.visual.still import contact_sheet, save_image, save_still, seeds_sheet, take_still
 from taskbuilder.world.building import build_world
 
 
@@ -21,8 +21,9 @@ def run(arguments: argparse.Namespace) -> int:
         check_views(task, arguments)
     make_folder(arguments.out)
     listed = []
+    draw = _render_randomized if arguments.randomize else _render
     for task in tasks:
-        files = _render(task, arguments)
+        files = draw(task, arguments)
         listed.append({"task": task.name, "files": [display_path(file) for file in files]})
         if not arguments.json:
             print("\n".join(display_path(file) for file in files))
@@ -47,3 +48,21 @@ def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
     sheet = contact_sheet(task.name, task.file.spec.summary, stills, modalities)
     save_image(arguments.out / f"{name}-sheet.png", sheet)
     return [*files, arguments.out / f"{name}-sheet.png"]
+
+
+def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
+    """One sheet of episodes in which all is drawn that may be."""
+    world = build_world(task.file, variation=arguments.variation, renderer=arguments.renderer)
+    stills = []
+    try:
+        cameras = list(dict.fromkeys(arguments.camera or [next(iter(world.scene.cameras))]))
+        for seed in range(arguments.seed, arguments.seed + arguments.randomize):
+            world.reset(seed, randomized=True, looks=True)
+            stills += [(seed, take_still(world, camera, arguments.size)) for camera in cameras]
+    finally:
+        world.close()
+    modalities = list(dict.fromkeys(arguments.modality))
+    sheet = seeds_sheet(task.name, task.file.spec.summary, stills, modalities)
+    file = arguments.out / f"{task.name.replace('/', '-')}-randomized.png"
+    save_image(file, sheet)
+    return [file]

@@ -185,7 +185,11 @@ class Episode(Single):
         self.noise_rng = randomness.noise()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         try:
-            self.world.reset(seed, randomized=self.options.randomize)
+            self.world.reset(
+                seed,
+                randomized=self.options.randomize in (True, "all"),
+                looks=self.options.randomize in ("looks", "all"),
+            )
         except ExplosionError:
             self._give_up()
             raise

@@ -22,6 +22,7 @@ taskbuilder.paralel_env("handover")  # type: ignore[attr-defined]
 
 vec = taskbuilder.make_vec("handover", 4, workers=2, observe="scene", autoreset="NextStep")
 assert_type(vec, taskbuilder.TaskVectorEnv)
+taskbuilder.parallel_env("handover", randomize="look")  # type: ignore[arg-type]
 taskbuilder.make_vec("handover", 4, observe="scenes")  # type: ignore[arg-type]
 
 joint = taskbuilder.JointEnv("handover", frame="base", camera_size=(64, 48), pixels="nested")
