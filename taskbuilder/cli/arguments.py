@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_jobs,
@@ -31,6 +32,8 @@ _COMMANDS = (
     "validate",
     "render",
     "demo",
+    "collect",
+    "dataset",
     "train",
     "evaluate",
     "plot",
@@ -363,6 +366,8 @@ _ADDERS = {
     "validate": _add_validate,
     "render": _add_render,
     "demo": _add_demo,
+    "collect": add_collect,
+    "dataset": add_dataset,
     "train": add_train,
     "evaluate": add_evaluate,
     "plot": add_plot,

@@ -11,16 +11,14 @@ from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_p
 from taskbuilder.cli.output import paint, print_json, print_table
 from taskbuilder.cli.tasks import catalogue_of
 from taskbuilder.cli.trials import play_arms, trial_of
-from taskbuilder.digests import digest, digests_of_folder
+from taskbuilder.digests import digest
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.zoo import policy_file
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.trial.arms import jobs_of
 from taskbuilder.trial.certificate import (
-    LIBRARY,
-    NOT_LIBRARY,
     certificate,
-    digests_of_task,
     read_certificate,
 )
 from taskbuilder.trial.verification import (
@@ -58,7 +56,7 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
     name = _policy(arguments.policy or data["policy"], file, given=bool(arguments.policy))
     sealed = compare_seals(data)
     machines = compare_machines(data)
-    here: dict[str, Any] = {"library": digests_of_folder(LIBRARY, NOT_LIBRARY)}
+    here: dict[str, Any] = {"library": digests_of_library()}
     if named_player(name) is None:
         here["policy"] = {data["policy"]: digest(policy_file(name).read_bytes())}
     try:

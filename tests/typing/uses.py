@@ -30,5 +30,9 @@ taskbuilder.JointEnv("handover", frame="tool")  # type: ignore[arg-type]
 taskbuilder.JointEnv("handover", camera_size=64)  # type: ignore[arg-type]
 taskbuilder.JointEnv("handover", pixels="nest")  # type: ignore[arg-type]
 
+assert_type(taskbuilder.load_dataset("data"), taskbuilder.Dataset)
+assert_type(taskbuilder.load_dataset("data")[0], taskbuilder.RecordedEpisode)
+assert_type(taskbuilder.make_from("data"), taskbuilder.TaskEnv)
+
 assert_type(taskbuilder.catalogue().tasks["handover"].name, str)
 assert_type(taskbuilder.load_task("handover").name, str)
