@@ -17,6 +17,7 @@ from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
+    add_other_robots,
     add_picture,
     add_ray,
     add_renderer,
@@ -192,6 +193,7 @@ def _add_validate(adder: Adder) -> None:
     seeds.add_argument(
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
+    add_other_robots(parser)
     add_jobs(parser)
     add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
@@ -299,6 +301,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="number of the variation (default 0, the task as written)",
     )
+    add_other_robots(parser)
     add_renderer(parser)
 
 

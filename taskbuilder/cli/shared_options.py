@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.argument_types import robot_choice, size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -45,6 +45,19 @@ def add_suite(parser: ArgumentParser) -> None:
         "--suite",
         metavar="S",
         help="the tasks of a suite: seed, single, pairs, trios, quads, or one of your own",
+    )
+
+
+def add_other_robots(parser: ArgumentParser) -> None:
+    """``--robot``: other models for robots of the scene."""
+    parser.add_argument(
+        "--robot",
+        action="append",
+        type=robot_choice,
+        default=[],
+        metavar="NAME=MODEL",
+        help="another model for a robot of the scene, such as left=panda: a robot's name, or the "
+        "path of a robot file (may be repeated)",
     )
 
 

@@ -80,3 +80,14 @@ def test_a_number_of_episodes_that_makes_no_sense_is_refused(run, count):
     ran = run("render", "handover", "--randomize", count)
     assert ran.status == 2
     assert ran.err.startswith("taskbuilder render: --randomize: ")
+
+
+def test_another_robot_is_drawn(run):
+    words = ("--size", "80x60", "--camera", "front", "--json")
+    plain, other = (
+        run("render", "handover", *words, "--out", out, *more)
+        for out, more in (("plain", ()), ("other", ("--robot", "left=panda")))
+    )
+    assert (plain.status, other.status) == (0, 0)
+    pictures = [Path(ran.data["files"][0]).read_bytes() for ran in (plain, other)]
+    assert pictures[0] != pictures[1]
