@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.argument_types import size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
@@ -21,6 +21,7 @@ from taskbuilder.cli.shared_options import (
     add_picture,
     add_ray,
     add_renderer,
+    add_show,
     add_suite,
 )
 from taskbuilder.validate.formats import DOCUMENTS
@@ -31,6 +32,7 @@ _COMMANDS = (
     "show",
     "new",
     "validate",
+    "watch",
     "render",
     "demo",
     "collect",
@@ -238,6 +240,7 @@ def _add_render(adder: Adder) -> None:
         default=["rgb"],
         help="kinds of image (default rgb)",
     )
+    add_show(parser)
     _add_episode(parser, "seed of the episode (default 0)")
     parser.add_argument(
         "--randomize",
@@ -247,6 +250,31 @@ def _add_render(adder: Adder) -> None:
         "background, cameras, and what the task lists under randomize are drawn",
     )
     add_json(parser)
+
+
+def _add_watch(adder: Adder) -> None:
+    parser = adder.command(
+        "check a task again whenever one of its files changes, and take its picture",
+        "stack_cubes.yaml --out view.png",
+    )
+    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="picture (default renders/TASK-watch.png)"
+    )
+    parser.add_argument(
+        "--camera", metavar="C", help="camera that takes the picture (default the scene's first)"
+    )
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
+    )
+    add_show(parser)
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=0,
+        metavar="N",
+        help="seed of the episode whose start is shown (default 0)",
+    )
 
 
 def _add_demo(adder: Adder) -> None:
@@ -367,6 +395,7 @@ _ADDERS = {
     "show": _add_show,
     "new": _add_new,
     "validate": _add_validate,
+    "watch": _add_watch,
     "render": _add_render,
     "demo": _add_demo,
     "collect": add_collect,

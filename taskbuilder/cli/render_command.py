@@ -9,8 +9,17 @@ from taskbuilder.cli.output import print_json
 from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, check_views, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.task import Task, load_task
-from taskbuilder.visual.still import contact_sheet, save_image, save_still, seeds_sheet, take_still
+from taskbuilder.visual.annotations import Annotator, check_words
+from taskbuilder.visual.still import (
+    Still,
+    contact_sheet,
+    save_image,
+    save_still,
+    seeds_sheet,
+    take_still,
+)
 from taskbuilder.world.building import build_world
+from taskbuilder.world.world import World
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -20,6 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     tasks = [load_task(name, catalogue=catalogue, robots=robots) for name in names]
     for task in tasks:
         check_views(task, arguments)
+    arguments.show = check_words([word for listed in arguments.show for word in listed.split(",")])
     make_folder(arguments.out)
     listed = []
     draw = _render_randomized if arguments.randomize else _render
@@ -38,7 +48,7 @@ def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
     try:
         world.reset(arguments.seed)
         cameras = list(dict.fromkeys(arguments.camera or world.scene.cameras))
-        stills = [take_still(world, camera, arguments.size) for camera in cameras]
+        stills = _stills(world, cameras, arguments)
     finally:
         world.close()
     modalities = list(dict.fromkeys(arguments.modality))
@@ -59,7 +69,7 @@ def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
         cameras = list(dict.fromkeys(arguments.camera or [next(iter(world.scene.cameras))]))
         for seed in range(arguments.seed, arguments.seed + arguments.randomize):
             world.reset(seed, randomized=True, looks=True)
-            stills += [(seed, take_still(world, camera, arguments.size)) for camera in cameras]
+            stills += [(seed, still) for still in _stills(world, cameras, arguments)]
     finally:
         world.close()
     modalities = list(dict.fromkeys(arguments.modality))
@@ -67,3 +77,12 @@ def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
     file = arguments.out / f"{task.name.replace('/', '-')}-randomized.png"
     save_image(file, sheet)
     return [file]
+
+
+def _stills(world: World, cameras: list[str], arguments: argparse.Namespace) -> list[Still]:
+    """Pictures of a world as it stands, with what is to be shown over them."""
+    annotator = Annotator(world, arguments.show)
+    return [
+        annotator.annotated(take_still(world, camera, arguments.size), arguments.size)
+        for camera in cameras
+    ]

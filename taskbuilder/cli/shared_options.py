@@ -86,3 +86,14 @@ def add_renderer(parser: ArgumentParser) -> None:
         help="raster: fast, on the CPU; tiny: Bullet's own; egl: through OpenGL (default auto: "
         "raster where it is installed)",
     )
+
+
+def add_show(parser: ArgumentParser) -> None:
+    """``--show``: what is drawn over pictures."""
+    parser.add_argument(
+        "--show",
+        nargs="+",
+        default=[],
+        metavar="WHAT",
+        help="draw over the pictures, with names: frames, grasps, sites, regions, cameras, reach",
+    )

@@ -144,7 +144,15 @@ class Nobody:
 
 
 @dataclass(frozen=True)
-class _Begun:
+class Begun:
+    """A part of a validation has begun: a family, the import or the inspection.
+
+    Attributes:
+        part: Its name.
+        limit_s: Time limit of a unit of its work.
+        rest: The families after it.
+    """
+
     part: str
     limit_s: float
     rest: tuple[str, ...] = ()
@@ -166,7 +174,7 @@ class Owner:
 
     def begin(self, part: str, limit_s: float, rest: tuple[str, ...] = ()) -> None:
         """Report that a part has begun."""
-        say(_Begun(part, limit_s, rest))
+        say(Begun(part, limit_s, rest))
 
     def alive(self) -> None:
         """Report that the work goes on."""
@@ -246,7 +254,7 @@ class _Watch:
                 self._begin()
 
     def _begin(self) -> None:
-        self._begun, self._started = _Begun("", START_LIMIT_S), time.perf_counter()
+        self._begun, self._started = Begun("", START_LIMIT_S), time.perf_counter()
         self._shown: Iterator[int] = iter(())
         self._worker.give(packed(self._function, self._orders))
 
@@ -258,7 +266,7 @@ class _Watch:
         return heard
 
     def _take(self, said: Any) -> None:
-        if isinstance(said, _Begun):
+        if isinstance(said, Begun):
             self._begun, self._started = said, time.perf_counter()
         elif isinstance(said, _Shown):
             self._shown = iter(self._progress(said.seeds, said.label))

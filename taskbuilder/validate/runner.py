@@ -128,13 +128,14 @@ def validate_task(
     config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted, robots=others)
     watched = Stopwatch()
     if apart:
-        report = watch(_validated_apart, config, progress)
+        report = watch(validate_in_child, config, progress)
     else:
         report = _validated(config, Nobody(progress))
     return replace(report, making=watched.making(level, seeds))
 
 
-def _validated_apart(config: ValidationConfig) -> TaskReport:
+def validate_in_child(config: ValidationConfig) -> TaskReport:
+    """Run a validation in this child process, and report its events to the owner."""
     return _validated(config, Owner())
 
 
