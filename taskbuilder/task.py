@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from taskbuilder.description.check import check_description
@@ -15,6 +15,7 @@ from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.schema.source import dotted
 from taskbuilder.wording import suggestion
 
@@ -45,7 +46,11 @@ class Task:
 
 
 def load_task(
-    reference: str | Path, *, catalogue: Catalogue | None = None, guarded: bool = False
+    reference: str | Path,
+    *,
+    catalogue: Catalogue | None = None,
+    guarded: bool = False,
+    robots: OtherRobots | None = None,
 ) -> Task:
     """Load a task by its name in the catalogue or by the path of its YAML file.
 
@@ -56,9 +61,10 @@ def load_task(
         catalogue: The catalogue that names are looked up in; by default that of this installation.
         guarded: Whether to first import a description from outside the catalogue in a child
             process, where a hang or a crash becomes a finding.
+        robots: Other robots in place of those of the task file, such as ``{"left": "panda"}``.
 
     Raises:
-        UnknownNameError: There is no task of that name.
+        UnknownNameError: There is no task of that name, or no such robot.
         FileError: The files of the task have errors; it has all findings.
     """
     catalogue = catalogue or Catalogue.discover()
@@ -66,7 +72,7 @@ def load_task(
     findings: list[Finding] = []
     file = description = names = None
     try:
-        file = read_task(entry, catalogue)
+        file = read_task(entry, catalogue, robots)
         names = file.names
     except TaskFileError as error:
         names = error.names
@@ -88,6 +94,23 @@ def load_task(
         if file is not None and not any(finding.severity == "error" for finding in findings):
             return Task(file, with_members(description, file.names), tuple(findings))
     raise FileError(findings)
+
+
+def with_robots(task: Task, robots: OtherRobots, *, catalogue: Catalogue | None = None) -> Task:
+    """The task with other robots; its timing stays.
+
+    Args:
+        task: A task.
+        robots: Other robots in place of those of the task file, such as ``{"left": "panda"}``.
+        catalogue: The catalogue that names are looked up in; by default that of this installation.
+
+    Raises:
+        UnknownNameError: There is no such robot.
+        FileError: The task has errors with these robots.
+    """
+    file = read_task(task.file.entry, catalogue or Catalogue.discover(), robots)
+    spec = file.spec.model_copy(update={"timing": task.file.spec.timing})
+    return replace(task, file=replace(file, spec=spec))
 
 
 def _check_conditions(file: TaskFile, description: type[Description]) -> Iterator[Finding]:

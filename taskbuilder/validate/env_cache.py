@@ -37,12 +37,14 @@ class EnvSource:
     Attributes:
         reference: Name or path of the task.
         catalogue: The catalogue that names are looked up in.
-        run: Number of the validation, so that files that have changed since another are reread.
+        number: Of the validation, so that files that have changed since another are reread.
+        robots: Other robots in place of those of the task file: names and models.
     """
 
     reference: str
     catalogue: Catalogue
     number: int
+    robots: tuple[tuple[str, str], ...] = ()
 
 
 class EnvCache:
@@ -116,7 +118,9 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
         task: The task, if it has been loaded already.
     """
     if source not in _CACHES:
-        loaded = task or load_task(source.reference, catalogue=source.catalogue)
+        loaded = task or load_task(
+            source.reference, catalogue=source.catalogue, robots=dict(source.robots)
+        )
         _CACHES[source] = EnvCache(loaded)
     return _CACHES[source]
 

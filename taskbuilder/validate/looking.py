@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from taskbuilder.errors import FileError, TaskbuilderError
 from taskbuilder.jobs import DONE, RAISED, LostError, Worker, packed, wait_for
 from taskbuilder.jobs import say as tell
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import load_task
 from taskbuilder.validate.apart import CHECK, Begun, ValidationConfig
 from taskbuilder.validate.checks.static import static_failure
@@ -50,6 +51,7 @@ class Look:
         size: Width and height in pixels; by default those of the camera, or `LONGEST_SIDE`.
         seed: Of the episode that is shown.
         show: What is drawn over it; see `Annotator`.
+        robots: Other robots in place of those of the task file.
     """
 
     task: str
@@ -59,6 +61,7 @@ class Look:
     size: tuple[int, int] | None = None
     seed: int = 0
     show: tuple[str, ...] = ()
+    robots: OtherRobots = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -152,7 +155,9 @@ def take_look(order: Look) -> Seen:
 
     The owner is told of each step. The picture comes before the last, which takes longer.
     """
-    static = ValidationConfig(order.task, "static", 1, order.catalogue, 1, None)
+    static = ValidationConfig(
+        order.task, "static", 1, order.catalogue, 1, None, robots=order.robots
+    )
     report = validate_in_child(static)
     tell(Seen(report))
     if not report.ok:
@@ -166,7 +171,7 @@ def take_look(order: Look) -> Seen:
 
 def _pictured(order: Look, report: TaskReport) -> Seen:
     """Take the picture; what keeps the scene from being built is found with the build."""
-    task = load_task(order.task, catalogue=order.catalogue)
+    task = load_task(order.task, catalogue=order.catalogue, robots=order.robots)
     try:
         world = build_world(task.file)
     except FileError:
