@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from taskbuilder.description.check import check_description
@@ -15,7 +15,6 @@ from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
-from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.schema.source import dotted
 from taskbuilder.wording import suggestion
 
@@ -46,11 +45,7 @@ class Task:
 
 
 def load_task(
-    reference: str | Path,
-    *,
-    catalogue: Catalogue | None = None,
-    guarded: bool = False,
-    robots: OtherRobots | None = None,
+    reference: str | Path, *, catalogue: Catalogue | None = None, guarded: bool = False
 ) -> Task:
     """Load a task by its name in the catalogue or by the path of its YAML file.
 
@@ -61,10 +56,9 @@ def load_task(
         catalogue: The catalogue that names are looked up in; by default that of this installation.
         guarded: Whether to first import a description from outside the catalogue in a child
             process, where a hang or a crash becomes a finding.
-        robots: Other robots in place of those of the task file, such as ``{"left": "panda"}``.
 
     Raises:
-        UnknownNameError: There is no task of that name, or no such robot.
+        UnknownNameError: There is no task of that name.
         FileError: The files of the task have errors; it has all findings.
     """
     catalogue = catalogue or Catalogue.discover()
@@ -72,7 +66,7 @@ def load_task(
     findings: list[Finding] = []
     file = description = names = None
     try:
-        file = read_task(entry, catalogue, robots)
+        file = read_task(entry, catalogue)
         names = file.names
     except TaskFileError as error:
         names = error.names
@@ -94,23 +88,6 @@ def load_task(
         if file is not None and not any(finding.severity == "error" for finding in findings):
             return Task(file, with_members(description, file.names), tuple(findings))
     raise FileError(findings)
-
-
-def with_robots(task: Task, robots: OtherRobots, *, catalogue: Catalogue | None = None) -> Task:
-    """The task with other robots; its timing stays.
-
-    Args:
-        task: A task.
-        robots: Other robots in place of those of the task file, such as ``{"left": "panda"}``.
-        catalogue: The catalogue that names are looked up in; by default that of this installation.
-
-    Raises:
-        UnknownNameError: There is no such robot.
-        FileError: The task has errors with these robots.
-    """
-    file = read_task(task.file.entry, catalogue or Catalogue.discover(), robots)
-    spec = file.spec.model_copy(update={"timing": task.file.spec.timing})
-    return replace(task, file=replace(file, spec=spec))
 
 
 def _check_conditions(file: TaskFile, description: type[Description]) -> Iterator[Finding]:

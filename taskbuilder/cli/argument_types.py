@@ -28,14 +28,6 @@ def variation(text: str) -> int | str:
     return number
 
 
-def assignment(text: str) -> tuple[str, str]:
-    """A converter for NAME=MODEL."""
-    name, equals, model = text.partition("=")
-    if not (name and equals and model):
-        raise argparse.ArgumentTypeError(f'"{text}" names no robot; write left=panda')
-    return name, model
-
-
 def size(text: str) -> tuple[int, int]:
     """A converter for WIDTHxHEIGHT."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)

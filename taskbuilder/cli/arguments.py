@@ -18,7 +18,6 @@ from taskbuilder.cli.shared_options import (
     add_json,
     add_picture,
     add_renderer,
-    add_robot,
     add_show,
     add_suite,
 )
@@ -192,7 +191,6 @@ def _add_validate(adder: Adder) -> None:
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
     add_jobs(parser)
-    add_robot(parser)
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
@@ -236,7 +234,6 @@ def _add_render(adder: Adder) -> None:
         help="kinds of image (default rgb)",
     )
     add_show(parser)
-    add_robot(parser)
     _add_episode(parser, "seed of the episode (default 0)")
     add_json(parser)
 
@@ -257,7 +254,6 @@ def _add_watch(adder: Adder) -> None:
         "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
     )
     add_show(parser)
-    add_robot(parser)
     parser.add_argument(
         "--seed",
         type=whole(0, 2**32 - 1),
@@ -299,7 +295,6 @@ def _add_demo(adder: Adder) -> None:
         "--video", action="store_true", help="also film the first episode, as MP4 and GIF"
     )
     add_picture(parser, cameras="its first", of="a picture")
-    add_robot(parser)
     _add_episode(parser, "seed of the first episode (default 0); others follow")
     add_json(parser)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, progress, say
-from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import EnvFactory, is_trained
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
@@ -35,8 +35,7 @@ from taskbuilder.visual.strip import film_strip
 def run(arguments: argparse.Namespace) -> int:
     """Play episodes, say how each went, and show the first."""
     catalogue = catalogue_of(arguments)
-    robots = asked_robots(arguments, catalogue)
-    task = load_task(arguments.task, catalogue=catalogue, robots=robots)
+    task = load_task(arguments.task, catalogue=catalogue)
     _check(task, arguments)
     factory = _factory(catalogue, arguments)
     make_folder(arguments.out)
@@ -78,7 +77,6 @@ def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFacto
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
-    options["robots"] = asked_robots(arguments, catalogue)
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))
     factory = PlayerFactory(make_env, arguments.policy)
     if trained:

@@ -99,7 +99,7 @@ def test_the_task_is_sound() -> None:
 
 _CAMERAS = {
     1: {"front": "[0.1, -1.05, 1.0]", "aim": "[-0.45, 0, 0.55]", "close": "[0.1, -0.4, 0.85]"},
-    2: {"front": "[0, -1.45, 1.2]", "aim": "[0, 0, 0.52]", "close": "[0.1, -0.4, 0.85]"},
+    2: {"front": "[0, -1.3, 1.1]", "aim": "[0, 0, 0.52]", "close": "[0.1, -0.4, 0.85]"},
     3: {"front": "[0, -1.7, 1.6]", "aim": "[0, -0.1, 0.5]", "close": "[0.2, 0, 0.95]"},
 }
 """Where cameras stand, by the number of robots; with three or more, these stand all around."""

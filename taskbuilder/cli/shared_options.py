@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import assignment, size, whole
+from taskbuilder.cli.argument_types import size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -20,19 +20,6 @@ def add_jobs(parser: ArgumentParser) -> None:
 def add_json(parser: ArgumentParser) -> None:
     """``--json``: the result as JSON instead of text."""
     parser.add_argument("--json", action="store_true", help="JSON on standard output")
-
-
-def add_robot(parser: ArgumentParser) -> None:
-    """``--robot``: other robots in place of those of the task file."""
-    parser.add_argument(
-        "--robot",
-        action="append",
-        default=[],
-        type=assignment,
-        metavar="NAME=MODEL",
-        help="another robot in place of the task's, such as left=panda: a name or the path of a "
-        "robot file (may be repeated)",
-    )
 
 
 def add_suite(parser: ArgumentParser) -> None:

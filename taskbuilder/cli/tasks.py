@@ -56,22 +56,6 @@ def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str
     return list(dict.fromkeys(arguments.tasks))
 
 
-def asked_robots(arguments: argparse.Namespace, catalogue: Catalogue) -> dict[str, str]:
-    """The robots given by --robot; those of --task-path as the paths of their files.
-
-    Raises:
-        UsageError: A robot of the scene is given two models.
-    """
-    robots: dict[str, str] = {}
-    for name, model in arguments.robot:
-        if name in robots:
-            raise UsageError(f"--robot gives {name} two models, {robots[name]} and {model}")
-        found = catalogue.robots.get(model)
-        own = found is not None and found.trusted
-        robots[name] = str(found.file) if found is not None and not own else model
-    return robots
-
-
 def check_views(task: Task, arguments: argparse.Namespace) -> None:
     """Refuse a --variation or a --camera that the task does not have.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from taskbuilder.cli.output import emit, paint, print_json, print_table, progress, show_finding
-from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
+from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
 from taskbuilder.quiet import printing_to_stderr
@@ -33,7 +33,6 @@ def run(arguments: argparse.Namespace) -> int:
     names = asked_tasks(arguments, catalogue)
     for name in names:
         catalogue.task(name)  # one that is not there is refused before any takes its time
-    robots = asked_robots(arguments, catalogue)
     pages = _Pages(arguments.report, catalogue)
     reports: list[TaskReport] = []
     for name in names:
@@ -45,7 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
                 jobs=arguments.jobs or cores(),
                 catalogue=catalogue,
                 progress=progress,
-                robots=robots,
             )
         report = _with_command(report, name, arguments)
         reports.append(report)
@@ -64,8 +62,6 @@ def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) 
     words += ["--level", arguments.level] if arguments.level != "full" else []
     words += ["--quick"] if arguments.quick else []
     words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
-    for name, model in arguments.robot:
-        words += ["--robot", f"{name}={model}"]
     for folder in arguments.task_path or ():
         words += ["--task-path", str(folder)]
     return replace(report, making=replace(report.making, command=shlex.join(words)))

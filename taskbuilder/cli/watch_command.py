@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from taskbuilder.cli.output import paint, show_finding
-from taskbuilder.cli.tasks import asked_robots, catalogue_of, make_folder
+from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import FileError, UnknownNameError, display_path, in_reading_order
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
@@ -41,7 +41,6 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.size,
         arguments.seed,
         show,
-        asked_robots(arguments, catalogue),
     )
     _check_camera(order)
     looker = Looker()
@@ -61,7 +60,7 @@ def _check_camera(order: Look) -> None:
         UnknownNameError: There is no such camera.
     """
     with suppress(FileError):
-        file = read_task(order.catalogue.task(order.task), order.catalogue, order.robots)
+        file = read_task(order.catalogue.task(order.task), order.catalogue)
         cameras = file.spec.scene.cameras
         if order.camera and order.camera not in cameras:
             help_ = suggestion(order.camera, cameras, what="it has")

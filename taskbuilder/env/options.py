@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.other_robots import OtherRobots, absolute
 from taskbuilder.schema.scene import RobotEntry, SceneSpec
 from taskbuilder.schema.values import frozen
-from taskbuilder.task import Task, with_robots
+from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
 RewardSharing = Literal["team", "local", "sparse"]
@@ -45,8 +44,6 @@ class Options:
         horizon: Control steps of an episode; by default the task's.
         control_hz: Control steps per second; by default the task's. The maximum step and turn in an
             action are scaled, so that tools and joints keep their speed.
-        robots: Other robots in place of those of the task file, by name: ``{"left": "panda"}``. A
-            model is a name of the catalogue or the path of a robot file.
         variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
             episode.
         randomize: Draw the quantities that the task lists under ``randomize``.
@@ -68,7 +65,6 @@ class Options:
     normalize: bool = True
     horizon: int | None = None
     control_hz: int | None = None
-    robots: OtherRobots = field(default_factory=dict)
     variation: Variation = 0
     randomize: bool = False
     observe: Seen = "task"
@@ -78,22 +74,6 @@ class Options:
     camera_size: tuple[int, int] | None = None
     renderer: Renderer = "tiny"
     render_camera: str | None = None
-
-    def fitted(self, task: Task) -> tuple[Task, Options]:
-        """The task with the robots of these options, and the options with those of the task.
-
-        Raises:
-            UnknownNameError: There is no such robot.
-            UsageError: What is given for the robots are no names.
-        """
-        if not isinstance(self.robots, Mapping):
-            raise UsageError(f'robots is {self.robots!r}; write {{"left": "panda"}}')
-        for name, model in self.robots.items():
-            if not isinstance(name, str) or not isinstance(model, str):
-                raise UsageError(f'robots has {name!r}: {model!r}; write {{"left": "panda"}}')
-        if self.robots and absolute(self.robots) != task.file.other_robots:
-            task = with_robots(task, self.robots)
-        return task, replace(self, robots=task.file.other_robots)
 
     def applied(self, task: Task) -> TaskFile:
         """The task file with the horizon and control rate of these options.
@@ -167,7 +147,6 @@ class EnvOptions(TypedDict, total=False):
     normalize: bool
     horizon: int | None
     control_hz: int | None
-    robots: OtherRobots
     variation: Variation
     randomize: bool
     observe: Seen

@@ -64,7 +64,6 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     """
 
     def __init__(self, task: Task, options: Options, render_mode: str | None = None) -> None:
-        task, options = options.fitted(task)
         self.metadata = {
             "name": f"{task.name}_v0",
             "render_modes": ["rgb_array"],

@@ -23,7 +23,6 @@ from taskbuilder.schema.groups import (
     of_members,
 )
 from taskbuilder.schema.names import ObjectNames, SceneNames
-from taskbuilder.schema.other_robots import OtherRobots, absolute, with_other_robots
 from taskbuilder.schema.references import check_names, read_names
 from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
 from taskbuilder.schema.scene import SceneSpec
@@ -48,7 +47,6 @@ class TaskFile:
         names: Every name of the scene.
         written: Its content as it is in the file.
         warnings: What is doubtful.
-        other_robots: The robots that were put in place of the file's, by their names in the scene.
     """
 
     entry: CatalogueEntry
@@ -60,7 +58,6 @@ class TaskFile:
     names: SceneNames
     written: TaskSpec
     warnings: tuple[Finding, ...] = ()
-    other_robots: OtherRobots = field(default_factory=dict)
 
 
 class TaskFileError(FileError):
@@ -95,23 +92,13 @@ class _Loading:
         self.findings.append(Finding(code, message, dotted(path), location))
 
 
-def read_task(
-    entry: CatalogueEntry, catalogue: Catalogue, robots: OtherRobots | None = None
-) -> TaskFile:
+def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
     """Read and check a task file and everything that it names, except its description.
-
-    Args:
-        entry: The task.
-        catalogue: Where the names of robots are looked up.
-        robots: Other robots in place of those of the file.
 
     Raises:
         TaskFileError: With every finding of the file and of the robots and assets it names.
-        UnknownNameError: There is no such other robot, or none of that name in the scene.
     """
-    others = absolute(robots or {})
-    source, models = with_other_robots(read_source(entry.file), others, entry, catalogue)
-    loading = _Loading(entry, source, catalogue, robots=models)
+    loading = _Loading(entry, read_source(entry.file), catalogue)
     spec, wrong = parse(TaskSpec, loading.source)
     loading.findings += [*loading.source.findings, *wrong]
     _read_robots(loading)
@@ -139,7 +126,6 @@ def read_task(
         names,
         spec,
         tuple(loading.findings),
-        others,
     )
 
 
@@ -178,7 +164,7 @@ def _read_robots(loading: _Loading) -> None:
     for name, _ in loading.source.entries("scene", "robots"):
         path = ("scene", "robots", name, "model")
         reference = loading.source.get(*path)
-        if not isinstance(reference, str) or not reference or name in loading.robots:
+        if not isinstance(reference, str) or not reference:
             continue
         try:
             if looks_like_path(reference):

@@ -37,14 +37,12 @@ class EnvSource:
     Attributes:
         reference: Name or path of the task.
         catalogue: The catalogue that names are looked up in.
-        number: Of the validation, so that files that have changed since another are reread.
-        robots: Other robots in place of those of the task file: names and models.
+        run: Number of the validation, so that files that have changed since another are reread.
     """
 
     reference: str
     catalogue: Catalogue
     number: int
-    robots: tuple[tuple[str, str], ...] = ()
 
 
 class EnvCache:
@@ -118,9 +116,7 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
         task: The task, if it has been loaded already.
     """
     if source not in _CACHES:
-        loaded = task or load_task(
-            source.reference, catalogue=source.catalogue, robots=dict(source.robots)
-        )
+        loaded = task or load_task(source.reference, catalogue=source.catalogue)
         _CACHES[source] = EnvCache(loaded)
     return _CACHES[source]
 

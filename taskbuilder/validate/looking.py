@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from taskbuilder.errors import FileError, TaskbuilderError
 from taskbuilder.jobs import DONE, RAISED, LostError, Worker, packed, wait_for
 from taskbuilder.jobs import say as tell
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import load_task
 from taskbuilder.validate.apart import CHECK, Begun, ValidationConfig
 from taskbuilder.validate.checks.static import static_failure
@@ -51,7 +50,6 @@ class Look:
         size: Width and height in pixels; by default those of the camera, or `LONGEST_SIDE`.
         seed: Of the episode that is shown.
         show: What is drawn over it; see `Annotator`.
-        robots: Other robots in place of those of the task file.
     """
 
     task: str
@@ -61,7 +59,6 @@ class Look:
     size: tuple[int, int] | None = None
     seed: int = 0
     show: tuple[str, ...] = ()
-    robots: OtherRobots = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -155,9 +152,7 @@ def take_look(order: Look) -> Seen:
 
     The owner is told of each step. The picture comes before the last, which takes longer.
     """
-    static = ValidationConfig(
-        order.task, "static", 1, order.catalogue, 1, None, robots=order.robots
-    )
+    static = ValidationConfig(order.task, "static", 1, order.catalogue, 1, None)
     report = validate_in_child(static)
     tell(Seen(report))
     if not report.ok:
@@ -171,7 +166,7 @@ def take_look(order: Look) -> Seen:
 
 def _pictured(order: Look, report: TaskReport) -> Seen:
     """Take the picture; what keeps the scene from being built is found with the build."""
-    task = load_task(order.task, catalogue=order.catalogue, robots=order.robots)
+    task = load_task(order.task, catalogue=order.catalogue)
     try:
         world = build_world(task.file)
     except FileError:

@@ -21,7 +21,6 @@ from taskbuilder.errors import (
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import owned
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.apart import (
     CHECK,
@@ -102,7 +101,6 @@ def validate_task(
     jobs: int = 1,
     only: Collection[str] | None = None,
     apart: bool = True,
-    robots: OtherRobots | None = None,
 ) -> TaskReport:
     """Validate a task.
 
@@ -116,16 +114,14 @@ def validate_task(
         only: Names of the families to run; by default all.
         apart: Whether to load and play the task only in child processes, where a crash or hang does
             no harm. Use False to debug a description in this process.
-        robots: Other robots in place of those of the task file, such as ``{"left": "panda"}``.
 
     Raises:
-        UnknownNameError: There is no such task or robot.
+        UnknownNameError: There is no such task.
         UsageError: There is no such family.
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
     config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted)
-    config = replace(config, robots=dict(robots or {}))
     watched = Stopwatch()
     if apart:
         report = watch(validate_in_child, config, progress)
@@ -163,15 +159,13 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
 def _loaded(config: ValidationConfig, listener: Listener) -> Task:
     """Load the task; its description is imported first, so that its errors can be located."""
     if not owned():
-        return load_task(
-            config.reference, catalogue=config.catalogue, guarded=True, robots=config.robots
-        )
+        return load_task(config.reference, catalogue=config.catalogue, guarded=True)
     entry = config.catalogue.task(config.reference)
     listener.begin(IMPORT, config.limits.import_s)
     with suppress(FileError):  # errors are reported with all others
         load_description(entry)
     listener.begin(CHECK, config.limits.import_s)
-    return load_task(config.reference, catalogue=config.catalogue, robots=config.robots)
+    return load_task(config.reference, catalogue=config.catalogue)
 
 
 def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
@@ -200,8 +194,7 @@ def _play(
     from taskbuilder.validate.context import Context
     from taskbuilder.validate.env_cache import EnvSource, close_cache
 
-    robots = tuple(config.robots.items())
-    source = EnvSource(config.reference, config.catalogue, next(_RUNS), robots)
+    source = EnvSource(config.reference, config.catalogue, next(_RUNS))
     context = Context(
         task, source, config.seeds, listener.progress, spread, limit_s, listener.alive
     )
