@@ -12,11 +12,14 @@ from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
+    add_other_robots,
     add_picture,
+    add_ray,
     add_renderer,
     add_show,
     add_suite,
@@ -32,6 +35,8 @@ _COMMANDS = (
     "watch",
     "render",
     "demo",
+    "collect",
+    "dataset",
     "train",
     "evaluate",
     "plot",
@@ -190,7 +195,9 @@ def _add_validate(adder: Adder) -> None:
     seeds.add_argument(
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
+    add_other_robots(parser)
     add_jobs(parser)
+    add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
@@ -309,6 +316,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="number of the variation (default 0, the task as written)",
     )
+    add_other_robots(parser)
     add_renderer(parser)
 
 
@@ -377,6 +385,8 @@ _ADDERS = {
     "watch": _add_watch,
     "render": _add_render,
     "demo": _add_demo,
+    "collect": add_collect,
+    "dataset": add_dataset,
     "train": add_train,
     "evaluate": add_evaluate,
     "plot": add_plot,

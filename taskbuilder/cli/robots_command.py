@@ -53,9 +53,10 @@ def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         print_json({"robots": robots})
         return 0
     rows = [["robot", "joints", "gripper", "summary"]]
-    for robot in robots:
-        stroke = f"{robot['stroke'] * 1000:.0f} mm" if robot["stroke"] else "-"
-        rows.append([robot["name"], str(robot["joints"] or "-"), stroke, robot["summary"]])
+    rows += [
+        [robot["name"], str(robot["joints"] or "-"), robot["gripper"] or "-", robot["summary"]]
+        for robot in robots
+    ]
     print_table(rows)
     for robot in robots:
         if not robot["joints"]:
@@ -69,9 +70,14 @@ def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
     try:
         robot = load_robot(entry, catalogue.folders)
     except FileError:
-        return {**known, "joints": None, "stroke": None, "summary": "(has errors)"}
-    stroke = robot.spec.gripper.stroke
-    return {**known, "joints": len(robot.arm), "stroke": stroke, "summary": robot.spec.summary}
+        return {**known, "joints": None, "gripper": None, "stroke": None, "summary": "(has errors)"}
+    return {
+        **known,
+        "joints": len(robot.arm),
+        "gripper": robot.grip or None,
+        "stroke": robot.stroke or None,
+        "summary": robot.spec.summary,
+    }
 
 
 def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -137,7 +143,8 @@ def _read_packaged(reference: str, catalogue: Catalogue) -> Urdf:
 
 
 def _open_gripper(robot: RobotModel) -> dict[str, float]:
-    return {name: ends.open for name, ends in robot.spec.gripper.joints.items()}
+    gripper = robot.spec.gripper
+    return {name: ends.open for name, ends in gripper.joints.items()} if gripper else {}
 
 
 @dataclass(frozen=True)
@@ -221,9 +228,9 @@ def _print_robot(urdf: Urdf, robot: RobotModel | None) -> None:
     rows += [_joint_row(joint, roles.get(joint.name, "")) for joint in urdf.moving_joints]
     print_table(rows, indent="  ")
     if robot:
-        grip = robot.spec.gripper
         print()
-        print(f"  tcp on {robot.spec.tcp.link}; gripper opens {grip.stroke * 1000:.0f} mm")
+        held = f"gripper opens {robot.grip}" if robot.stroke else robot.grip or "no gripper"
+        print(f"  tcp on {robot.spec.tcp.link}; {held}")
     print()
 
 
@@ -231,7 +238,7 @@ def _roles(robot: RobotModel | None) -> dict[str, str]:
     if robot is None:
         return {}
     arm = {name: f"arm {number}" for number, name in enumerate(robot.spec.arm, start=1)}
-    return arm | dict.fromkeys(robot.spec.gripper.joints, "gripper")
+    return arm | dict.fromkeys(_open_gripper(robot), "gripper")
 
 
 def _joint_row(joint: UrdfJoint, role: str) -> list[str]:

@@ -18,6 +18,7 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.interpreters import Lineage
+from taskbuilder.schema.load import fill
 from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
@@ -152,6 +153,18 @@ class Episode(Single):
         return self._file.spec.timing.episode_steps
 
     @property
+    def instruction(self) -> str:
+        """The instruction of this episode: one of the task's, drawn by the seed and filled in.
+
+        It is the summary of a task without instructions.
+        """
+        texts = self._file.spec.instructions
+        if not texts:
+            return self._file.spec.summary
+        chosen = int(EpisodeRandomness(self.seed).instruction().integers(len(texts)))
+        return fill(texts[chosen], self._file.scenes[self._variation])
+
+    @property
     def terminated(self) -> bool:
         """Whether the episode ended by success or failure (see `ends_on`), or by divergence."""
         ends = self._file.spec.timing.ends_on
@@ -280,11 +293,11 @@ class Episode(Single):
         return float(any(world.held(name, robot) for name in world.movable))
 
     def forces(self, robot: str) -> Sequence[float]:
-        """Force of each finger on the object that the robot touches most, in newtons."""
+        """Force of each finger, or of the tool, on the object that it touches most, in newtons."""
         world = self.world
         pressed = [world.grip_forces(name, robot) for name in world.movable]
-        fingers = len(world.robots[robot].fingers)
-        return max(pressed, key=sum, default=()) or (0.0,) * fingers
+        tips = len(world.robots[robot].gripper.tips)
+        return max(pressed, key=sum, default=()) or (0.0,) * tips
 
     def previous_action(self, robot: str) -> Sequence[float]:
         """The last action, from -1 to 1; zeros after reset."""

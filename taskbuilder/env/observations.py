@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.naming import channel_names, with_matrix
 from taskbuilder.geometry import Pose, Quat, multiply
-from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
+from taskbuilder.schema.channels import CAMERA_QUANTITIES, GRIPPER_QUANTITIES, Channel
 from taskbuilder.schema.task import Noise
 from taskbuilder.sim.divergence import REACH_M, SPEED_LIMIT
 from taskbuilder.world.world import World
@@ -36,6 +37,7 @@ class ObservedValue:
         high: Upper bound of each number.
         turns: Index of the first number of a quaternion, or None.
         noise: Gaussian noise on the numbers, or None.
+        names: Name of each number, such as ``left.joint_3``.
         matrix: Convert the quaternion to the first two columns of its rotation matrix.
     """
 
@@ -45,6 +47,7 @@ class ObservedValue:
     high: tuple[float, ...]
     turns: int | None = None
     noise: Noise | None = None
+    names: tuple[str, ...] = ()
     matrix: bool = False
 
     @property
@@ -58,7 +61,9 @@ class ObservedValue:
             return self
         unit = (1.0,) * 6
         low = (*self.low[: self.turns], *(-n for n in unit))
-        return replace(self, low=low, high=(*self.high[: self.turns], *unit), matrix=True)
+        high = (*self.high[: self.turns], *unit)
+        names = with_matrix(self.names, self.turns)
+        return replace(self, low=low, high=high, names=names, matrix=True)
 
     def shown(self, episode: Episode) -> Sequence[float]:
         """The current values."""
@@ -112,6 +117,11 @@ class ObservedGroup:
         return tuple(bound for each in self.of for bound in each.high)
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number."""
+        return tuple(name for each in self.of for name in each.names)
+
+    @property
     def size(self) -> int:
         """Number of values."""
         return sum(each.size for each in self.of)
@@ -138,6 +148,11 @@ class View:
         self.low = np.array(numbers, dtype=np.float32)
         numbers = [value for reading in self.readings for value in reading.high]
         self.high = np.array(numbers, dtype=np.float32)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number of the vector."""
+        return tuple(name for reading in self.readings for name in reading.names)
 
     def vector(self, episode: Episode) -> NDArray[np.float32]:
         """All channels of numbers, concatenated: (n,) float32, clipped to the bounds."""
@@ -175,7 +190,10 @@ def make_reading(name: str, channel: Channel, world: World, noise: Noise | None 
 
 def _reading(name: str, channel: Channel, world: World, noise: Noise | None) -> ObservedValue:
     read, low, high, turns = _parts(channel, world)
-    return ObservedValue(name, read, low, high, turns, noise)
+    acts = channel.quantity == "previous_action"
+    action = _actions(world, channel.subject).short_names if acts else ()
+    names = channel_names(channel, world, action)
+    return ObservedValue(name, read, low, high, turns, noise, names)
 
 
 def is_camera(channel: Channel, world: World) -> bool:
@@ -215,18 +233,18 @@ def _robot_parts(channel: Channel, world: World) -> _Parts:
         case "holding":
             return (lambda e: (e.holding(name),)), (0.0,), (1.0,), None
         case "force":
-            fingers = len(robot.fingers)
-            return (lambda e: e.forces(name)), (0.0,) * fingers, (_FORCE_LIMIT,) * fingers, None
+            tips = len(robot.gripper.tips)
+            return (lambda e: e.forces(name)), (0.0,) * tips, (_FORCE_LIMIT,) * tips, None
         case "previous_action":
-            size = _action_size(world, name)
+            size = _actions(world, name).size
             return (lambda e: e.previous_action(name)), *_around(size, 1.0), None
     raise ValueError(f"a robot has no channel {channel.quantity}")
 
 
-def _action_size(world: World, name: str) -> int:
-    """Size of a robot's action."""
+def _actions(world: World, name: str) -> RobotActions:
+    """The actions of a robot, for their size and names."""
     dt = 1.0 / world.spec.timing.control_hz
-    return RobotActions(world, world.robots[name], world.scene.robots[name].action, dt).size
+    return RobotActions(world, world.robots[name], world.scene.robots[name].action, dt)
 
 
 def _frame_parts(subject: str, quantity: str, frame: str) -> _Parts:
@@ -297,13 +315,27 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
         if name in moving or grasp.link is not None
     ]
     return (
-        *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
+        *_of_robots({"self": agent} | {name: name for name in robots[1:]}, ("tcp",), world),
         *(f"{name}.pose" for name in moving),
         *(f"{place}.position in self.tcp" for place in (*grasps, *world.task.names.sites)),
         *_moving_joints(world),
         *(f"{site}.position" for site in world.task.names.sites),
         "time_left",
     )
+
+
+def _of_robots(robots: Mapping[str, str], own: Sequence[str], world: World) -> Iterator[str]:
+    """Channels of robots, and those of their grippers.
+
+    Args:
+        robots: What channels call each robot, and its name.
+        own: Quantities that every robot has.
+        world: The world.
+    """
+    handless = world.task.names.handless
+    for called, name in robots.items():
+        of_gripper = () if name in handless else GRIPPER_QUANTITIES
+        yield from (f"{called}.{quantity}" for quantity in (*own, *of_gripper))
 
 
 def _moving_joints(world: World) -> list[str]:
@@ -317,10 +349,10 @@ def _moving_joints(world: World) -> list[str]:
 
 def everything(world: World) -> tuple[str, ...]:
     """All channels of numbers, for a centralised critic."""
-    robots = ("joints", "joint_velocities", "tcp", "gripper", "holding")
+    robots = {name: name for name in world.robots}
     moving = [name for name, thing in world.objects.items() if not thing.spec.fixed]
     return (
-        *(f"{robot}.{quantity}" for robot in world.robots for quantity in robots),
+        *_of_robots(robots, ("joints", "joint_velocities", "tcp"), world),
         *(f"{name}.{quantity}" for name in moving for quantity in ("pose", "velocity")),
         *_moving_joints(world),
         *(f"{site}.position" for site in world.task.names.sites),

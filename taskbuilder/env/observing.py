@@ -37,7 +37,7 @@ class Observer:
     def __init__(self, task: Task, options: Options, world: World) -> None:
         spec, names = task.file.spec, task.file.names
         self._flat = options.flat
-        listed = spec.observe or {agent: default_channels(names) for agent in task.agents}
+        listed = spec.observe or {agent: default_channels(names, agent) for agent in task.agents}
         if options.observe == "scene":
             listed = {agent: surroundings(agent, world) for agent in task.agents}
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
@@ -65,6 +65,14 @@ class Observer:
     def state_space(self) -> spaces.Box:
         """The space of the centralised state."""
         return spaces.Box(self._state.low, self._state.high, dtype=np.float32)
+
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """The name of each number that every agent observes."""
+        return {agent: view.names for agent, view in self._views.items()}
+
+    def state_names(self) -> tuple[str, ...]:
+        """The name of each number of the centralised state."""
+        return self._state.names
 
     def observe(self, episode: Episode) -> dict[str, Any]:
         """The current observation of every agent, in new arrays."""

@@ -40,6 +40,7 @@ SECTIONS: Mapping[str, str] = {
     "RobotSpec": "robot file",
     "Tcp": "tcp",
     "GripperSpec": "gripper",
+    "SuctionSpec": "suction",
     "GripperJoint": "gripper joint",
 }
 """Model -> heading of the section that explains it."""
@@ -141,6 +142,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "rpy_deg": "Orientation in the link's frame.",
     },
     "GripperSpec": {"joints": "Every joint of the gripper that moves."},
+    "SuctionSpec": {},
     "GripperJoint": {
         "open": "Position when the gripper is open, in m or rad.",
         "closed": "Position when it is closed, in m or rad.",

@@ -194,7 +194,10 @@ class _Sheet:
 def _fine(pixels: Points) -> NDArray[np.int64]:
     """Pixels of the picture as those of the finer sheet, in 1/16."""
     fine = (pixels + 0.5) * _FINE - 0.5
-    return np.rint(np.clip(fine, -30_000, 30_000) * 2**_SHIFT).astype(np.int64)
+    numbers: NDArray[np.int64] = np.rint(np.clip(fine, -30_000, 30_000) * 2**_SHIFT).astype(
+        np.int64
+    )
+    return numbers
 
 
 def _pieces(lens: Lens, stroke: Stroke) -> Iterator[tuple[NDArray[np.int64], bool]]:
@@ -262,7 +265,8 @@ def _fill(sheet: _Sheet, lens: Lens, patch: Patch) -> None:
     distance = _depth_of_plane(lens, rings[0])
     hidden = lens.depth < distance - TOLERANCE_M
     share = cv2.GaussianBlur(np.where(hidden, FADED, 1.0).astype(np.float32), (3, 3), 0.8)
-    sheet.area(share * (mask / np.float32(255)) * patch.opacity, patch.color)
+    tint = share * (mask / 255.0) * patch.opacity
+    sheet.area(tint.astype(np.float32), patch.color)
 
 
 def _clipped(ring: Points) -> Points:

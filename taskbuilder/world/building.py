@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.robots import RobotModel, joint_values
 from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
@@ -24,25 +23,26 @@ from taskbuilder.sim.islands import unite
 from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
-from taskbuilder.sim.renderers import choose
+from taskbuilder.sim.renderers import Request, choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
-from taskbuilder.world.gripper import build_gripper
+from taskbuilder.world.end_effector import EndEffector, Tool
+from taskbuilder.world.fingers import Fingers
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
+from taskbuilder.world.suction import Suction
 from taskbuilder.world.world import World
 
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
 ARM_SPEED = 3.14  # rad/s or m/s, likewise
 ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
+THICK_M, ZONE_OPACITY = 0.06, 0.35  # markers of zones, which things are seen in
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
-def build_world(
-    task: TaskFile, *, variation: int = 0, renderer: Literal["auto", "tiny", "egl"] = "tiny"
-) -> World:
+def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto") -> World:
     """Build the world of a task.
 
     Args:
@@ -56,7 +56,7 @@ def build_world(
         SimulationError: The renderer does not work here.
     """
     scene = task.scenes[variation]
-    client = Client(physics_hz=task.spec.timing.physics_hz, egl=choose(renderer) == "egl")
+    client = Client(physics_hz=task.spec.timing.physics_hz, renderer=choose(renderer))
     loader = Loader(client, task)
     try:
         floor = _build_floor(client) if scene.floor else None
@@ -91,7 +91,7 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
     body = loader.urdf(model.urdf, name, entry.base.pose, fixed=True)
     joints = [body.joints[joint] for joint in spec.arm]
     indices = [joint.index for joint in joints]
-    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose)
+    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose, posture=model.home)
     arm = Motors(
         body,
         indices,
@@ -99,11 +99,18 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
         velocities=[joint.velocity or ARM_SPEED for joint in joints],
         position_gain=ARM_GAIN,
     )
-    fingers = tuple(tuple(body.links[link] for link in finger) for finger in spec.gripper.fingers)
     home = _home(loader, name, entry, chain)
-    robot = Robot(name, model, body, chain, arm, build_gripper(body, model), home, fingers)
+    robot = Robot(name, model, body, chain, arm, _build_end(body, model), home)
     robot.go_home()
     return robot
+
+
+def _build_end(body: Body, model: RobotModel) -> EndEffector:
+    if model.spec.gripper is not None:
+        return Fingers(body, model, model.spec.gripper)
+    if model.spec.suction is not None:
+        return Suction(body, model.spec.suction, model.spec.tcp)
+    return Tool(body.links[model.spec.tcp.link])
 
 
 def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[float, ...]:
@@ -207,9 +214,12 @@ def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:
     if spec.marker is None:
         return Site(name, spec, spec.pose, None, None)
     shape = shape_of(spec.marker)
-    part = Part(shape, Pose(), (*rgb(spec.color), 1.0))
+    box = bounds(shape)
+    zone = 2.0 * min(box.half) > THICK_M
+    opacity = spec.opacity or (ZONE_OPACITY if zone else 1.0)
+    part = Part(shape, Pose(), (*rgb(spec.color), opacity))
     marker = create_body(client, {name: part}, name=name, collides=False)
-    return Site(name, spec, spec.pose, bounds(shape), marker)
+    return Site(name, spec, spec.pose, box, marker)
 
 
 def _put_all(world: World) -> None:

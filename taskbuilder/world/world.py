@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from taskbuilder.errors import Finding, UnknownNameError
-from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, subtract
+from taskbuilder.errors import Finding
+from taskbuilder.geometry import Box, Pose, Vec3
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim import divergence
@@ -19,7 +19,6 @@ from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import ContactPoint
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
-from taskbuilder.wording import suggestion
 from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
@@ -30,6 +29,7 @@ from taskbuilder.world.restored_contacts import part, press, touches_to_restore
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.touch import Touch
+from taskbuilder.world.views import view_of
 
 MANY = 50
 """Members of groups from which on a reset settles for `MANY_SETTLE_S` only, to stay fast."""
@@ -111,6 +111,8 @@ class World(Single):
         self._springs = tuple(
             joint for thing in objects.values() for joint in thing.passive.values() if joint.acts
         )
+        self._ends = tuple(robot.gripper for robot in robots.values())
+        self._surfaces = tuple(thing.body for thing in objects.values())
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
@@ -187,10 +189,14 @@ class World(Single):
         drives = [self.robots[name].ramp(to, substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
         drives += [joint.act() for joint in self._springs]
+        ends = [drive for end in self._ends if (drive := end.drive(self._surfaces)) is not None]
+        drives += ends
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
         self.client.step(substeps, drives, self._forces.read if self._forces else None)
+        for end in ends:
+            next(end)
         self.time += substeps / self.spec.timing.physics_hz
         self.refresh()
         self._check()
@@ -373,19 +379,7 @@ class World(Single):
         Raises:
             UnknownNameError: The scene has no such camera.
         """
-        cameras = self.scene.cameras
-        if name not in cameras:
-            help_ = suggestion(name, cameras, what="there are")
-            raise UnknownNameError(f'no camera "{name}"; {help_}')
-        spec = cameras[name]
-        mount = self.pose(spec.mount) if spec.mount else Pose()
-        width, height = size or spec.size
-        eye, aim = mount.apply(spec.eye), mount.apply(spec.aim)
-        up = mount.axis(2)
-        sight = subtract(aim, eye)
-        if abs(dot(sight, up)) > 0.999 * norm(sight):  # straight along z
-            up = mount.axis(0 if spec.mount else 1)
-        return CameraView(eye, aim, up, spec.fov_deg, width, height)
+        return view_of(self.scene.cameras, name, self.pose, size)
 
     def move_markers(self) -> None:
         """Move the markers of moving sites to their sites; needed for pictures only."""

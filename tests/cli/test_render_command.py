@@ -68,6 +68,17 @@ def test_nothing_is_written_where_one_task_cannot_be_rendered(run, good):
     assert not Path("renders").exists()
 
 
+def test_another_robot_is_drawn(run):
+    words = ("--size", "80x60", "--camera", "front", "--json")
+    plain, other = (
+        run("render", "handover", *words, "--out", out, *more)
+        for out, more in (("plain", ()), ("other", ("--robot", "left=panda")))
+    )
+    assert (plain.status, other.status) == (0, 0)
+    pictures = [Path(ran.data["files"][0]).read_bytes() for ran in (plain, other)]
+    assert pictures[0] != pictures[1]
+
+
 def test_show_draws_over_every_picture(run, good):
     plain = run("render", "good.yaml", *SMALL, "--out", "plain")
     shown = run("render", "good.yaml", *SMALL, "--show", "frames,grasps", "sites", "--out", "shown")

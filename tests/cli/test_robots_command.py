@@ -23,7 +23,10 @@ def test_robots_are_listed(run):
 def test_robots_as_json_have_the_documented_shape(run):
     listed = run("robots", "--json").data["robots"]
     assert [robot["name"] for robot in listed] == ROBOTS
-    assert all(set(robot) == {"name", "path", "joints", "stroke", "summary"} for robot in listed)
+    keys = {"name", "path", "joints", "gripper", "stroke", "summary"}
+    assert all(set(robot) == keys for robot in listed)
+    (pusher,) = [robot for robot in listed if robot["name"] == "ur5e_pusher"]
+    assert (pusher["gripper"], pusher["stroke"]) == (None, None)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
