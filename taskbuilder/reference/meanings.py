@@ -183,3 +183,16 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("Grasp", "link"): "name in the URDF",
 }
 """Values that a type says less well than words."""
+
+DRAWN: Mapping[str, tuple[str, str]] = {
+    "gains": (
+        "distribution of factors, above 0 to 2",
+        "Factor of the position gain of the arm's motors, drawn in each episode.",
+    ),
+    "delay": (
+        "choice of whole numbers, 0 to 50",
+        "Control steps by which every action of the robot is carried out late, drawn in each "
+        "episode.",
+    ),
+}
+"""What `randomize` can draw for a robot: value and meaning."""

@@ -12,6 +12,7 @@ from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3
 from taskbuilder.schema.scene import Grasp, Place
 from taskbuilder.sim.cameras import CameraView
+from taskbuilder.sim.kinematics import Chain
 from taskbuilder.visual.ink import Lens, Marks, Patch, Points, Rgb, Stroke, Tag, drawn_over
 from taskbuilder.visual.outlines import outlines
 from taskbuilder.visual.still import Still
@@ -38,6 +39,7 @@ _OPENING_M, _FINGER_M, _STEM_M = 0.07, 0.045, 0.05  # of the gripper that shows 
 _ABOVE_M = 0.002  # areas lie this far above their surface
 _HIGHER_M = 0.03  # the reach is that at a small object's middle
 _REACH_M = 1.2  # where there is no surface, the reach is looked for so far around the bases
+_HEIGHTS = (0.0, 0.2, 0.4)  # of the reach of an arm alone, as shares of the room around it
 _ALIKE = 6  # members of a group that are named one by one, at most
 
 
@@ -93,16 +95,17 @@ def _frames(world: World, camera: str) -> Marks:
     own = world.scene.cameras[camera].mount
     marks = Marks()
     for name in world.robots:
-        marks += _axes(world.pose(f"{name}.base"), f"{name}.base", _AXIS_M)
+        marks += axes(world.pose(f"{name}.base"), f"{name}.base", _AXIS_M)
         if own != f"{name}.tcp":  # it would fill the picture
-            marks += _axes(world.pose(f"{name}.tcp"), f"{name}.tcp", _AXIS_M)
+            marks += axes(world.pose(f"{name}.tcp"), f"{name}.tcp", _AXIS_M)
     for name in _each(world, world.objects):
-        marks += _axes(world.pose(name), name, _SHORT_AXIS_M)
+        marks += axes(world.pose(name), name, _SHORT_AXIS_M)
     return marks
 
 
-def _axes(pose: Pose, name: str, length: float) -> Marks:
-    ends = (pose.moved(_along(index, length)).position for index in range(3))
+def axes(pose: Pose, name: str, length: float) -> Marks:
+    """The axes of a frame, with its name: x is red, y green, z blue."""
+    ends = (pose.apply(_along(index, length)) for index in range(3))
     strokes = tuple(
         Stroke(np.array([pose.position, end]), color, 2.0)
         for end, color in zip(ends, AXES, strict=True)
@@ -162,7 +165,7 @@ def _sites(world: World, camera: str) -> Marks:
 
 
 def _cross(pose: Pose) -> tuple[Stroke, ...]:
-    ends = ([pose.moved(_along(i, end)).position for end in (-0.03, 0.03)] for i in range(3))
+    ends = ([pose.apply(_along(i, end)) for end in (-0.03, 0.03)] for i in range(3))
     return tuple(Stroke(np.array(line), SITE, 1.2) for line in ends)
 
 
@@ -251,6 +254,28 @@ def _reach_tag(name: str, rings: Sequence[Points], base: Pose, color: Rgb) -> Ta
     outline = max(rings, key=len)
     away = np.linalg.norm(outline[:, :2] - np.array(base.position[:2]), axis=1)
     return Tag(f"{name} reaches", outline[int(np.argmin(away))], color)
+
+
+def arm_reach(chain: Chain, home: Sequence[float], room_m: float) -> Marks:
+    """What an arm at the origin reaches with its tool pointing down, at three heights.
+
+    Args:
+        chain: The arm.
+        home: Joint positions to begin at, in rad or m.
+        room_m: How far around the base to look, in metres.
+    """
+    marks = Marks()
+    for share, color in zip(_HEIGHTS, ROBOTS, strict=False):
+        height = share * room_m
+        low, high = (-room_m, -room_m, height), (room_m, room_m)
+        found = reach_map(chain, Pose(), home, low, high, spacing=room_m / 11)
+        if not (rings := outlines(found)):
+            continue
+        outline = max(rings, key=len)
+        tag = Tag(f"{height:.2f} m high", outline[int(np.argmin(outline[:, 1]))], color)
+        strokes = tuple(Stroke(ring, color, 1.6, closed=True) for ring in rings)
+        marks += Marks((Patch(rings, color, 0.16),), strokes, (tag,))
+    return marks
 
 
 def _working_plane(world: World) -> tuple[Vec3, Vec3]:

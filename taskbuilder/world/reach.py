@@ -89,7 +89,7 @@ class _Finder:
     ) -> None:
         self._chain, self._base, self._low, self._spacing = chain, base, low, spacing
         self._rng = np.random.default_rng(0)
-        self._longest = _length(chain)
+        self._longest = longest_reach(chain)
         self._tries = np.zeros(shape, dtype=int)
         self.reached = np.zeros(shape, dtype=bool)
 
@@ -145,7 +145,7 @@ class _Finder:
         return None
 
 
-def _length(chain: Chain) -> float:
+def longest_reach(chain: Chain) -> float:
     """No point is reached that is further than this from the base, in metres."""
     links = float(np.linalg.norm(chain.frames[:, :3, 3], axis=1).sum())
     slides = ~chain.revolute

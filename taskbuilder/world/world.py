@@ -253,7 +253,7 @@ class World(Single):
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
         changed = {k: value for k, value in values.items() if value != self.quantities[k]}
-        apply(self.objects, self.sites, changed, self.task.names.groups)
+        apply(self.robots, self.objects, self.sites, changed, self.task.names.groups)
         self.quantities = values
 
     def _set_look(self, look: Look) -> None:

@@ -45,7 +45,7 @@ def test_the_table_names_the_part_that_each_joint_plays(run):
     roles = {line.split()[0]: " ".join(line.split()[-2:]) for line in lines if "revolute" in line}
     assert roles["shoulder_pan_joint"] == "arm 1"
     assert roles["wrist_3_joint"] == "arm 6"
-    assert lines[-2:] == ["ok", "ur5e.png"]
+    assert lines[-3:] == ["ok", "ur5e.png", "ur5e-reach.png"]
 
 
 def test_a_urdf_can_be_checked_by_the_name_that_a_robot_file_gives_it(run):

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from taskbuilder.errors import UnknownNameError
+from taskbuilder.geometry import Pose
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
 from taskbuilder.sim.cameras import CameraView
-from taskbuilder.visual.annotations import SHOWN, Annotator, check_words
+from taskbuilder.visual.annotations import AXES, SHOWN, Annotator, axes, check_words
 from taskbuilder.visual.ink import FADED, Lens, Marks, Patch, Stroke, Tag, drawn_over
 from taskbuilder.visual.labels import Label, place_labels
 from taskbuilder.visual.outlines import outlines
@@ -141,6 +142,15 @@ def test_each_word_draws_something_without_changing_anything_else(word, world):
     drawn = Annotator(world, [word]).annotated(still)
     assert (drawn.image.rgb != still.image.rgb).any()
     assert drawn.image.depth is still.image.depth
+
+
+def test_axes_are_those_of_the_frame():
+    pose = Pose.from_rpy_deg((0.1, 0.2, 0.3), (180, 0, 30))
+    strokes = axes(pose, "tool", 0.1).strokes
+    for index, stroke in enumerate(strokes):
+        along = (stroke.points[1] - stroke.points[0]) / 0.1
+        assert along == pytest.approx(np.array(pose.axis(index)), abs=1e-9)
+        assert stroke.color == AXES[index]
 
 
 def test_nothing_shown_leaves_the_picture_as_it_is(world):
