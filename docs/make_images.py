@@ -12,15 +12,18 @@ import contextlib
 import io
 import sys
 import tempfile
+from contextlib import closing
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from taskbuilder import load_task
+from taskbuilder import load_task, parallel_env
 from taskbuilder.cli import main as taskbuilder
+from taskbuilder.expert import Expert
 from taskbuilder.learn.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.visual.film import GIF_FPS, save_film
 from taskbuilder.visual.still import Pixels, save_image
 
 IMAGES = Path(__file__).parent / "images"
@@ -32,7 +35,7 @@ SHOWN = {
 }
 SIZE = (800, 600)
 THUMBNAIL = (480, 360)
-FILM_SIZES = ("480x360", "400x300", "360x270", "320x240", "280x210", "240x180")
+FILM_SIZES = ((480, 360), (400, 300), (360, 270), (320, 240), (280, 210), (240, 180))
 FILM_BYTES = 300_000
 """A film of the gallery is made in the first of these sizes in which it is no larger."""
 
@@ -46,13 +49,24 @@ def make_task(name: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         _call("render", name, "--camera", camera, "--out", folder, *_options())
         _keep(Path(folder, f"{name}-{camera}.png"), f"{name}.png")
-        for size in FILM_SIZES:
-            film = ("--video", "--camera", camera, "--size", size, "--out", folder)
-            _call("demo", name, *film, *_drawn())
-            if Path(folder, f"{name}.gif").stat().st_size <= FILM_BYTES:
-                break
+        _call("demo", name, "--camera", camera, "--out", folder, *_drawn())
+        _film(name, camera, Path(folder, name))
         for ending in (".gif", "-strip.png", "-rewards.png"):
             _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
+
+
+def _film(name: str, camera: str, stem: Path) -> None:
+    """Film a task's expert in the first size in which the film is small enough."""
+    with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
+        played = expert.play(0)
+        area, length = 1, 0
+        for width, height in FILM_SIZES:
+            if width * height * length > FILM_BYTES * area:
+                continue  # a small picture takes more bytes a pixel than a large one
+            _, film = save_film(env, played, [camera], stem, size=(width, height), fps=GIF_FPS)
+            area, length = width * height, film.stat().st_size
+            if length <= FILM_BYTES:
+                return
 
 
 def make_all() -> None:
