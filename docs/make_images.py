@@ -23,7 +23,7 @@ from taskbuilder.cli import main as taskbuilder
 from taskbuilder.expert import Expert
 from taskbuilder.learn.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.visual.film import GIF_FPS, save_film
+from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
 
 IMAGES = Path(__file__).parent / "images"
@@ -35,9 +35,12 @@ SHOWN = {
 }
 SIZE = (800, 600)
 THUMBNAIL = (480, 360)
-FILM_SIZES = ((480, 360), (400, 300), (360, 270), (320, 240), (280, 210), (240, 180))
+FILMS = (
+    *(((480, 360), 12), ((400, 300), 12), ((360, 270), 12), ((320, 240), 12)),
+    *(((320, 240), 8), ((280, 210), 8), ((240, 180), 8), ((240, 180), 6)),
+)
+"""Size and frames a second of a film of the gallery: the first that is no larger than allowed."""
 FILM_BYTES = 300_000
-"""A film of the gallery is made in the first of these sizes in which it is no larger."""
 
 _PAPER, _INK = (255, 255, 255), (58, 62, 66)
 _GAP, _CAPTION = 16, 40
@@ -56,16 +59,17 @@ def make_task(name: str) -> None:
 
 
 def _film(name: str, camera: str, stem: Path) -> None:
-    """Film a task's expert in the first size in which the film is small enough."""
+    """Film a task's expert as large as a film of the gallery may be."""
     with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
         played = expert.play(0)
-        area, length = 1, 0
-        for width, height in FILM_SIZES:
-            if width * height * length > FILM_BYTES * area:
-                continue  # a small picture takes more bytes a pixel than a large one
-            _, film = save_film(env, played, [camera], stem, size=(width, height), fps=GIF_FPS)
-            area, length = width * height, film.stat().st_size
-            if length <= FILM_BYTES:
+        density = 0.0  # bytes a pixel of the last film; a smaller one has as many, or more
+        for (width, height), fps in FILMS:
+            pixels = width * height * fps
+            if density * pixels > FILM_BYTES and ((width, height), fps) != FILMS[-1]:
+                continue
+            _, film = save_film(env, played, [camera], stem, size=(width, height), fps=fps)
+            density = film.stat().st_size / pixels
+            if film.stat().st_size <= FILM_BYTES:
                 return
 
 
