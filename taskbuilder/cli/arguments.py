@@ -12,8 +12,17 @@ from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer, add_suite
+from taskbuilder.cli.shared_options import (
+    add_jobs,
+    add_json,
+    add_other_robots,
+    add_picture,
+    add_ray,
+    add_renderer,
+    add_suite,
+)
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.wording import suggestion
 
@@ -24,6 +33,8 @@ _COMMANDS = (
     "validate",
     "render",
     "demo",
+    "collect",
+    "dataset",
     "train",
     "evaluate",
     "plot",
@@ -182,7 +193,9 @@ def _add_validate(adder: Adder) -> None:
     seeds.add_argument(
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
+    add_other_robots(parser)
     add_jobs(parser)
+    add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
@@ -275,6 +288,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="number of the variation (default 0, the task as written)",
     )
+    add_other_robots(parser)
     add_renderer(parser)
 
 
@@ -342,6 +356,8 @@ _ADDERS = {
     "validate": _add_validate,
     "render": _add_render,
     "demo": _add_demo,
+    "collect": add_collect,
+    "dataset": add_dataset,
     "train": add_train,
     "evaluate": add_evaluate,
     "plot": add_plot,

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.tasks import asked_tasks, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, check_views, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.task import Task, load_task
 from taskbuilder.visual.still import contact_sheet, save_image, save_still, take_still
@@ -16,7 +16,8 @@ from taskbuilder.world.building import build_world
 def run(arguments: argparse.Namespace) -> int:
     """Take pictures of tasks and say where they are."""
     catalogue = catalogue_of(arguments)
-    tasks = [load_task(name, catalogue=catalogue) for name in asked_tasks(arguments, catalogue)]
+    names, robots = asked_tasks(arguments, catalogue), dict(asked_robots(arguments))
+    tasks = [load_task(name, catalogue=catalogue, robots=robots) for name in names]
     for task in tasks:
         check_views(task, arguments)
     make_folder(arguments.out)

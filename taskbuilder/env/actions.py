@@ -57,12 +57,12 @@ class GripperMode:
     def opening_to(self, opening: float | None) -> float:
         """The number that opens the gripper to a fraction from 0 to 1; None leaves it unchanged."""
         if self.kind == "continuous":
-            told = self._told() if opening is None else opening
+            told = self.commanded() if opening is None else opening
             return told * self.robot.model.spec.gripper.stroke
         return 0.0 if opening is None else 1.0 if opening > 0.5 else -1.0
 
-    def _told(self) -> float:
-        """The last commanded opening."""
+    def commanded(self) -> float:
+        """The last commanded opening, from 0 to 1."""
         end = next(iter(self.robot.model.spec.gripper.joints.values()))
         return (self.robot.gripper.command.values[0] - end.closed) / (end.open - end.closed)
 
@@ -83,6 +83,8 @@ class RobotActions:
         arm: The arm that is commanded.
         low: (n,) lower bound of each number, in physical units.
         high: (n,) upper bound.
+        short_names: Name of each number, such as ``dx`` or ``gripper``.
+        names: The same with the robot's name, such as ``left.dx``.
         size: Number of values in an action: the arm's, then one for the gripper.
     """
 
@@ -93,6 +95,8 @@ class RobotActions:
         self._bounds = (*self._mode.bounds, self._gripper.bounds)
         self._spans = tuple(((low + high) / 2.0, (high - low) / 2.0) for low, high in self._bounds)
         self.size = len(self._bounds)
+        self.short_names = (*self._mode.names, "gripper")
+        self.names = tuple(f"{robot.name}.{name}" for name in self.short_names)
         self.low: NDArray[np.float64] = np.array([low for low, _ in self._bounds])
         self.high: NDArray[np.float64] = np.array([high for _, high in self._bounds])
 
@@ -128,6 +132,10 @@ class RobotActions:
         """
         arm = self._mode.leading_to(self.arm.robot.commanded() if joints is None else joints)
         return self.clipped([*arm, self._gripper.opening_to(opening)])
+
+    def joint_targets(self) -> tuple[float, ...]:
+        """The last commands as joint positions (rad or m), and the opening from 0 to 1."""
+        return (*self.arm.robot.commanded(), self._gripper.commanded())
 
     def command(self, values: Sequence[float]) -> Targets:
         """Apply an action in physical units and within the bounds.

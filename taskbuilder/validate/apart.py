@@ -18,6 +18,7 @@ from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
@@ -79,6 +80,7 @@ class ValidationConfig:
         only: Names of the families to run; None for all.
         limits: The time limits.
         kept: Intermediate result of a process that was lost.
+        robots: Other models for robots of the scene.
     """
 
     reference: str
@@ -89,6 +91,7 @@ class ValidationConfig:
     only: tuple[str, ...] | None
     limits: Limits = field(default_factory=lambda: LIMITS)
     kept: Kept | None = None
+    robots: OtherRobots = ()
 
 
 class Listener(Protocol):

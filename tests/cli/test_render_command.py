@@ -66,3 +66,14 @@ def test_seeds_and_variations_make_other_pictures(run, good):
 def test_nothing_is_written_where_one_task_cannot_be_rendered(run, good):
     assert run("render", "good.yaml", "handover", "--variation", "9").status == 2
     assert not Path("renders").exists()
+
+
+def test_another_robot_is_drawn(run):
+    words = ("--size", "80x60", "--camera", "front", "--json")
+    plain, other = (
+        run("render", "handover", *words, "--out", out, *more)
+        for out, more in (("plain", ()), ("other", ("--robot", "left=panda")))
+    )
+    assert (plain.status, other.status) == (0, 0)
+    pictures = [Path(ran.data["files"][0]).read_bytes() for ran in (plain, other)]
+    assert pictures[0] != pictures[1]
