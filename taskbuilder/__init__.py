@@ -11,6 +11,7 @@ from taskbuilder._lazy import exported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
+    from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, make_from
     from taskbuilder.env.joint import JointEnv
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
@@ -32,10 +33,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Catalogue",
+    "Dataset",
     "Expert",
     "FileError",
     "JointEnv",
     "Policy",
+    "RecordedEpisode",
     "Rollout",
     "Suite",
     "Task",
@@ -51,9 +54,11 @@ __all__ = [
     "catalogue",
     "check_env",
     "evaluate",
+    "load_dataset",
     "load_policy",
     "load_suite",
     "load_task",
+    "make_from",
     "make_vec",
     "parallel_env",
     "play",
@@ -64,10 +69,12 @@ __all__ = [
 
 _HOMES = {
     "Catalogue": "taskbuilder.schema.catalogue",
+    "Dataset": "taskbuilder.data.dataset",
     "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
     "Policy": "taskbuilder.rollout.play",
+    "RecordedEpisode": "taskbuilder.data.dataset",
     "Rollout": "taskbuilder.rollout.record",
     "Suite": "taskbuilder.schema.suites",
     "Task": "taskbuilder.task",
@@ -81,8 +88,10 @@ _HOMES = {
     "build_world": "taskbuilder.world.building",
     "check_env": "taskbuilder.validate.environments",
     "evaluate": "taskbuilder.learn.assessment",
+    "load_dataset": "taskbuilder.data.dataset",
     "load_policy": "taskbuilder.learn.zoo",
     "load_task": "taskbuilder.task",
+    "make_from": "taskbuilder.data.dataset",
     "make_vec": "taskbuilder.env.vector",
     "parallel_env": "taskbuilder.env.parallel",
     "play": "taskbuilder.rollout.play",

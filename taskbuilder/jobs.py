@@ -340,7 +340,7 @@ def serve() -> None:
     """Do the work that the owner gives, until it is gone."""
     leave = tell_exits()
     while _owner and (work := _taken(_owner)):
-        _send(_owner, _answer(work))
+        _send(_owner, carry_out(work))
     leave(0)  # without waiting for threads or exit handlers of the task's
 
 
@@ -350,7 +350,8 @@ def say(value: Any) -> None:
         _send(_owner, pickle.dumps((SAID, value)))
 
 
-def _answer(work: bytes) -> bytes:
+def carry_out(work: bytes) -> bytes:
+    """Do a piece of work, of `packed`; its result or its error, pickled."""
     try:
         function, item = pickle.loads(work)  # noqa: S301  # our owner wrote it
         return pickle.dumps((DONE, function(item)))

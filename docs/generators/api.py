@@ -10,7 +10,10 @@ from typing import Annotated, Any, get_origin
 from taskbuilder.reference.markdown import fence
 from taskbuilder.reference.python import prose, signature
 
-_WITH_MEMBERS = {"Catalogue", "Description", "Expert", "Finding", "Outcome", "Task", "World"}
+_WITH_MEMBERS = {
+    *("Catalogue", "Dataset", "Description", "Expert", "Finding", "Outcome", "RecordedEpisode"),
+    *("Task", "World"),
+}
 """Classes whose methods people call."""
 
 

@@ -39,6 +39,15 @@ def size(text: str) -> tuple[int, int]:
     return width, height
 
 
+def robot_choice(text: str) -> tuple[str, str]:
+    """A converter for ROBOT=MODEL."""
+    name, equals, model = text.partition("=")
+    if not (name and equals and model):
+        wrong = f'"{text}" names no model for a robot; write left=panda'
+        raise argparse.ArgumentTypeError(wrong)
+    return name, model
+
+
 def share(text: str) -> float:
     """A converter for numbers from 0 to 1."""
     try:
@@ -48,3 +57,22 @@ def share(text: str) -> float:
     if not 0.0 <= value <= 1.0:
         raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1")
     return value
+
+
+def side_or_size(text: str) -> tuple[int, int]:
+    """A converter for WIDTHxHEIGHT, or the side of a square."""
+    if "x" in text:
+        return size(text)
+    side = whole(16, 2048)(text)
+    return side, side
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """A converter for names separated by commas; each counts once."""
+    return tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+
+
+def variation_or_all(text: str) -> int | str:
+    """A converter for the number of a variation, or "all"."""
+    number: int | str = text if text == "all" else whole(0, 10_000)(text)
+    return number

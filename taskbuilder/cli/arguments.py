@@ -11,9 +11,19 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer, add_suite
+from taskbuilder.cli.shared_options import (
+    add_jobs,
+    add_json,
+    add_other_robots,
+    add_picture,
+    add_ray,
+    add_renderer,
+    add_show,
+    add_suite,
+)
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.wording import suggestion
 
@@ -22,8 +32,11 @@ _COMMANDS = (
     "show",
     "new",
     "validate",
+    "watch",
     "render",
     "demo",
+    "collect",
+    "dataset",
     "train",
     "evaluate",
     "plot",
@@ -182,7 +195,9 @@ def _add_validate(adder: Adder) -> None:
     seeds.add_argument(
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
+    add_other_robots(parser)
     add_jobs(parser)
+    add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
@@ -225,8 +240,34 @@ def _add_render(adder: Adder) -> None:
         default=["rgb"],
         help="kinds of image (default rgb)",
     )
+    add_show(parser)
     _add_episode(parser, "seed of the episode (default 0)")
     add_json(parser)
+
+
+def _add_watch(adder: Adder) -> None:
+    parser = adder.command(
+        "check a task again whenever one of its files changes, and take its picture",
+        "stack_cubes.yaml --out view.png",
+    )
+    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="picture (default renders/TASK-watch.png)"
+    )
+    parser.add_argument(
+        "--camera", metavar="C", help="camera that takes the picture (default the scene's first)"
+    )
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
+    )
+    add_show(parser)
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=0,
+        metavar="N",
+        help="seed of the episode whose start is shown (default 0)",
+    )
 
 
 def _add_demo(adder: Adder) -> None:
@@ -275,6 +316,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="number of the variation (default 0, the task as written)",
     )
+    add_other_robots(parser)
     add_renderer(parser)
 
 
@@ -340,8 +382,11 @@ _ADDERS = {
     "show": _add_show,
     "new": _add_new,
     "validate": _add_validate,
+    "watch": _add_watch,
     "render": _add_render,
     "demo": _add_demo,
+    "collect": add_collect,
+    "dataset": add_dataset,
     "train": add_train,
     "evaluate": add_evaluate,
     "plot": add_plot,

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Protocol
 
 from taskbuilder.cli.argument_types import share, variation, whole
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_renderer
+from taskbuilder.cli.shared_options import (
+    add_jobs,
+    add_json,
+    add_other_robots,
+    add_picture,
+    add_ray,
+    add_renderer,
+)
 from taskbuilder.learn.algorithms import ALGORITHMS
 
 
@@ -56,6 +63,7 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--jobs", type=whole(1, 1024), metavar="N", help="runs to train at once (default 1)"
     )
+    add_ray(parser, "the runs of several seeds")
     parser.add_argument(
         "--envs", type=whole(1, 1024), metavar="N", help="parallel environments (default 4)"
     )
@@ -154,6 +162,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         metavar="K",
         help="number of the variation (default that of training)",
     )
+    add_other_robots(parser)
     parser.add_argument(
         "--controls",
         type=whole(0, 100_000),
@@ -162,6 +171,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         "for comparison (default 20; all of them for a certificate)",
     )
     add_jobs(parser)
+    add_ray(parser, "episodes")
     parser.add_argument(
         "--certificate",
         type=Path,

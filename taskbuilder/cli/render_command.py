@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.tasks import asked_tasks, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, check_views, make_folder
 from taskbuilder.errors import display_path
 from taskbuilder.task import Task, load_task
+from taskbuilder.visual.annotations import Annotator, check_words
 from taskbuilder.visual.still import contact_sheet, save_image, save_still, take_still
 from taskbuilder.world.building import build_world
 
@@ -16,9 +17,11 @@ from taskbuilder.world.building import build_world
 def run(arguments: argparse.Namespace) -> int:
     """Take pictures of tasks and say where they are."""
     catalogue = catalogue_of(arguments)
-    tasks = [load_task(name, catalogue=catalogue) for name in asked_tasks(arguments, catalogue)]
+    names, robots = asked_tasks(arguments, catalogue), dict(asked_robots(arguments))
+    tasks = [load_task(name, catalogue=catalogue, robots=robots) for name in names]
     for task in tasks:
         check_views(task, arguments)
+    arguments.show = check_words([word for listed in arguments.show for word in listed.split(",")])
     make_folder(arguments.out)
     listed = []
     for task in tasks:
@@ -36,7 +39,11 @@ def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
     try:
         world.reset(arguments.seed)
         cameras = list(dict.fromkeys(arguments.camera or world.scene.cameras))
-        stills = [take_still(world, camera, arguments.size) for camera in cameras]
+        annotator = Annotator(world, arguments.show)
+        stills = [
+            annotator.annotated(take_still(world, camera, arguments.size), arguments.size)
+            for camera in cameras
+        ]
     finally:
         world.close()
     modalities = list(dict.fromkeys(arguments.modality))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.argument_types import robot_choice, size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -14,6 +14,23 @@ def add_jobs(parser: ArgumentParser) -> None:
         type=whole(1, 1024),
         metavar="N",
         help="processes that play episodes (default: one for each core)",
+    )
+
+
+def add_ray(parser: ArgumentParser, pieces: str) -> None:
+    """``--ray``: a cluster that plays episodes, in place of processes.
+
+    Args:
+        parser: The command's parser.
+        pieces: What its nodes share among them, in words.
+    """
+    parser.add_argument(
+        "--ray",
+        nargs="?",
+        const="local",
+        metavar="ADDRESS",
+        help=f"share {pieces} among the nodes of a Ray cluster: host:port of its head, or auto; "
+        "without an address, a cluster of this machine alone",
     )
 
 
@@ -28,6 +45,19 @@ def add_suite(parser: ArgumentParser) -> None:
         "--suite",
         metavar="S",
         help="the tasks of a suite: seed, single, pairs, trios, quads, or one of your own",
+    )
+
+
+def add_other_robots(parser: ArgumentParser) -> None:
+    """``--robot``: other models for robots of the scene."""
+    parser.add_argument(
+        "--robot",
+        action="append",
+        type=robot_choice,
+        default=[],
+        metavar="NAME=MODEL",
+        help="another model for a robot of the scene, such as left=panda: a robot's name, or the "
+        "path of a robot file (may be repeated)",
     )
 
 
@@ -51,7 +81,19 @@ def add_renderer(parser: ArgumentParser) -> None:
     """``--renderer``: how images are rendered."""
     parser.add_argument(
         "--renderer",
-        choices=("auto", "tiny", "egl"),
+        choices=("auto", "raster", "tiny", "egl"),
         default="auto",
-        help="tiny: on the CPU; egl: through OpenGL (default auto)",
+        help="raster: fast, on the CPU; tiny: Bullet's own; egl: through OpenGL (default auto: "
+        "raster where it is installed)",
+    )
+
+
+def add_show(parser: ArgumentParser) -> None:
+    """``--show``: what is drawn over pictures."""
+    parser.add_argument(
+        "--show",
+        nargs="+",
+        default=[],
+        metavar="WHAT",
+        help="draw over the pictures, with names: frames, grasps, sites, regions, cameras, reach",
     )

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.output import paint, progress, say
+from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.jobs import workers
 from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, reference_of
-from taskbuilder.learn.plan import Plan, make_plan
+from taskbuilder.learn.plan import RUN_FILE, Plan, make_plan
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
@@ -34,8 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     seeds = list(dict.fromkeys(arguments.seed or [0]))
     each = [_of_seed(arguments, seed, alone=len(seeds) == 1) for seed in seeds]
     for one in each:  # what is wrong with one is told before any begins
-        _planned(one, catalogue_of(one))
-    with workers(min(arguments.jobs or 1, len(each))) as spread:
+        one.out = _new_folder(one)
+    with spread_over(arguments, len(each), default=1) as spread:
         for _ in spread(_train_one, each):
             pass
     return 0
@@ -50,11 +50,29 @@ def _of_seed(arguments: argparse.Namespace, seed: int, *, alone: bool) -> argpar
     return argparse.Namespace(**{**one, "seed": seed})
 
 
-def _train_one(arguments: argparse.Namespace) -> None:
-    catalogue = catalogue_of(arguments)
-    plan, task = _planned(arguments, catalogue)
-    folder = arguments.out or runs.default_folder(plan, task)
+def _new_folder(arguments: argparse.Namespace) -> Path:
+    """The folder of a run that can begin.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    plan, task = _planned(arguments, catalogue_of(arguments))
+    folder: Path = arguments.out or runs.default_folder(plan, task)
+    runs.check_new(folder)
     make_folder(folder)
+    return folder
+
+
+def _train_one(arguments: argparse.Namespace) -> None:
+    """Train, or go on after a process was lost that had begun to."""
+    catalogue = catalogue_of(arguments)
+    folder: Path = arguments.out
+    if (folder / RUN_FILE).exists():
+        plan, task = runs.find(folder, catalogue)
+        with runs.locked(folder, new=False):
+            _go_on(folder, plan, task)
+        return
+    plan, task = _planned(arguments, catalogue)
     with runs.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
         runs.create(folder, plan, task, command=command, catalogue=catalogue, track=_track)
@@ -68,7 +86,7 @@ def _check_alone(arguments: argparse.Namespace) -> None:
         UsageError: There is more beside --resume.
     """
     known = [field.name for field in fields(Plan) if field.name != "settings"]
-    names = [*known, "out", "set", "jobs"]
+    names = [*known, "out", "set", "jobs", "ray"]
     given = [name for name in names if getattr(arguments, name, None) is not None]
     if given:
         words = ["TASK" if name == "task" else f"--{name.replace('_', '-')}" for name in given]

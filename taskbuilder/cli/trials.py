@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from os.path import relpath
 from pathlib import Path
 
 from taskbuilder.cli.evaluated import Evaluated, named_player
 from taskbuilder.cli.output import progress
-from taskbuilder.jobs import cores, workers
+from taskbuilder.cli.spreading import spread_over
 from taskbuilder.trial.arms import Job, TrialConfig, by_arm, play_all
 from taskbuilder.trial.certificate import Trial
 from taskbuilder.trial.results import Arms
 
 
-def play_arms(config: TrialConfig, jobs: Sequence[Job], asked: int | None) -> Arms:
-    """Play all episodes, over as many processes as are asked for."""
-    count = min(asked or cores(), len(jobs))
-    with ExitStack() as stack:
-        spread = stack.enter_context(workers(count)) if count > 1 else None
-        episodes = stack.enter_context(closing(play_all(config, jobs, spread)))
+def play_arms(config: TrialConfig, jobs: Sequence[Job], arguments: argparse.Namespace) -> Arms:
+    """Play all episodes, by as many processes or on the cluster that are asked for."""
+    with (
+        spread_over(arguments, len(jobs)) as spread,
+        closing(play_all(config, jobs, None if spread is map else spread)) as episodes,
+    ):
         return by_arm(progress(episodes, "episodes", len(jobs)))
 
 

@@ -78,6 +78,8 @@ class RobotActions:
         arm: The arm that is commanded.
         low: (n,) lower bound of each number, in physical units.
         high: (n,) upper bound.
+        short_names: Name of each number, such as ``dx`` or ``gripper``.
+        names: The same with the robot's name, such as ``left.dx``.
         size: Number of values in an action: the arm's, then one for the gripper if there is one.
         arm_size: Number of those of the arm.
     """
@@ -91,6 +93,8 @@ class RobotActions:
         self._spans = tuple(((low + high) / 2.0, (high - low) / 2.0) for low, high in self._bounds)
         self.size = len(self._bounds)
         self.arm_size = self.size - len(of_gripper)
+        self.short_names = (*self._mode.names, *(("gripper",) if self._gripper else ()))
+        self.names = tuple(f"{robot.name}.{name}" for name in self.short_names)
         self.low: NDArray[np.float64] = np.array([low for low, _ in self._bounds])
         self.high: NDArray[np.float64] = np.array([high for _, high in self._bounds])
 
@@ -127,6 +131,10 @@ class RobotActions:
         arm = self._mode.leading_to(self.arm.robot.commanded() if joints is None else joints)
         gripper = [self._gripper.opening_to(opening)] if self._gripper else []
         return self.clipped([*arm, *gripper])
+
+    def joint_targets(self) -> tuple[float, ...]:
+        """The last commands as joint positions (rad or m), and the opening from 0 to 1."""
+        return (*self.arm.robot.commanded(), self.arm.robot.gripper.told())
 
     def command(self, values: Sequence[float]) -> Targets:
         """Apply an action in physical units and within the bounds.

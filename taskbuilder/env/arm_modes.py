@@ -100,6 +100,11 @@ class ArmMode(ABC):
 
     @property
     @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+
+    @property
+    @abstractmethod
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
 

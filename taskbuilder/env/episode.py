@@ -18,6 +18,7 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.interpreters import Lineage
+from taskbuilder.schema.load import fill
 from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
@@ -148,6 +149,18 @@ class Episode(Single):
     def horizon(self) -> int:
         """Length of an episode in control steps."""
         return self._file.spec.timing.episode_steps
+
+    @property
+    def instruction(self) -> str:
+        """The instruction of this episode: one of the task's, drawn by the seed and filled in.
+
+        It is the summary of a task without instructions.
+        """
+        texts = self._file.spec.instructions
+        if not texts:
+            return self._file.spec.summary
+        chosen = int(EpisodeRandomness(self.seed).instruction().integers(len(texts)))
+        return fill(texts[chosen], self._file.scenes[self._variation])
 
     @property
     def terminated(self) -> bool:

@@ -12,6 +12,7 @@ def make_info(episode: Episode) -> dict[str, float]:
     return {
         "success": float(outcome.success),
         "succeeded": float(episode.succeeded),
+        "is_success": float(episode.succeeded),  # where Stable-Baselines3 and LeRobot look for it
         "failure": float(outcome.failure),
         "failed": float(episode.failed),
         "exploded": float(episode.exploded),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self, Unpack
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from taskbuilder.env.errors import ActionError
@@ -25,6 +27,12 @@ class JointEnv(gymnasium.Env[Any, Any]):
     Flat observations and actions are those of the robots in file order, concatenated in one box
     each. Otherwise they are dictionaries by robot.
 
+    Attributes:
+        observation_names: Name of each number of a flat observation: the observer and what it
+            observes, such as ``left/stick.pose.x``.
+        action_names: Name of each number of a flat action, such as ``left.dx``.
+        render_mode: "rgb_array" or None.
+
     Args:
         task: Name or path of the task, or the task itself.
         render_mode: "rgb_array" if `render` should return pictures.
@@ -36,6 +44,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         UsageError: An option does not fit the task.
     """
 
+    _spec: EnvSpec | None = None
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  # Gymnasium's
 
     def __init__(
@@ -56,8 +65,33 @@ class JointEnv(gymnasium.Env[Any, Any]):
         )
         self.observation_space = _joined(observed) if self._flat else spaces.Dict(observed)
         self.action_space = _joined(acted) if self._flat else spaces.Dict(acted)
+        self.observation_names = _joined_names(self.parallel.observation_names)
+        self.action_names = tuple(
+            name for names in self.parallel.action_names.values() for name in names
+        )
         sizes = [actions.size for actions in self.parallel.episode.actions.values()]
         self._cuts = np.cumsum(sizes)[:-1]
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What Gymnasium made this environment of, with the length of its episodes."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec and replace(spec, max_episode_steps=self.max_episode_steps)
+
+    @property
+    def task_description(self) -> str:
+        """The instruction of this episode, filled in; it depends on the seed and the variation."""
+        return self.parallel.task_description
+
+    @property
+    def max_episode_steps(self) -> int:
+        """Length of an episode in control steps."""
+        return self.parallel.max_episode_steps
+
+    _max_episode_steps = max_episode_steps  # where Gymnasium's TimeLimit has it, and LeRobot reads
 
     def __copy__(self) -> Self:
         return deepcopy(self)  # a copy has a physics engine of its own
@@ -70,10 +104,14 @@ class JointEnv(gymnasium.Env[Any, Any]):
         Args:
             seed: Seed of this episode and, until the next seed, of all later ones.
             options: Not used; required by Gymnasium.
+
+        Returns:
+            The observation and the info, which also has the ``instruction`` of the episode.
         """
         super().reset(seed=seed)
         observations, infos = self.parallel.reset(seed=seed, options=options)
-        return self._observation(observations), infos[self._agents[0]]
+        info = {**infos[self._agents[0]], "instruction": self.task_description}
+        return self._observation(observations), info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Run one control step.
@@ -125,3 +163,8 @@ def _joined(boxes: dict[str, spaces.Space[Any]]) -> spaces.Box:
     low = np.concatenate([box.low for box in parts])
     high = np.concatenate([box.high for box in parts])
     return spaces.Box(low, high, dtype=np.float32)
+
+
+def _joined_names(names: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """The names of all observations in order, each with its observer."""
+    return tuple(f"{agent}/{name}" for agent, own in names.items() for name in own)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from taskbuilder.env.arm_modes import ArmMode, Targets
+from taskbuilder.env.naming import joint_names
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,11 @@ class JointDeltaMode(ArmMode):
             min(most, math.radians(spec.max_turn_deg) if turns else spec.max_step)
             for most, turns in zip(self.arm.longest, self.arm.ik.turns, strict=True)
         )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return joint_names(len(self.arm.longest), "_delta")
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
@@ -51,6 +57,11 @@ class JointPositionMode(ArmMode):
     space = "joint"
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return joint_names(len(self.arm.longest))
+
+    @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         ik = self.arm.ik
@@ -75,6 +86,11 @@ class JointVelocityMode(ArmMode):
     space = "joint"
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return joint_names(len(self.arm.longest), "_velocity")
+
+    @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         return tuple((-most / self.arm.dt, most / self.arm.dt) for most in self.arm.longest)
@@ -97,6 +113,11 @@ class JointTorqueMode(ArmMode):
     """Applies torques (Nm) or forces (N) to the joints, without gravity compensation."""
 
     space = "torque"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return joint_names(len(self.arm.longest), "_torque")
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.naming import channel_names, with_matrix
 from taskbuilder.geometry import Pose, Quat, multiply
 from taskbuilder.schema.channels import CAMERA_QUANTITIES, GRIPPER_QUANTITIES, Channel
 from taskbuilder.schema.task import Noise
@@ -36,6 +37,7 @@ class ObservedValue:
         high: Upper bound of each number.
         turns: Index of the first number of a quaternion, or None.
         noise: Gaussian noise on the numbers, or None.
+        names: Name of each number, such as ``left.joint_3``.
         matrix: Convert the quaternion to the first two columns of its rotation matrix.
     """
 
@@ -45,6 +47,7 @@ class ObservedValue:
     high: tuple[float, ...]
     turns: int | None = None
     noise: Noise | None = None
+    names: tuple[str, ...] = ()
     matrix: bool = False
 
     @property
@@ -58,7 +61,9 @@ class ObservedValue:
             return self
         unit = (1.0,) * 6
         low = (*self.low[: self.turns], *(-n for n in unit))
-        return replace(self, low=low, high=(*self.high[: self.turns], *unit), matrix=True)
+        high = (*self.high[: self.turns], *unit)
+        names = with_matrix(self.names, self.turns)
+        return replace(self, low=low, high=high, names=names, matrix=True)
 
     def shown(self, episode: Episode) -> Sequence[float]:
         """The current values."""
@@ -112,6 +117,11 @@ class ObservedGroup:
         return tuple(bound for each in self.of for bound in each.high)
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number."""
+        return tuple(name for each in self.of for name in each.names)
+
+    @property
     def size(self) -> int:
         """Number of values."""
         return sum(each.size for each in self.of)
@@ -138,6 +148,11 @@ class View:
         self.low = np.array(numbers, dtype=np.float32)
         numbers = [value for reading in self.readings for value in reading.high]
         self.high = np.array(numbers, dtype=np.float32)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number of the vector."""
+        return tuple(name for reading in self.readings for name in reading.names)
 
     def vector(self, episode: Episode) -> NDArray[np.float32]:
         """All channels of numbers, concatenated: (n,) float32, clipped to the bounds."""
@@ -175,7 +190,10 @@ def make_reading(name: str, channel: Channel, world: World, noise: Noise | None 
 
 def _reading(name: str, channel: Channel, world: World, noise: Noise | None) -> ObservedValue:
     read, low, high, turns = _parts(channel, world)
-    return ObservedValue(name, read, low, high, turns, noise)
+    acts = channel.quantity == "previous_action"
+    action = _actions(world, channel.subject).short_names if acts else ()
+    names = channel_names(channel, world, action)
+    return ObservedValue(name, read, low, high, turns, noise, names)
 
 
 def is_camera(channel: Channel, world: World) -> bool:
@@ -218,15 +236,15 @@ def _robot_parts(channel: Channel, world: World) -> _Parts:
             tips = len(robot.gripper.tips)
             return (lambda e: e.forces(name)), (0.0,) * tips, (_FORCE_LIMIT,) * tips, None
         case "previous_action":
-            size = _action_size(world, name)
+            size = _actions(world, name).size
             return (lambda e: e.previous_action(name)), *_around(size, 1.0), None
     raise ValueError(f"a robot has no channel {channel.quantity}")
 
 
-def _action_size(world: World, name: str) -> int:
-    """Size of a robot's action."""
+def _actions(world: World, name: str) -> RobotActions:
+    """The actions of a robot, for their size and names."""
     dt = 1.0 / world.spec.timing.control_hz
-    return RobotActions(world, world.robots[name], world.scene.robots[name].action, dt).size
+    return RobotActions(world, world.robots[name], world.scene.robots[name].action, dt)
 
 
 def _frame_parts(subject: str, quantity: str, frame: str) -> _Parts:

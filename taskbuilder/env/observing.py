@@ -66,6 +66,14 @@ class Observer:
         """The space of the centralised state."""
         return spaces.Box(self._state.low, self._state.high, dtype=np.float32)
 
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """The name of each number that every agent observes."""
+        return {agent: view.names for agent, view in self._views.items()}
+
+    def state_names(self) -> tuple[str, ...]:
+        """The name of each number of the centralised state."""
+        return self._state.names
+
     def observe(self, episode: Episode) -> dict[str, Any]:
         """The current observation of every agent, in new arrays."""
         cameras = [camera for view in self._views.values() for camera in view.cameras]

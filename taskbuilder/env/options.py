@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal, TypedDict, Unpack, get_args
+from pathlib import Path
+from typing import Any, Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.other_robots import OtherRobots, other_robots, with_robots
 from taskbuilder.schema.scene import RobotEntry, SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.task import Task
@@ -15,7 +17,7 @@ from taskbuilder.wording import suggestion
 
 RewardSharing = Literal["team", "local", "sparse"]
 Variation = int | Literal["random"]
-Renderer = Literal["auto", "tiny", "egl"]
+Renderer = Literal["auto", "raster", "tiny", "egl"]
 RenderMode = Literal["rgb_array"]
 Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
@@ -56,8 +58,11 @@ class Options:
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
         cameras: Cameras whose colour images every agent observes besides its own channels.
         camera_size: Width and height of observed images; by default each camera's own.
-        renderer: Renderer of images: ``tiny``, ``egl`` or ``auto``.
+        renderer: Renderer of images: ``raster``, ``tiny``, ``egl``; or ``auto``, which is
+            ``raster`` where its packages are installed and else ``tiny``.
         render_camera: The camera of ``render()``; by default the scene's first.
+        robots: Other models for robots of the scene, such as ``{"left": "panda"}``: names of the
+            catalogue, or paths of robot files. Kept as pairs.
     """
 
     reward: RewardSharing = "team"
@@ -72,17 +77,21 @@ class Options:
     rotation: Rotation = "quaternion"
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
-    renderer: Renderer = "tiny"
+    renderer: Renderer = "auto"
     render_camera: str | None = None
+    robots: OtherRobots = ()
 
     def applied(self, task: Task) -> TaskFile:
-        """The task file with the horizon and control rate of these options.
+        """The task file with the horizon, control rate and robots of these options.
 
         Raises:
             UsageError: An option does not fit the task.
+            UnknownNameError: There is no robot of a name in ``robots``.
+            FileError: The files of such a robot have errors.
         """
         self._check(task)
-        timing = task.file.spec.timing
+        file = with_robots(task.file, self.robots, task.file.catalogue)
+        timing = file.spec.timing
         changes = {"episode_steps": self.horizon, "control_hz": self.control_hz}
         wanted = {key: value for key, value in changes.items() if value is not None}
         changed = timing.model_copy(update=wanted)
@@ -94,9 +103,9 @@ class Options:
                 f"{changed.physics_hz} of {task.name}; {near} does"
             )
         share = timing.control_hz / changed.control_hz
-        scenes = tuple(_paced(scene, share) for scene in task.file.scenes)
+        scenes = tuple(_paced(scene, share) for scene in file.scenes)
         update = {"timing": changed, "scene": scenes[0]}
-        return replace(task.file, spec=task.file.spec.model_copy(update=update), scenes=scenes)
+        return replace(file, spec=file.spec.model_copy(update=update), scenes=scenes)
 
     def _check(self, task: Task) -> None:
         _choice("reward", self.reward, get_args(RewardSharing))
@@ -111,7 +120,7 @@ class Options:
         _choice("observe", self.observe, ("task", "scene"))
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
-        _choice("renderer", self.renderer, ("auto", "tiny", "egl"))
+        _choice("renderer", self.renderer, get_args(Renderer))
         size = self.camera_size
         if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
             raise UsageError(f"camera_size is {size!r}; a width and a height of 1 to 4096 pixels")
@@ -156,6 +165,7 @@ class EnvOptions(TypedDict, total=False):
     camera_size: tuple[int, int] | None
     renderer: Renderer
     render_camera: str | None
+    robots: Mapping[str, str | Path] | OtherRobots
 
 
 def make_options(**options: Unpack[EnvOptions]) -> Options:
@@ -171,7 +181,8 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     known = [field.name for field in fields(Options)]
     for name in options:
         _choice("option", name, known)
-    return Options(**options)
+    chosen: dict[str, Any] = {**options, "robots": other_robots(options.get("robots", ()))}
+    return Options(**chosen)
 
 
 def _choice(name: str, value: str, choices: Sequence[str]) -> None:

@@ -102,6 +102,34 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         """The space of `state`."""
         return self._observer.state_space()
 
+    @cached_property
+    def observation_names(self) -> dict[str, tuple[str, ...]]:
+        """The name of each number that an agent observes, by agent, such as ``left.joint_3``.
+
+        Images have none. With ``flat=False`` these are the numbers of all channels in order.
+        """
+        return self._observer.names()
+
+    @property
+    def action_names(self) -> dict[str, tuple[str, ...]]:
+        """The name of each number of an agent's action, by agent, such as ``left.dx``."""
+        return {agent: actions.names for agent, actions in self.episode.actions.items()}
+
+    @cached_property
+    def state_names(self) -> tuple[str, ...]:
+        """The name of each number of `state`."""
+        return self._observer.state_names()
+
+    @property
+    def task_description(self) -> str:
+        """The instruction of this episode, filled in; it depends on the seed and the variation."""
+        return self.episode.instruction
+
+    @property
+    def max_episode_steps(self) -> int:
+        """Length of an episode in control steps."""
+        return self.episode.horizon
+
     @property
     def info_keys(self) -> tuple[str, ...]:
         """Keys of every agent's info."""

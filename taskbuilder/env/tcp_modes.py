@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskbuilder.env.arm_modes import ArmMode, Targets
+from taskbuilder.env.naming import POSITION
 from taskbuilder.geometry import (
     NO_TURN,
     Pose,
@@ -27,6 +28,9 @@ from taskbuilder.sim.kinematics import solve
 TURN_NUMBERS = {"none": 0, "yaw": 1, "full": 3}
 """How many numbers say how the tool turns."""
 
+TURN_NAMES = {"none": (), "yaw": ("yaw",), "full": ("rx", "ry", "rz")}
+"""What the numbers that say how the tool turns are called."""
+
 LAG_STEPS = 2.0
 """Maximum lead of the commanded tool over the measured one, in steps."""
 
@@ -41,6 +45,11 @@ class TcpDeltaMode(ArmMode):
     """
 
     space = "tool"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return tuple(f"d{name}" for name in (*POSITION, *TURN_NAMES[self.arm.spec.turn]))
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
@@ -110,6 +119,11 @@ class TcpPoseMode(ArmMode):
     space = "tool"
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return (*POSITION, *TURN_NAMES[self.arm.spec.turn])
+
+    @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Lower and upper bound of each number, in physical units."""
         reach = self.arm.reach
@@ -170,6 +184,11 @@ class TcpPathMode(ArmMode):
     """
 
     space = "tool"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each number, without that of the robot."""
+        return TcpPoseMode(self.arm).names
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:

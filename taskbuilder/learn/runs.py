@@ -126,6 +126,17 @@ def default_folder(plan: Plan, task: Task) -> Path:
     return Path("runs") / f"{task.name}-{plan.track}-{plan.seed}"
 
 
+def check_new(folder: Path) -> None:
+    """Check that a folder has no run yet.
+
+    Raises:
+        UsageError: It has.
+    """
+    if (folder / RUN_FILE).exists():
+        name = display_path(folder)
+        raise UsageError(f"{name} is a training run already; --resume {name}, or another --out")
+
+
 @contextmanager
 def locked(folder: Path, *, new: bool) -> Iterator[None]:
     """Lock a folder against training by other processes.
@@ -136,9 +147,7 @@ def locked(folder: Path, *, new: bool) -> Iterator[None]:
     import fcntl
 
     if new:
-        if (folder / RUN_FILE).exists():
-            name = display_path(folder)
-            raise UsageError(f"{name} is a training run already; --resume {name}, or another --out")
+        check_new(folder)
         folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("w") as file:
         try:

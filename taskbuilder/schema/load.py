@@ -48,6 +48,7 @@ class TaskFile:
         names: Every name of the scene.
         written: Its content as it is in the file.
         warnings: What is doubtful.
+        catalogue: Where its robots were looked up.
     """
 
     entry: CatalogueEntry
@@ -59,6 +60,7 @@ class TaskFile:
     names: SceneNames
     written: TaskSpec
     warnings: tuple[Finding, ...] = ()
+    catalogue: Catalogue = field(default_factory=Catalogue)
 
 
 class TaskFileError(FileError):
@@ -128,6 +130,7 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         names,
         spec,
         tuple(loading.findings),
+        catalogue,
     )
 
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -209,7 +209,8 @@ class DifferentialIK:
             weighted[: self.base] *= BASE_SHARE
         square = weighted.T @ transposed
         square.flat[::7] += DAMPING * DAMPING
-        inverse: NDArray[np.float64] = np.linalg.solve(square, weighted.T).T
+        solved: Any = np.linalg.solve(square, weighted.T)
+        inverse: NDArray[np.float64] = solved.T
         return inverse
 
     def _columns(self, frames: LinkFrames) -> NDArray[np.float64]:

@@ -9,24 +9,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.assets.mesh import Mesh
-from taskbuilder.assets.model import Urdf
-from taskbuilder.assets.paths import pybullet_data_folder
-from taskbuilder.digests import Digests, digest, digest_of, digests, digests_of_folder
+from taskbuilder.digests import Digests, digest, digest_of
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.machine import processor, system, versions
+from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.task import Task
 from taskbuilder.trial.arms import SUBJECT
 from taskbuilder.trial.results import Arms, as_data, record
 
 KIND, FORMAT = "taskbuilder certificate", 1
-
-LIBRARY = Path(__file__).resolve().parents[1]
-"""The folder of taskbuilder itself."""
-
-NOT_LIBRARY = ("tasks", "robots")
-"""Folders of tasks and robots in it; these have digests of their own."""
 
 MOST_BYTES = 256 * 2**20
 """Maximum size of a certificate in bytes."""
@@ -93,41 +85,10 @@ def sources(trial: Trial) -> dict[str, Digests]:
     """Digests of the files that determine a trial: library, task and policy."""
     file = trial.policy_file
     return {
-        "library": digests_of_folder(LIBRARY, NOT_LIBRARY),
+        "library": digests_of_library(),
         "task": digests_of_task(trial.task),
         "policy": {trial.policy: digest(file.read_bytes())} if file else {},
     }
-
-
-def digests_of_task(task: Task) -> Digests:
-    """Digests of a task's files: its own, those beside it that it imports, robots and meshes."""
-    bases = [(task.file.entry.root, "")]
-    models = task.file.robots.values()
-    bases += [(model.entry.root, f"{model.name}/") for model in models]
-    data = pybullet_data_folder()
-    if data is not None:
-        bases.append((data, f"{data.name}/"))
-    return digests(_files(task), bases)
-
-
-def _files(task: Task) -> Iterator[Path]:
-    entry = task.file.entry
-    yield entry.file
-    yield entry.description_file
-    # A description may import any Python file of its folder, so all of them count.
-    if not entry.module:
-        yield from entry.root.glob("*.py")
-    for model in task.file.robots.values():
-        yield model.entry.file
-        yield from _files_of(model.urdf)
-    for asset in task.file.assets.values():
-        yield from _files_of(asset)
-
-
-def _files_of(asset: Mesh | Urdf) -> Iterator[Path]:
-    yield asset.path
-    if isinstance(asset, Urdf):
-        yield from asset.meshes
 
 
 def seals(data: Mapping[str, Any]) -> dict[str, str]:

@@ -45,6 +45,10 @@ class EpisodeRandomness:
         """For how piles come to lie."""
         return self._generator(5)
 
+    def instruction(self) -> np.random.Generator:
+        """For which of the task's instructions an episode has."""
+        return self._generator(6)
+
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -199,6 +200,34 @@ def struck(words: tuple[str, ...], step: int, blow: signal.Signals) -> int:
         os.kill(child.pid, blow)
         child.communicate(timeout=60)
     return child.returncode
+
+
+def test_a_run_of_several_goes_on_when_its_process_is_killed(run):
+    words = (*TRAIN, "--steps", "200", "--checkpoint-every", "40", "--out", "one")
+    with subprocess.Popen(
+        [sys.executable, "-m", "taskbuilder", *words, "--seeds", "1", "2", "--jobs", "2"],
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as owner:
+        until = time.monotonic() + 60.0
+        while not Path("one-2/checkpoints/step-000000040.npz").exists():
+            assert time.monotonic() < until
+            assert owner.poll() is None
+            time.sleep(0.005)
+        os.kill(locking(Path("one-2/.lock")), signal.SIGKILL)
+        _, said = owner.communicate(timeout=120)
+    assert owner.returncode == 0, said
+    assert "its work is done again" in said
+    assert load_policy("one-2").about["task"] == "handover"
+
+
+def locking(lock: Path) -> int:
+    """The process that holds a lock."""
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if lock.resolve() in {link.resolve() for link in (process / "fd").iterdir()}:
+                return int(process.name)
+    raise AssertionError("nobody holds it")
 
 
 def test_a_run_goes_on_from_any_folder(run, tmp_path, monkeypatch):

@@ -114,7 +114,16 @@ def test_infos_are_numbers_under_the_same_keys_always(make, task):
                 assert list(info) == keys
                 assert all(type(value) is float for value in info.values())
                 assert all(map(math.isfinite, info.values()))
-    assert {"success", "succeeded", "failure", "exploded", "stage", "progress", "step"} <= set(keys)
+    assert {
+        "success",
+        "succeeded",
+        "is_success",
+        "failure",
+        "exploded",
+        "stage",
+        "progress",
+        "step",
+    } <= set(keys)
 
 
 def test_infos_of_agents_are_dictionaries_of_their_own(make):

@@ -28,5 +28,9 @@ joint = taskbuilder.JointEnv("handover", frame="base", camera_size=(64, 48))
 taskbuilder.JointEnv("handover", frame="tool")  # type: ignore[arg-type]
 taskbuilder.JointEnv("handover", camera_size=64)  # type: ignore[arg-type]
 
+assert_type(taskbuilder.load_dataset("data"), taskbuilder.Dataset)
+assert_type(taskbuilder.load_dataset("data")[0], taskbuilder.RecordedEpisode)
+assert_type(taskbuilder.make_from("data"), taskbuilder.TaskEnv)
+
 assert_type(taskbuilder.catalogue().tasks["handover"].name, str)
 assert_type(taskbuilder.load_task("handover").name, str)

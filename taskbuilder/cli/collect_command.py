@@ -1,0 +1,171 @@
+"""`taskbuilder collect`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.cli.dataset_command import print_summary
+from taskbuilder.cli.output import print_json
+from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
+from taskbuilder.cli.trained import is_trained
+from taskbuilder.data.collecting import CollectProgress, Report, collect
+from taskbuilder.data.dataset import load_dataset
+from taskbuilder.data.formats import export_dataset
+from taskbuilder.data.plan import CollectPlan
+from taskbuilder.data.policies import PolicyShare, is_named, read_share
+from taskbuilder.data.recording import Cameras
+from taskbuilder.data.summary import summarize_dataset
+from taskbuilder.digests import digest
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.expert.named import policy_named
+from taskbuilder.jobs import cores
+from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.zoo import load_policy, policy_file
+from taskbuilder.rollout.play import Policy, as_policy
+from taskbuilder.schema.catalogue import Catalogue
+
+SAY_EVERY_S = 30.0
+"""How often progress is told where nobody watches a terminal."""
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Collect a data set, say what is in it, and export it."""
+    plan = _plan(arguments)
+    exported = Path(f"{arguments.out}-{arguments.export}")
+    if arguments.export and exported.exists():
+        raise UsageError(f"{display_path(exported)} exists; the export would go there")
+    jobs = min(arguments.jobs or cores(), plan.episodes * len(plan.tasks))
+    with _Progress() as report:
+        collect(plan, arguments.out, jobs=jobs, report=report, other=trained_player)
+    dataset = load_dataset(arguments.out)
+    if arguments.export:
+        export_dataset(dataset, arguments.export, exported)
+    told = summarize_dataset(dataset)
+    if arguments.json:
+        print_json({**told, "export": display_path(exported) if arguments.export else None})
+    else:
+        print_summary(told)
+        if arguments.export:
+            print(display_path(exported))
+    return 0
+
+
+def _plan(arguments: argparse.Namespace) -> CollectPlan:
+    catalogue = catalogue_of(arguments)
+    references = tuple(asked_tasks(arguments, catalogue))
+    shares = tuple(read_share(text) for text in arguments.policy)
+    variations, first_seed = _start(arguments, catalogue)
+    return CollectPlan(
+        tasks=references,
+        episodes=arguments.episodes,
+        policies=shares,
+        cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
+        options=_options(arguments, shares),
+        variations=variations,
+        first_seed=first_seed,
+        keep_failures=arguments.keep_failures,
+        license=arguments.license,
+        policy_digests={
+            share.name: digest(policy_file(share.name).read_bytes())
+            for share in shares
+            if is_trained(share.name) and not is_named(share.name)
+        },
+        catalogue=catalogue,
+    )
+
+
+def _start(
+    arguments: argparse.Namespace, catalogue: Catalogue
+) -> tuple[tuple[int, ...] | None, int]:
+    """The variations and the first seed; those that a suite has for training by default."""
+    suite = asked_suite(arguments, catalogue)
+    variations: tuple[int, ...] | None = suite.train.variations if suite else (0,)
+    seed = suite.train.first_seed if suite else 0
+    if arguments.variation is not None:
+        variations = None if arguments.variation == "all" else (arguments.variation,)
+    return variations, seed if arguments.seed is None else arguments.seed
+
+
+def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> dict[str, Any]:
+    """The options of the environment: those of trained policies, or of the command line.
+
+    Raises:
+        UsageError: Policies were trained in environments of different options.
+    """
+    asked: dict[str, Any] = {}
+    if arguments.observe != "task":
+        asked["observe"] = arguments.observe
+    if arguments.randomize:
+        asked["randomize"] = True
+    for share in shares:
+        if is_named(share.name):
+            continue
+        if not is_trained(share.name):
+            policy_named(share.name)  # raises, with the names that there are
+        trained = options_of(load_policy(share.name))
+        trained.pop("variation", None)
+        for name, value in trained.items():
+            if asked.get(name, value) != value:
+                raise UsageError(
+                    f"{share.name} was trained with {name}: {value}, and another policy or option "
+                    f"needs {asked[name]}; collect a data set for each"
+                )
+        asked |= trained
+    return asked
+
+
+def trained_player(name: str, env: TaskEnv) -> Policy:
+    """A trained policy for an environment.
+
+    Raises:
+        UsageError: It does not fit the environment.
+    """
+    trained = load_policy(name)
+    check_fits(trained, env, name)
+    return as_policy(trained.act)
+
+
+class _Progress:
+    """Shows progress: a bar on a terminal, else a line now and then."""
+
+    def __init__(self) -> None:
+        self._stack = ExitStack()
+        self._bar: Any = None
+        self._said = time.monotonic()
+
+    def __enter__(self) -> Report:
+        return self._show
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def _show(self, tally: CollectProgress) -> None:
+        if sys.stderr.isatty():
+            self._draw(tally)
+        elif time.monotonic() - self._said > SAY_EVERY_S and tally.left_s:
+            self._said = time.monotonic()
+            lost = f", {tally.failed} failed" if tally.failed else ""
+            left = f"about {_duration(tally.left_s)} left"
+            print(f"{tally.kept} of {tally.wanted} episodes{lost}; {left}", file=sys.stderr)
+
+    def _draw(self, tally: CollectProgress) -> None:
+        from tqdm import tqdm
+
+        if self._bar is None:
+            bar = tqdm(desc="  episodes", total=tally.wanted, leave=False, unit="", delay=0.3)
+            self._bar = self._stack.enter_context(bar)
+        self._bar.set_postfix(failed=tally.failed)
+        self._bar.update(tally.kept - self._bar.n)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

@@ -1,0 +1,184 @@
+"""Checking a data set: every file by its digest, and a share of the episodes by replaying them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from taskbuilder.arrays import StoreError
+from taskbuilder.data import layout
+from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, make_from
+from taskbuilder.data.plan import machine_changes
+from taskbuilder.data.recording import NO_CAMERAS, StepRecorder, recorded_arrays
+from taskbuilder.digests import differences, digest, digest_of
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import TaskbuilderError, UsageError
+from taskbuilder.machine import processor, system, versions
+from taskbuilder.rollout.play import play
+from taskbuilder.rollout.players import RecordedActions
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.sources import digests_of_library, digests_of_task
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """What a check of a data set has found.
+
+    Attributes:
+        files: Number of files that were hashed.
+        damaged: What is wrong with files: changed, missing or additional ones, by name.
+        replayed: Names of the episodes that were played again.
+        differs: What differs when they are played again, by name of the episode.
+        unplayed: Why episodes could not be played again, or "".
+        elsewhere: In what this machine, its versions or the task's files differ from those of the
+            data set; where they do, other last digits are no sign of damage.
+    """
+
+    files: int
+    damaged: tuple[str, ...]
+    replayed: tuple[str, ...] = ()
+    differs: Mapping[str, str] | None = None
+    unplayed: str = ""
+    elsewhere: tuple[str, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong with the data set itself."""
+        return not self.damaged and not (self.differs and not self.elsewhere)
+
+
+def check_dataset(folder: Path, share: float, *, catalogue: Catalogue | None = None) -> CheckResult:
+    """Check a data set.
+
+    Args:
+        folder: Where it is.
+        share: Fraction of the episodes to play again, from 0 to 1; at least one if it is not 0.
+        catalogue: The catalogue that its tasks are looked up in.
+
+    Raises:
+        UsageError: The folder is no data set.
+    """
+    try:
+        layout.read_about(folder)
+        damaged = tuple(_damaged(folder))
+    except StoreError as error:
+        return CheckResult(0, (f"{layout.ABOUT} ({error})",))
+    files = len(layout.files_of(folder)) + 1
+    if damaged or not share:
+        return CheckResult(files, damaged)
+    dataset = load_dataset(folder)
+    chosen = _chosen(dataset, share)
+    differs: dict[str, str] = {}
+    elsewhere: list[str] = list(_elsewhere(dataset.about))
+    try:
+        with closing(_Replayer(dataset, catalogue)) as replayer:
+            elsewhere += replayer.changed_files()
+            for episode in chosen:
+                if said := replayer.difference(episode):
+                    differs[episode.name] = said
+    except TaskbuilderError as error:
+        return CheckResult(files, (), unplayed=str(error), elsewhere=tuple(elsewhere))
+    names = tuple(episode.name for episode in chosen)
+    return CheckResult(files, (), names, differs, elsewhere=tuple(elsewhere))
+
+
+def _damaged(folder: Path) -> Iterator[str]:
+    """What is wrong with the files of a data set, by name."""
+    if not layout.is_finished(folder):
+        raise UsageError(
+            f"{folder} is not finished; run the command again that began to collect it"
+        )
+    try:
+        manifest = layout.read_json(folder / layout.MANIFEST)
+        files: Mapping[str, str] = manifest["files"]
+        whole = json.dumps(layout.sealed(files), indent=1, ensure_ascii=True) + "\n"
+    except (StoreError, KeyError, TypeError, AttributeError, ValueError):
+        yield f"{layout.MANIFEST} is damaged"
+        return
+    same = (folder / layout.MANIFEST).read_bytes() == whole.encode()
+    if manifest.get("seal") != digest_of(files) or not same:
+        yield f"{layout.MANIFEST} was changed"
+    there = layout.files_of(folder)
+    for name in sorted({*there, *files}):
+        if name not in files:
+            yield f"{name} is new"
+        elif name not in there:
+            yield f"{name} is gone"
+        elif digest((folder / name).read_bytes()) != files[name]:
+            yield f"{name} was changed"
+
+
+def _chosen(dataset: Dataset, share: float) -> list[RecordedEpisode]:
+    """Episodes at even distances."""
+    count = min(len(dataset), max(1, round(share * len(dataset))))
+    places = np.linspace(0, len(dataset) - 1, count).round().astype(int)
+    return [dataset[int(place)] for place in places]
+
+
+def _elsewhere(about: Mapping[str, Any]) -> Iterator[str]:
+    """In what this machine differs from that of the data set."""
+    here = {"versions": versions(), "processor": processor(), "system": system()}
+    for what, then, now in machine_changes(about, here):
+        if what != "versions: av":  # it makes videos, and no numbers
+            yield f"{what} is {now} here and was {then}"
+    if about.get("library") != digest_of(digests_of_library()):
+        yield "taskbuilder's own files are others"
+
+
+class _Replayer:
+    """Plays recorded episodes again."""
+
+    def __init__(self, dataset: Dataset, catalogue: Catalogue | None) -> None:
+        self._dataset, self._catalogue = dataset, catalogue
+        self._stack = ExitStack()
+        self._envs: dict[tuple[str, int], TaskEnv] = {}
+
+    def close(self) -> None:
+        self._stack.close()
+
+    def changed_files(self) -> Sequence[str]:
+        """Files of the tasks that are not those that the data set was collected with."""
+        told = []
+        for name, about in self._dataset.about["tasks"].items():
+            here = digests_of_task(self._env(name, 0).task)
+            told += [f"task {name}: {file}" for file in differences(about["files"], here)]
+        return told
+
+    def difference(self, episode: RecordedEpisode) -> str:
+        """What differs if an episode is played again, or ""."""
+        env = self._env(episode.task, episode.variation)
+        steps = StepRecorder(NO_CAMERAS)
+        played = play(
+            env, RecordedActions(episode.actions), episode.seed, observations=True, watch=steps
+        )
+        again = recorded_arrays(played, steps)
+        for name, array in episode.arrays.items():
+            if name == "subtask" or name.startswith("cameras/"):
+                continue  # neither follows from the actions
+            if name not in again or again[name].shape != array.shape:
+                return f"{name} has another length"
+            if again[name].tobytes() != array.tobytes():
+                apart = np.abs(again[name].astype(float) - array.astype(float))
+                rows = apart.reshape(len(apart), -1).max(axis=1)
+                first = int(np.argmax(rows > 0))
+                return f"{name} from row {first} on, by at most {rows.max():.2g}"
+        return ""
+
+    def _env(self, task: str, variation: int) -> TaskEnv:
+        key = task, variation
+        if key not in self._envs:
+            made = make_from(
+                self._dataset.folder,
+                task=task,
+                variation=variation,
+                cameras=False,
+                catalogue=self._catalogue,
+            )
+            self._envs[key] = self._stack.enter_context(closing(made))
+        return self._envs[key]

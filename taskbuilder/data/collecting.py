@@ -1,0 +1,400 @@
+"""Collecting a data set: episodes played in several processes, resumable at any moment.
+
+Attempts are numbered, and each has a seed, a variation and a policy that follow from its number.
+Every attempt is written on its own, whole or not at all, so that it does not matter when a process
+is killed, how many there are, or in what order they end: the files are the same in the end.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import shutil
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from taskbuilder.data import layout
+from taskbuilder.data.card import card_text
+from taskbuilder.data.index import make_index
+from taskbuilder.data.plan import (
+    Attempt,
+    CollectPlan,
+    attempt_of,
+    changes,
+    check_plan,
+    describe,
+    trained_policies,
+)
+from taskbuilder.data.policies import MakeOther, make_policy
+from taskbuilder.data.recording import EpisodeData, record_episode
+from taskbuilder.data.videos import require_video
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import (
+    ExplosionError,
+    PlacementError,
+    TaskbuilderError,
+    UsageError,
+    display_path,
+)
+from taskbuilder.files import write_whole
+from taskbuilder.jobs import LostError, workers
+from taskbuilder.rollout.play import Policy
+from taskbuilder.task import Task
+
+HOPELESS = 20
+"""Attempts without a single success after which collecting stops."""
+
+MOST_ATTEMPTS = 20
+"""Attempts for every episode asked for after which collecting stops."""
+
+
+class CollectingError(TaskbuilderError):
+    """Collecting cannot go on; what has been collected stays."""
+
+
+class CollectProgress(NamedTuple):
+    """How far collecting is.
+
+    Attributes:
+        kept: Episodes that are there.
+        wanted: Episodes that there will be.
+        failed: Attempts that failed.
+        left_s: Seconds that it will still take at this pace, or None if that is not known.
+    """
+
+    kept: int
+    wanted: int
+    failed: int
+    left_s: float | None
+
+
+Report = Callable[[CollectProgress], None]
+
+
+@dataclass(frozen=True, eq=False)
+class CollectJob:
+    """What a process needs to play attempts.
+
+    Attributes:
+        plan: The plan.
+        folder: Of the data set.
+        other: Makes policies of other kinds.
+    """
+
+    plan: CollectPlan
+    folder: Path
+    other: MakeOther
+
+
+class AttemptResult(NamedTuple):
+    """What came of an attempt.
+
+    Attributes:
+        name: Name of the episode.
+        kept: Whether it is an episode of the data set.
+        reason: Why it did not succeed, or "".
+    """
+
+    name: str
+    kept: bool
+    reason: str
+
+
+def no_other(name: str, env: TaskEnv) -> Policy:
+    """What makes no policy of another kind; plans that need one are refused."""
+    raise ValueError(f"{name} cannot be made for {env.task.name}")
+
+
+def collect(
+    plan: CollectPlan,
+    folder: Path,
+    *,
+    jobs: int = 1,
+    report: Report = lambda _: None,
+    other: MakeOther = no_other,
+) -> None:
+    """Collect a data set, or continue with one that was begun.
+
+    Args:
+        plan: What is collected.
+        folder: Where to; it must be new, empty, or a data set of the same plan.
+        jobs: Processes.
+        report: Called after every attempt.
+        other: Makes trained policies; a function of a module.
+
+    Raises:
+        UsageError: Something cannot be collected, the folder holds something else, or the data
+            set in it was begun in another way.
+        CollectingError: Too few attempts succeed, a process was lost, or the disk is full.
+        FileError: A task has errors.
+    """
+    loaded = [plan.load(reference) for reference in plan.tasks]
+    check_plan(plan, loaded)
+    if other is no_other and (unknown := trained_policies(plan.policies)):
+        raise UsageError(f'no policy "{unknown[0]}"; expert, noisy:NUMBER, random or nothing')
+    tasks = dict(zip(plan.tasks, loaded, strict=True))
+    if plan.cameras.names:
+        require_video()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with layout.locked(folder):
+            about = describe(plan, loaded)
+            _begin(folder, about)
+            job = CollectJob(plan, folder, other)
+            if not layout.is_finished(folder):
+                played = _play_all(job, tasks, jobs, report)
+                _finish(folder, about, played)
+            report(CollectProgress(_wanted(plan), _wanted(plan), 0, 0.0))
+    except OSError as error:
+        raise CollectingError(_disk_words(error, folder)) from error
+    except LostError as lost:
+        raise CollectingError(
+            f"{lost}\n{_there(folder)}; run the same command again to continue"
+        ) from lost
+
+
+def _wanted(plan: CollectPlan) -> int:
+    return plan.episodes * len(plan.tasks)
+
+
+def _begin(folder: Path, about: Mapping[str, Any]) -> None:
+    """Write what the data set says of itself, or compare it with what is there.
+
+    Raises:
+        UsageError: Something else is there.
+    """
+    where = display_path(folder)
+    strange = sorted(
+        file.name
+        for file in folder.iterdir()
+        if file.name not in layout.OWN and not file.name.startswith(f".{layout.ABOUT}.")
+    )
+    if not (folder / layout.ABOUT).exists():
+        others = sorted({*strange, *(f.name for f in folder.iterdir() if f.name in layout.OWN)})
+        if others:
+            raise UsageError(
+                f"{where} holds other files ({', '.join(others[:3])}); name a new or empty folder"
+            )
+        layout.write_json(folder / layout.ABOUT, about)
+        return
+    there, here = layout.read_about(folder), json.loads(json.dumps(about))
+    differs = list(changes(there, here))
+    if differs:
+        raise UsageError(
+            f"{where} holds a data set that was begun in another way; name another folder\n"
+            + "\n".join(f"  {line}" for line in differs)
+        )
+
+
+# --- the owner's side
+
+
+def _play_all(
+    job: CollectJob, tasks: Mapping[str, Task], jobs: int, report: Report
+) -> list[AttemptResult]:
+    """Play attempts until there are enough episodes of every task."""
+    counter = _Counter(_wanted(job.plan), report)
+    every: list[AttemptResult] = []
+    with ExitStack() as stack:
+        spread = stack.enter_context(workers(jobs)) if jobs > 1 else None
+        player = None if spread else stack.enter_context(closing(EpisodePlayer(job)))
+        for reference, task in tasks.items():
+            own: list[AttemptResult] = []
+            while (missing := job.plan.episodes - sum(done.kept for done in own)) > 0:
+                _check_hope(job.plan, task, own)
+                numbers = range(len(own), len(own) + missing)
+                attempts = [attempt_of(job.plan, reference, task, n) for n in numbers]
+                found = (
+                    spread(partial(_play_elsewhere, job), attempts)
+                    if spread
+                    else map(player.play, attempts)  # type: ignore[union-attr]
+                )
+                for done in found:
+                    own.append(done)
+                    counter.count(done)
+            every += own
+    return every
+
+
+class _Counter:
+    """Counts attempts and estimates the time that is left."""
+
+    def __init__(self, wanted: int, report: Report) -> None:
+        self._wanted, self._report = wanted, report
+        self._kept = self._failed = 0
+        self._started = time.monotonic()
+
+    def count(self, done: AttemptResult) -> None:
+        self._kept += done.kept
+        self._failed += bool(done.reason)
+        passed = time.monotonic() - self._started
+        left = passed * (self._wanted - self._kept) / self._kept if self._kept else None
+        self._report(CollectProgress(self._kept, self._wanted, self._failed, left))
+
+
+def _check_hope(plan: CollectPlan, task: Task, played: Sequence[AttemptResult]) -> None:
+    """Stop where too few attempts succeed.
+
+    Raises:
+        CollectingError: So it is.
+    """
+    kept = sum(done.kept for done in played)
+    limit = HOPELESS if not kept else HOPELESS + MOST_ATTEMPTS * plan.episodes
+    if len(played) < limit:
+        return
+    reason = next(done.reason for done in played if not done.kept)
+    raise CollectingError(
+        f"{kept} of {len(played)} attempts at {task.name} succeeded; the first failed because "
+        f"{reason}\nTry taskbuilder demo {task.name}, or keep failures by --keep-failures"
+    )
+
+
+def _finish(folder: Path, about: Mapping[str, Any], played: Sequence[AttemptResult]) -> None:
+    """Remove what is left over, and write index, card and manifest."""
+    names = [done.name for done in played if done.kept]
+    failed = [f"{done.name}.json" for done in played if not done.kept]
+    _remove_others(folder / layout.EPISODES, names)
+    _remove_others(folder / layout.FAILURES, failed)
+    shutil.rmtree(folder / layout.PARTIAL, ignore_errors=True)
+    index = make_index(folder, names, failed)
+    layout.write_json(folder / layout.INDEX, index)
+    write_whole(folder / layout.CARD, card_text(about, index).encode(), sync=True)
+    layout.write_manifest(folder)
+
+
+def _remove_others(folder: Path, names: Sequence[str]) -> None:
+    wanted = set(names)
+    for file in list(folder.iterdir()) if folder.is_dir() else ():
+        if file.name not in wanted:
+            shutil.rmtree(file) if file.is_dir() else file.unlink()
+    if folder.is_dir() and not wanted:
+        folder.rmdir()
+
+
+def _there(folder: Path) -> str:
+    count = sum(1 for _ in _episodes(folder))
+    return f"{display_path(folder)} has {count} episode{'s' * (count != 1)} so far"
+
+
+def _episodes(folder: Path) -> Iterator[Path]:
+    try:
+        yield from (folder / layout.EPISODES).iterdir()
+    except OSError:
+        return
+
+
+def _disk_words(error: OSError, folder: Path) -> str:
+    where = display_path(folder)
+    said = error.strerror or str(error)
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return (
+            f"the disk of {where} is full\n{_there(folder)}; free space and run the same "
+            "command again to continue"
+        )
+    if error.errno in (errno.EROFS, errno.EACCES, errno.EPERM):
+        return f"nothing can be written to {where}: {said}; name another folder"
+    if error.errno in (errno.ENOTDIR, errno.EEXIST):
+        return f"{where} is no folder; name another to write to"
+    return f"{where}: {said}\n{_there(folder)}; run the same command again to continue"
+
+
+# --- the player's side
+
+
+def _play_elsewhere(job: CollectJob, attempt: Attempt) -> AttemptResult:
+    global _player
+    if _player is None or _player.job.plan.token != job.plan.token:
+        _player = EpisodePlayer(job)
+    return _player.play(attempt)
+
+
+_player: EpisodePlayer | None = None
+
+
+class EpisodePlayer:
+    """Plays attempts in this process, and reuses environments and experts.
+
+    Attributes:
+        job: What it plays.
+    """
+
+    def __init__(self, job: CollectJob) -> None:
+        self.job = job
+        self._tasks: dict[str, Task] = {}
+        self._made: dict[tuple[str, int, str], tuple[TaskEnv, Policy, ExitStack]] = {}
+
+    def close(self) -> None:
+        """Close all environments."""
+        for *_, stack in self._made.values():
+            stack.close()
+        self._made.clear()
+
+    def play(self, attempt: Attempt) -> AttemptResult:
+        """Play an attempt and write it, unless that has been done."""
+        folder = self.job.folder
+        place = folder / layout.EPISODES / attempt.name
+        failure = folder / layout.FAILURES / f"{attempt.name}.json"
+        if place.exists():
+            if layout.is_whole(place):
+                return AttemptResult(attempt.name, True, _reason(layout.read_episode(place)))
+            shutil.rmtree(place)
+        if failure.exists():
+            try:
+                return AttemptResult(attempt.name, False, _reason(layout.read_json(failure)))
+            except TaskbuilderError:
+                failure.unlink()
+        data = self._recorded(attempt)
+        about = {"policy": attempt.policy, **data.about}
+        if data.arrays and (about["success"] or self.job.plan.keep_failures):
+            whole = EpisodeData(about, data.arrays, data.images, data.depths)
+            layout.write_episode(folder, attempt.name, whole)
+            return AttemptResult(attempt.name, True, _reason(about))
+        failure.parent.mkdir(exist_ok=True)
+        layout.write_json(failure, {"name": attempt.name, **about})
+        return AttemptResult(attempt.name, False, _reason(about))
+
+    def _recorded(self, attempt: Attempt) -> EpisodeData:
+        env, policy = self._player_of(attempt)
+        try:
+            return record_episode(env, policy, attempt.seed, self.job.plan.cameras)
+        except (PlacementError, ExplosionError) as error:
+            told = {"task": attempt.task, "seed": attempt.seed, "variation": attempt.variation}
+            why = [{"of": "reset", "part": "", "says": str(error), "since": 0}]
+            return EpisodeData({**told, "success": False, "trouble": None, "why": why}, {})
+
+    def _player_of(self, attempt: Attempt) -> tuple[TaskEnv, Policy]:
+        key = (attempt.reference, attempt.variation, attempt.policy)
+        if key not in self._made:
+            if len(self._made) >= _MOST_ENVIRONMENTS:
+                *_, oldest = self._made.pop(next(iter(self._made)))
+                oldest.close()
+            if attempt.reference not in self._tasks:
+                self._tasks[attempt.reference] = self.job.plan.load(attempt.reference)
+            stack = ExitStack()
+            task = self._tasks[attempt.reference]
+            env = stack.enter_context(closing(self.job.plan.make_env(task, attempt.variation)))
+            made = make_policy(attempt.policy, env, stack, self.job.other)
+            self._made[key] = env, made, stack
+        env, policy, _ = self._made[key]
+        return env, policy
+
+
+_MOST_ENVIRONMENTS = 6
+"""Environments that a process keeps at the same time."""
+
+
+def _reason(about: Mapping[str, Any]) -> str:
+    """Why an episode did not succeed, in a sentence, or ""."""
+    if about["success"]:
+        return ""
+    trouble = about.get("trouble")
+    if trouble:
+        return f"in stage {trouble['stage']} ({trouble['order']}): {trouble['message']}"
+    for reason in about.get("why", ()):
+        return f"{reason['part']}: {reason['says']}".removeprefix(": ")
+    return "success never held"

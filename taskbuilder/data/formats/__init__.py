@@ -1,0 +1,93 @@
+"""Formats that data sets are exported to, and the registry of them."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from secrets import token_hex
+
+from taskbuilder.data.card import export_card_text
+from taskbuilder.data.dataset import Dataset
+from taskbuilder.data.formats.lerobot import write_lerobot
+from taskbuilder.data.formats.robomimic import write_robomimic
+from taskbuilder.data.layout import CARD
+from taskbuilder.errors import UsageError, display_path
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """How a data set is exported.
+
+    Attributes:
+        pictures: Keep pictures as PNG instead of videos, where the format has both.
+    """
+
+    pictures: bool = False
+
+
+def _lerobot(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
+    write_lerobot(dataset, folder, pictures=options.pictures)
+
+
+def _robomimic(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
+    del options  # it has pictures alone
+    write_robomimic(dataset, folder)
+
+
+FORMATS: Mapping[str, Callable[[Dataset, Path, ExportOptions], None]] = {
+    "lerobot": _lerobot,
+    "robomimic": _robomimic,
+}
+"""What writes the episodes of one task to an empty folder, by the name of the format."""
+
+
+def export_dataset(
+    dataset: Dataset,
+    form: str,
+    out: Path,
+    options: ExportOptions = ExportOptions(),
+) -> Path:
+    """Export a data set to another format; the folder is there whole or not at all.
+
+    A data set of several tasks becomes a folder for each, because their numbers differ.
+
+    Args:
+        dataset: The data set.
+        form: One of `FORMATS`.
+        out: Folder to write to; it must not exist, or be empty.
+        options: How it is exported.
+
+    Returns:
+        The folder.
+
+    Raises:
+        UsageError: Something is in the way, there are no episodes, or a package is not installed.
+        StoreError: The data set is damaged.
+        OSError: It cannot be written.
+    """
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UsageError(f"{display_path(out)} exists; name a new or empty folder")
+    if not len(dataset):
+        raise UsageError(f"{display_path(dataset.folder)} has no episodes")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    place = out.resolve()
+    for left in place.parent.glob(f".{place.name}.{'[0-9a-f]' * 8}"):  # by one that was killed
+        shutil.rmtree(left)
+    aside = place.with_name(f".{place.name}.{token_hex(4)}")
+    aside.mkdir()
+    try:
+        for task in dataset.tasks:
+            part = aside if len(dataset.tasks) == 1 else aside / task.replace("/", "-")
+            part.mkdir(parents=True, exist_ok=True)
+            episodes = dataset.of_task(task)
+            FORMATS[form](episodes, part, options)
+            card = export_card_text(episodes.about, episodes.contents, form)
+            (part / CARD).write_text(card, encoding="utf-8")
+        if out.exists():
+            out.rmdir()
+        aside.rename(out)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+    return out

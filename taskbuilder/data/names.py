@@ -1,0 +1,3 @@
+"""Names of the formats; the registry in `taskbuilder.data.formats` takes longer to load."""
+
+FORMAT_NAMES = ("lerobot", "robomimic")

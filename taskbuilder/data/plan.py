@@ -1,0 +1,289 @@
+"""What is to be collected, and what a data set says of itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from secrets import token_hex
+from typing import Any
+
+from taskbuilder.data.layout import FORMAT, KIND
+from taskbuilder.data.policies import PolicyShare, is_named, needs_expert, policy_of, round_of
+from taskbuilder.data.recording import Cameras
+from taskbuilder.digests import differences, digest_of
+from taskbuilder.env.options import Options
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.expert.named import has_expert
+from taskbuilder.machine import processor, system, versions
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.expert import in_words
+from taskbuilder.sources import digests_of_library, digests_of_task
+from taskbuilder.task import Task, load_task
+from taskbuilder.wording import suggestion
+
+
+@dataclass(frozen=True, eq=False)
+class CollectPlan:
+    """What is to be collected; picklable for other processes.
+
+    Attributes:
+        tasks: Names or paths of the tasks.
+        episodes: Episodes of each task.
+        policies: Who plays; they take turns.
+        cameras: What is recorded of the cameras.
+        options: Options of the environment, by name, besides the variation.
+        variations: Variations to play, in turn; None for all of each task.
+        first_seed: Seed of the first attempt; later ones have the next seeds.
+        keep_failures: Keep episodes without success, too.
+        license: Licence that the card states.
+        policy_digests: Digest of the file of each trained policy, by its name.
+        catalogue: The catalogue that tasks are looked up in.
+        token: Identifies the plan in processes that receive it more than once.
+    """
+
+    tasks: tuple[str, ...]
+    episodes: int
+    policies: tuple[PolicyShare, ...] = (PolicyShare("expert"),)
+    cameras: Cameras = field(default_factory=Cameras)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    variations: tuple[int, ...] | None = (0,)
+    first_seed: int = 0
+    keep_failures: bool = False
+    license: str = "MIT"
+    policy_digests: Mapping[str, str] = field(default_factory=dict)
+    catalogue: Catalogue = field(default_factory=Catalogue.discover)
+    token: str = field(default_factory=lambda: token_hex(8))
+
+    def make_env(self, task: Task, variation: int) -> TaskEnv:
+        """Make the environment of a task and a variation."""
+        return parallel_env(task, variation=variation, **self.options)
+
+    def load(self, reference: str) -> Task:
+        """Load a task of the plan."""
+        return load_task(reference, catalogue=self.catalogue)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """An episode to play; it is kept if it succeeds, or if failures are kept.
+
+    Attributes:
+        reference: Name or path of the task.
+        task: Its id.
+        seed: Seed of the reset.
+        variation: The variation.
+        policy: Who plays.
+    """
+
+    reference: str
+    task: str
+    seed: int
+    variation: int
+    policy: str
+
+    @property
+    def name(self) -> str:
+        """The name of the episode, and of its folder."""
+        return f"{self.task.replace('/', '-')}-{self.seed:09d}"
+
+
+def attempt_of(plan: CollectPlan, reference: str, task: Task, number: int) -> Attempt:
+    """An attempt at an episode of a task, counted from 0."""
+    variations = plan.variations or tuple(range(len(task.file.scenes)))
+    turn = number // round_of(plan.policies)
+    return Attempt(
+        reference,
+        task.name,
+        plan.first_seed + number,
+        variations[turn % len(variations)],
+        policy_of(plan.policies, number),
+    )
+
+
+# --- checking
+
+
+def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
+    """Refuse what cannot be collected before anything is.
+
+    Raises:
+        UsageError: A task has no expert or no such variation, or a picture has an odd size.
+        UnknownNameError: A task has no such camera.
+    """
+    names = [task.name for task in tasks]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice:
+        raise UsageError(f"{twice} is named twice")
+    for task in tasks:
+        _check_task(plan, task)
+
+
+def _check_task(plan: CollectPlan, task: Task) -> None:
+    file = display_path(task.file.entry.file)
+    if any(needs_expert(share.name) for share in plan.policies) and not has_expert(task):
+        raise UsageError(f"{task.name} has no expert; write its stages under expert: in {file}")
+    scenes = task.file.scenes
+    for variation in plan.variations or ():
+        if variation >= len(scenes):
+            raise UsageError(
+                f"{task.name} has no variation {variation}; it has 0 to {len(scenes) - 1}"
+            )
+    cameras = task.file.spec.scene.cameras
+    for name in plan.cameras.names:
+        if name not in cameras:
+            help_ = suggestion(name, cameras, what="it has")
+            raise UnknownNameError(f'{task.name} has no camera "{name}"; {help_}')
+        width, height = plan.cameras.size or cameras[name].size
+        if width % 2 or height % 2:
+            raise UsageError(
+                f"{name} has {width}x{height} pixels; videos need an even width and height, so "
+                "give another --size"
+            )
+    Options(**plan.options).applied(task)
+
+
+# --- the description
+
+
+def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
+    """What a data set says of itself; the same for the same plan, files and machine."""
+    told = dict(_described(plan, task) for task in tasks)
+    drawn = {about.pop("renderer") for about in told.values()}
+    used = versions()
+    if plan.cameras.names:
+        used["av"] = version("av")
+    return {
+        "kind": KIND,
+        "format": FORMAT,
+        "license": plan.license,
+        "collected": {
+            "episodes": plan.episodes,
+            "policies": [asdict(share) for share in plan.policies],
+            "policy_digests": dict(plan.policy_digests),
+            "cameras": list(plan.cameras.names),
+            "size": list(plan.cameras.size) if plan.cameras.size else None,
+            "depth": plan.cameras.depth,
+            "variations": list(plan.variations) if plan.variations is not None else "all",
+            "first_seed": plan.first_seed,
+            "keep_failures": plan.keep_failures,
+        },
+        "options": _listed(plan.options),
+        "renderer": drawn.pop() if plan.cameras.names else None,
+        "tasks": told,
+        "library": digest_of(digests_of_library()),
+        "versions": used,
+        "processor": processor(),
+        "system": system(),
+    }
+
+
+def _listed(options: Mapping[str, Any]) -> dict[str, Any]:
+    return {n: list(v) if isinstance(v, tuple) else v for n, v in options.items()}
+
+
+def _described(plan: CollectPlan, task: Task) -> tuple[str, dict[str, Any]]:
+    spec = task.file.spec
+    with closing(plan.make_env(task, (plan.variations or (0,))[0])) as env:
+        world = env.episode.world
+        return task.name, {
+            "summary": spec.summary,
+            "instructions": list(spec.instructions),
+            "agents": list(env.possible_agents),
+            "control_hz": env.options.control_hz or spec.timing.control_hz,
+            "physics_hz": spec.timing.physics_hz,
+            "max_episode_steps": env.max_episode_steps,
+            "variations": len(task.file.scenes),
+            "stages": list(task.description.stages),
+            "terms": list(env.episode.outcome.terms),
+            "conditions": list(env.episode.outcome.conditions),
+            "expert": [in_words(stage) for stage in spec.expert],
+            "robots": {name: _robot(env, name) for name in env.possible_agents},
+            "objects": list(world.movable),
+            "state_names": list(env.state_names),
+            "cameras": {name: _camera(plan, env, name) for name in plan.cameras.names},
+            "files": dict(digests_of_task(task)),
+            "renderer": world.client.renderer,
+        }
+
+
+def _robot(env: TaskEnv, name: str) -> dict[str, Any]:
+    world, actions = env.episode.world, env.episode.actions[name]
+    robot = world.robots[name]
+    return {
+        "model": robot.model.name,
+        "action": world.scene.robots[name].action.model_dump(mode="json"),
+        "action_names": list(actions.names),
+        "action_low": actions.low.tolist(),
+        "action_high": actions.high.tolist(),
+        "observation_names": list(env.observation_names[name]),
+        "joint_names": [f"{name}.joint_{n}" for n in range(1, len(robot.arm.indices) + 1)],
+        "urdf_joints": [joint.name for joint in robot.model.arm],
+    }
+
+
+def _camera(plan: CollectPlan, env: TaskEnv, name: str) -> dict[str, Any]:
+    spec = env.episode.world.scene.cameras[name]
+    width, height = plan.cameras.size or spec.size
+    return {"width": width, "height": height, "fov_deg": spec.fov_deg, "mount": spec.mount}
+
+
+# --- comparing
+
+
+def changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
+    """Why a data set that was begun cannot be continued, in words.
+
+    Args:
+        there: What it says of itself.
+        here: What it would say if it were begun now.
+    """
+    was, now = there.get("collected", {}), here["collected"]
+    for name in dict.fromkeys((*was, *now)):
+        if was.get(name) != now.get(name):
+            yield f"{name} is {now.get(name)} now and was {was.get(name)}"
+    for name in ("options", "license", "renderer"):
+        if there.get(name) != here[name]:
+            yield f"{name} is {here[name]} now and was {there.get(name)}"
+    yield from _task_changes(there.get("tasks", {}), here["tasks"])
+    if there.get("library") != here["library"]:
+        yield "taskbuilder's own files changed"
+    for what, was_, now_ in machine_changes(there, here):
+        yield f"{what} is {now_} now and was {was_}"
+
+
+def machine_changes(
+    there: Mapping[str, Any], here: Mapping[str, Any]
+) -> Iterator[tuple[str, str | None, str | None]]:
+    """In what machines and versions differ that may change the last digits of numbers.
+
+    Args:
+        there: What a data set says of itself.
+        here: ``versions``, ``processor`` and ``system`` of this machine.
+
+    Yields:
+        What differs, how it is there, and how it is here.
+    """
+    for name in ("versions", "processor", "system"):
+        then, now = there.get(name, {}), here[name]
+        for key in dict.fromkeys((*then, *now)):
+            counts = name != "system" or key == "c library"  # no number depends on the kernel
+            if counts and then.get(key) != now.get(key):
+                yield f"{name}: {key}", then.get(key), now.get(key)
+
+
+def _task_changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
+    if list(there) != list(here):
+        yield f"the tasks are {', '.join(here)} now and were {', '.join(there)}"
+        return
+    for name, about in here.items():
+        changed = differences(there[name].get("files", {}), about["files"])
+        if changed:
+            yield f"files of {name} changed: {', '.join(changed)}"
+
+
+def trained_policies(shares: Sequence[PolicyShare]) -> list[str]:
+    """The policies of a mixture that are not made here."""
+    return [share.name for share in shares if not is_named(share.name)]

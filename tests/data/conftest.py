@@ -1,0 +1,73 @@
+"""Small data sets, collected once for all tests of a session; tests that change one copy it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from taskbuilder.data.collecting import collect
+from taskbuilder.data.plan import CollectPlan
+from taskbuilder.data.policies import read_share
+from taskbuilder.data.recording import Cameras
+
+CAMERAS = Cameras(("front", "left_wrist"), (48, 32), depth=True)
+
+
+@pytest.fixture(scope="session")
+def pictured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three episodes of handover, of the expert and of the expert with noise, with two cameras."""
+    folder = tmp_path_factory.mktemp("data") / "pictured"
+    shares = (read_share("expert*2"), read_share("noisy:0.05"))
+    collect(CollectPlan(("handover",), 3, policies=shares, cameras=CAMERAS), folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def mixed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six episodes of two tasks for one robot, of the expert and of chance, with failures."""
+    folder = tmp_path_factory.mktemp("data") / "mixed"
+    plan = CollectPlan(
+        ("reach", "pick_place"),
+        3,
+        policies=(read_share("expert*2"), read_share("random")),
+        variations=None,
+        keep_failures=True,
+    )
+    collect(plan, folder)
+    return folder
+
+
+@pytest.fixture
+def copied(pictured: Path, tmp_path: Path) -> Path:
+    """A copy of `pictured`."""
+    return Path(shutil.copytree(pictured, tmp_path / "copied"))
+
+
+GOOD = """\
+task: good
+summary: One arm lifts a cube.
+scene:
+  robots:
+    arm: {model: ur5e, base: {position: [0, 0, 0]}}
+  objects:
+    cube: {shape: {box: [0.04, 0.04, 0.04]}, mass: 0.1, position: [0.5, 0, 0.02]}
+"""
+DESCRIPTION = """\
+from taskbuilder.description import Above, Bonus, Description
+
+
+class Good(Description):
+    success = Above("cube", height=0.2)
+    reward = (Bonus("done", success, 1.0),)
+"""
+
+
+@pytest.fixture
+def good(tmp_path: Path) -> Path:
+    """A small sound task without an expert, good.yaml."""
+    (tmp_path / "good.py").write_text(DESCRIPTION)
+    file = tmp_path / "good.yaml"
+    file.write_text(GOOD)
+    return file
