@@ -145,7 +145,7 @@ class NoisyExpert:
         noisy = {}
         for agent, action in actions.items():
             noise = self._rng.normal(0.0, self._spread, len(action))
-            noise[-1] = 0.0
+            noise[self._expert.env.episode.actions[agent].arm_size :] = 0.0
             noisy[agent] = np.clip(action + noise, -1.0, 1.0).astype(np.float32)
         return noisy
 

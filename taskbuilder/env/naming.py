@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from taskbuilder.schema.channels import Channel
+from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
 POSITION = ("x", "y", "z")
@@ -45,7 +46,7 @@ def channel_names(channel: Channel, world: World, action: Sequence[str] = ()) ->
         parts = {
             "joints": joint_names(len(robot.arm.indices)),
             "joint_velocities": joint_names(len(robot.arm.indices), "_velocity"),
-            "force": tuple(f"finger_{n}_force" for n in range(1, len(robot.gripper.tips) + 1)),
+            "force": _force_names(robot),
             "previous_action": tuple(f"previous_{name}" for name in action),
         }.get(quantity, (quantity,))
         return tuple(f"{subject}.{part}" for part in parts)
@@ -53,6 +54,13 @@ def channel_names(channel: Channel, world: World, action: Sequence[str] = ()) ->
         return (f"{subject}.{quantity}",)
     owner = f"{subject}.tcp" if quantity.startswith("tcp") else subject
     return tuple(f"{owner}.{part}{frame}" for part in _FRAMES[quantity])
+
+
+def _force_names(robot: Robot) -> tuple[str, ...]:
+    """The name of each force on a gripper's fingers, or of the one on a cup or a tool."""
+    if not robot.model.stroke:
+        return ("tool_force",)
+    return tuple(f"finger_{n}_force" for n in range(1, len(robot.gripper.tips) + 1))
 
 
 def with_matrix(names: Sequence[str], turns: int) -> tuple[str, ...]:
