@@ -46,6 +46,9 @@ from taskbuilder.jobs import LostError, workers
 from taskbuilder.rollout.play import Policy
 from taskbuilder.task import Task
 
+_ASIDE = tuple(f".{name}." for name in layout.OWN)
+"""How files are called while they are written; a process that was killed may have left some."""
+
 HOPELESS = 20
 """Attempts without a single success after which collecting stops."""
 
@@ -172,7 +175,7 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
     strange = sorted(
         file.name
         for file in folder.iterdir()
-        if file.name not in layout.OWN and not file.name.startswith(f".{layout.ABOUT}.")
+        if file.name not in layout.OWN and not file.name.startswith(_ASIDE)
     )
     if not (folder / layout.ABOUT).exists():
         others = sorted({*strange, *(f.name for f in folder.iterdir() if f.name in layout.OWN)})
@@ -188,6 +191,11 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
         raise UsageError(
             f"{where} holds a data set that was begun in another way; name another folder\n"
             + "\n".join(f"  {line}" for line in differs)
+        )
+    if strange and not layout.is_finished(folder):
+        raise UsageError(
+            f"{where} holds other files beside the data set ({', '.join(strange[:3])}); move them "
+            "away"
         )
 
 

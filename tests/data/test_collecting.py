@@ -114,6 +114,24 @@ def test_half_an_episode_is_played_again(damage, whole, tmp_path):
     assert bytes_of(out) == bytes_of(whole)
 
 
+@pytest.mark.parametrize("name", [layout.MANIFEST, layout.INDEX, layout.CARD])
+def test_a_file_that_was_being_written_is_swept_up(name, whole, tmp_path):
+    out = shutil.copytree(whole, tmp_path / "half")
+    (out / layout.MANIFEST).unlink()
+    (out / f".{name}.0123abcd").write_text("half")
+    collect(REACH, out)
+    assert bytes_of(out) == bytes_of(whole)
+
+
+def test_other_files_beside_half_a_data_set_are_left_alone(whole, tmp_path):
+    out = shutil.copytree(whole, tmp_path / "half")
+    (out / layout.MANIFEST).unlink()
+    (out / "notes.txt").write_text("mine")
+    with pytest.raises(UsageError, match=r"other files beside the data set \(notes.txt\)"):
+        collect(REACH, out)
+    assert (out / "notes.txt").read_text() == "mine"
+
+
 # --- disks
 
 
