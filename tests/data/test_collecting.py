@@ -245,7 +245,7 @@ def test_a_task_whose_expert_fails_stops_and_says_why(good, tmp_path):
     text = good.read_text() + "expert:\n  - arm: {reach: cube, above: 3.0}\n"
     good.write_text(text.replace("scene:", "timing: {episode_steps: 10}\nscene:"))
     with pytest.raises(CollectingError, match=r"0 of 20 attempts at good succeeded") as caught:
-        collect(CollectPlan((str(good),), 1), tmp_path / "out")
+        collect(CollectPlan((str(good),), 1000), tmp_path / "out")
     assert "in stage 1 (arm: reach cube)" in str(caught.value)
     assert "--keep-failures" in str(caught.value)
     kept = tmp_path / "kept"
