@@ -12,7 +12,7 @@ import statistics
 import sys
 import time
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, get_args
 
 from taskbuilder.env.options import Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
@@ -21,7 +21,7 @@ from taskbuilder.rollout.players import RandomActions
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.motors import Command, Motors
-from taskbuilder.sim.renderers import probe_egl
+from taskbuilder.sim.renderers import has_raster, probe_egl
 from taskbuilder.task import Task
 from taskbuilder.visual.still import take_still
 
@@ -121,7 +121,8 @@ def measure_images(task: Task, renderer: Renderer) -> dict[str, float]:
 
 def renderers() -> tuple[Renderer, ...]:
     """The renderers that work on this machine."""
-    return ("tiny", "egl") if probe_egl().works else ("tiny",)
+    working = {"raster": has_raster(), "tiny": True, "egl": probe_egl().works}
+    return tuple(name for name in get_args(Renderer) if working.get(name))
 
 
 def peak_memory_mb() -> float:

@@ -68,7 +68,8 @@ def add_renderer(parser: ArgumentParser) -> None:
     """``--renderer``: how images are rendered."""
     parser.add_argument(
         "--renderer",
-        choices=("auto", "tiny", "egl"),
+        choices=("auto", "raster", "tiny", "egl"),
         default="auto",
-        help="tiny: on the CPU; egl: through OpenGL (default auto)",
+        help="raster: fast, on the CPU; tiny: Bullet's own; egl: through OpenGL (default auto: "
+        "raster where it is installed)",
     )

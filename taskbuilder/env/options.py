@@ -15,7 +15,7 @@ from taskbuilder.wording import suggestion
 
 RewardSharing = Literal["team", "local", "sparse"]
 Variation = int | Literal["random"]
-Renderer = Literal["auto", "tiny", "egl"]
+Renderer = Literal["auto", "raster", "tiny", "egl"]
 RenderMode = Literal["rgb_array"]
 Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
@@ -56,7 +56,8 @@ class Options:
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
         cameras: Cameras whose colour images every agent observes besides its own channels.
         camera_size: Width and height of observed images; by default each camera's own.
-        renderer: Renderer of images: ``tiny``, ``egl`` or ``auto``.
+        renderer: Renderer of images: ``raster``, ``tiny``, ``egl``; or ``auto``, which is
+            ``raster`` where its packages are installed and else ``tiny``.
         render_camera: The camera of ``render()``; by default the scene's first.
     """
 
@@ -72,7 +73,7 @@ class Options:
     rotation: Rotation = "quaternion"
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
-    renderer: Renderer = "tiny"
+    renderer: Renderer = "auto"
     render_camera: str | None = None
 
     def applied(self, task: Task) -> TaskFile:
@@ -111,7 +112,7 @@ class Options:
         _choice("observe", self.observe, ("task", "scene"))
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
-        _choice("renderer", self.renderer, ("auto", "tiny", "egl"))
+        _choice("renderer", self.renderer, get_args(Renderer))
         size = self.camera_size
         if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
             raise UsageError(f"camera_size is {size!r}; a width and a height of 1 to 4096 pixels")

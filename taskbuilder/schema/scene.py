@@ -259,6 +259,11 @@ class SiteSpec(_Placed):
 
     marker: Marker | None = None
     color: Color = "green"
+    opacity: Annotated[float, Field(gt=0.0, le=1.0)] | None = Field(
+        None,
+        description="From 0, invisible, to 1, solid. The default is 0.35 for markers thicker than "
+        "6 cm, which are zones, and 1 for others. TinyRenderer draws all of them solid.",
+    )
 
 
 class CameraSpec(Model):

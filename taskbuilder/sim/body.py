@@ -261,6 +261,7 @@ class Body:
         """Paint one link, or all."""
         for link in self.indices if index is None else (index,):
             self._bullet.changeVisualShape(self.id, link, rgbaColor=color)
+        self.client.looks += 1
 
 
 def inertial_frame(client: Client, body_id: int, index: int) -> Pose:

@@ -21,7 +21,7 @@ LARGEST_SIDE = 4096  # Bullet ends the process when an image is too large
 NO_BODY = -1
 # Where in a pixel its ray passes, from the left and from the top. Bullet's own renderer takes
 # the lower left corner; OpenGL the centre.
-_RAY_IN_PIXEL = {"tiny": (0.0, 1.0), "egl": (0.5, 0.5)}
+_RAY_IN_PIXEL = {"raster": (0.5, 0.5), "tiny": (0.0, 1.0), "egl": (0.5, 0.5)}
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,65 @@ def capture(
         raise SimulationError(f"supersample must be 1 or more, not {supersample}")
     width, height = view.width * supersample, view.height * supersample
     _check_size(width, height)
+    taken = _rasterised if client.renderer == "raster" else _by_bullet
+    behind = _behind(backdrop, height)
+    rgb, depth, bodies, links = taken(client, view, (width, height), light, behind, shadow)
+    if supersample > 1:
+        size = (view.width, view.height)
+        rgb = cv2.resize(rgb, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    # Of the pixels drawn for one, depth and masks take that whose ray the pixel itself would have.
+    across, down = _RAY_IN_PIXEL[client.renderer]
+    column, row = (min(int(share * supersample), supersample - 1) for share in (across, down))
+    chosen = (slice(row, None, supersample), slice(column, None, supersample))
+    return Image(
+        rgb=np.ascontiguousarray(rgb),
+        depth=depth[chosen],
+        bodies=bodies[chosen],
+        links=links[chosen],
+        intrinsics=_intrinsics(view, (column + across) / supersample, (row + down) / supersample),
+    )
+
+
+_Drawn = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]
+"""Colours, depths in metres, bodies and links."""
+
+
+def _rasterised(
+    client: Client,
+    view: CameraView,
+    size: tuple[int, int],
+    light: Light,
+    behind: NDArray[np.uint8],
+    shadow: bool,
+) -> _Drawn:
+    from taskbuilder.raster import Camera, Lamp  # loads Numba
+    from taskbuilder.sim.raster import raster_world
+
+    width, height = size
+    focal = height / 2 / math.tan(math.radians(view.fov_deg) / 2)
+    world = raster_world(client)
+    world.refresh()
+    drawing = world.scene.draw(
+        Camera(view.extrinsics[:3], focal, width, height, view.near, view.far),
+        Lamp(light.direction, light.color, light.ambient, light.diffuse),
+        backdrop=behind,
+        shadow=shadow,
+    )
+    shapes = drawing.shapes
+    bodies, links = (numbers.take(shapes, mode="wrap") for numbers in (world.bodies, world.links))
+    return drawing.rgb, drawing.depth, bodies, links
+
+
+def _by_bullet(
+    client: Client,
+    view: CameraView,
+    size: tuple[int, int],
+    light: Light,
+    behind: NDArray[np.uint8],
+    shadow: bool,
+) -> _Drawn:
     bullet = client.bullet
+    width, height = size
     _, _, colors, buffer, mask = bullet.getCameraImage(
         width,
         height,
@@ -190,23 +248,8 @@ def capture(
     rgb = np.asarray(colors, dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
     mask = np.asarray(mask, dtype=np.int32).reshape(height, width)
     buffer = np.asarray(buffer, dtype=np.float32).reshape(height, width)
-    if backdrop is not None:
-        rgb = np.where((mask < 0)[:, :, None], _gradient(backdrop, height), rgb)
-    if supersample > 1:
-        size = (view.width, view.height)
-        rgb = cv2.resize(rgb, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
-    # Of the pixels drawn for one, depth and masks take that whose ray the pixel itself would have.
-    across, down = _RAY_IN_PIXEL[client.renderer]
-    column, row = (min(int(share * supersample), supersample - 1) for share in (across, down))
-    chosen = (slice(row, None, supersample), slice(column, None, supersample))
-    bodies, links = _decoded(mask[chosen])
-    return Image(
-        rgb=np.ascontiguousarray(rgb),
-        depth=_metres(buffer[chosen], view),
-        bodies=bodies,
-        links=links,
-        intrinsics=_intrinsics(view, (column + across) / supersample, (row + down) / supersample),
-    )
+    rgb = np.where((mask < 0)[:, :, None], behind[:, None], rgb)
+    return rgb, _metres(buffer, view), *_decoded(mask)
 
 
 def point_cloud(image: Image, view: CameraView) -> NDArray[np.float32]:
@@ -233,9 +276,11 @@ def _check_size(width: int, height: int) -> None:
         )
 
 
-def _gradient(backdrop: Backdrop, height: int) -> NDArray[np.uint8]:
-    """(height, 1, 3) colours from top to bottom."""
-    share = np.linspace(0.0, 1.0, height)[:, None, None]
+def _behind(backdrop: Backdrop | None, height: int) -> NDArray[np.uint8]:
+    """(height, 3) colours from top to bottom; white without a backdrop."""
+    if backdrop is None:
+        return np.full((height, 3), 255, np.uint8)
+    share = np.linspace(0.0, 1.0, height)[:, None]
     mixed = (1.0 - share) * np.array(backdrop.top) + share * np.array(backdrop.bottom)
     colors: NDArray[np.uint8] = mixed.astype(np.uint8)
     return colors

@@ -30,35 +30,44 @@ class Client(Single):
     Args:
         physics_hz: Physics steps a second.
         gravity: Acceleration in m/s².
-        egl: Render through OpenGL instead of on the CPU; see `renderers.choose`.
+        renderer: What draws its pictures; see `renderers.choose`.
 
     Attributes:
         bullet: Pybullet's functions, bound to this client.
         id: Bullet's number for this client.
         physics_hz: Physics steps a second.
+        renderer: What draws its pictures.
         snapshots: How many snapshots of it are kept.
+        looks: How often the look of a body was changed.
+        drawn: What the rasteriser keeps of its bodies, for its next picture.
 
     Raises:
         SimulationError: Bullet refuses a connection, or the EGL renderer does not load.
     """
 
     def __init__(
-        self, *, physics_hz: int, gravity: Vec3 = (0.0, 0.0, -9.81), egl: bool = False
+        self,
+        *,
+        physics_hz: int,
+        gravity: Vec3 = (0.0, 0.0, -9.81),
+        renderer: Renderer = "tiny",
     ) -> None:
         if physics_hz <= 0:
             raise SimulationError(f"physics_hz must be above 0, not {physics_hz}")
         self.physics_hz = physics_hz
+        self.renderer = renderer
         self.snapshots = 0
+        self.looks = 0
+        self.drawn: object = None
         self.id: int = p.connect(p.DIRECT)
         if self.id < 0:
             raise SimulationError("Bullet opens no more clients in this process; close some first")
         self.bullet = Calls(self.id)
         self._open = True
-        self._renderer: Renderer = "tiny"
         try:
             self._configure(gravity)
-            if egl:
-                self._load_egl()
+            if renderer == "egl":
+                load_egl(self.bullet)
         except BaseException:
             self.close()
             raise
@@ -67,11 +76,6 @@ class Client(Single):
     def dt(self) -> float:
         """Length of a physics step in seconds."""
         return 1.0 / self.physics_hz
-
-    @property
-    def renderer(self) -> Renderer:
-        """What draws this client's pictures."""
-        return self._renderer
 
     def step(
         self,
@@ -131,7 +135,3 @@ class Client(Single):
             enableFileCaching=0,
         )
         self.bullet.setGravity(*gravity)
-
-    def _load_egl(self) -> None:
-        load_egl(self.bullet)
-        self._renderer = "egl"

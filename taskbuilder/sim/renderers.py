@@ -1,4 +1,4 @@
-"""Choosing what draws: Bullet's own renderer on the CPU, or OpenGL through EGL.
+"""Choosing what draws: taskbuilder's rasteriser, Bullet's TinyRenderer, or OpenGL through EGL.
 
 Where EGL does not work, Bullet's plugin ends the whole process. It is therefore tried in another
 process before it is loaded in this one.
@@ -6,6 +6,7 @@ process before it is loaded in this one.
 
 from __future__ import annotations
 
+import logging
 import re
 import subprocess
 from dataclasses import dataclass
@@ -18,7 +19,13 @@ from taskbuilder.interpreters import interpreter
 from taskbuilder.quiet import captured
 from taskbuilder.sim.bullet import Calls
 
-Renderer = Literal["tiny", "egl"]
+Renderer = Literal["raster", "tiny", "egl"]
+Request = Literal["auto", "raster", "tiny", "egl"]
+
+RASTER_PACKAGES = ("numba", "fast_simplification")
+HOW_TO_GET_RASTER = 'pip install "taskbuilder[render]"'
+
+_log = logging.getLogger(__name__)
 
 PROBE_SECONDS = 30.0
 # OpenGL on the CPU: slower than Bullet's own renderer for all but large images.
@@ -79,21 +86,29 @@ def probe_egl() -> EglProbe:
     return EglProbe("", f"{last} (exit status {child.returncode})")
 
 
-def choose(requested: Literal["auto", "tiny", "egl"]) -> Renderer:
+def choose(requested: Request) -> Renderer:
     """What to draw with.
 
     Args:
-        requested: "auto" takes EGL only where a graphics processor is behind it.
+        requested: "auto" takes the rasteriser where its packages are installed, and else Bullet's
+            own renderer.
 
     Raises:
-        SimulationError: EGL was asked for and does not work, or the name is none of the three.
+        SimulationError: The renderer that was asked for does not work here, or there is none of
+            this name.
     """
     if requested == "tiny":
         return "tiny"
     if requested == "auto":
-        return "egl" if probe_egl().hardware else "tiny"
+        return "raster" if has_raster() else _stand_in()
+    if requested == "raster":
+        if not has_raster():
+            raise SimulationError(f"the renderer raster is not installed; {HOW_TO_GET_RASTER}")
+        return "raster"
     if requested != "egl":
-        raise SimulationError(f"there is no renderer {requested!r}; it is auto, tiny or egl")
+        raise SimulationError(
+            f"there is no renderer {requested!r}; it is auto, raster, tiny or egl"
+        )
     probe = probe_egl()
     if not probe.works:
         raise SimulationError(
@@ -101,6 +116,19 @@ def choose(requested: Literal["auto", "tiny", "egl"]) -> Renderer:
             "(libegl1, and libgl1-mesa-dri without a graphics processor), or use tiny"
         )
     return "egl"
+
+
+@cache
+def has_raster() -> bool:
+    """Whether the packages of the rasteriser are installed."""
+    return all(find_spec(name) is not None for name in RASTER_PACKAGES)
+
+
+@cache
+def _stand_in() -> Renderer:
+    """Bullet's own renderer, after it was said once how to get a faster one."""
+    _log.warning("pictures are drawn by TinyRenderer; %s draws them faster", HOW_TO_GET_RASTER)
+    return "tiny"
 
 
 def load_egl(bullet: Calls) -> None:

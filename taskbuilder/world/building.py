@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from taskbuilder.sim.islands import unite
 from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
-from taskbuilder.sim.renderers import choose
+from taskbuilder.sim.renderers import Request, choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.world.gripper import build_gripper
 from taskbuilder.world.loading import Loader
@@ -37,12 +36,11 @@ from taskbuilder.world.world import World
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
 ARM_SPEED = 3.14  # rad/s or m/s, likewise
 ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
+THICK_M, ZONE_OPACITY = 0.06, 0.35  # markers of zones, which things are seen in
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
-def build_world(
-    task: TaskFile, *, variation: int = 0, renderer: Literal["auto", "tiny", "egl"] = "tiny"
-) -> World:
+def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto") -> World:
     """Build the world of a task.
 
     Args:
@@ -56,7 +54,7 @@ def build_world(
         SimulationError: The renderer does not work here.
     """
     scene = task.scenes[variation]
-    client = Client(physics_hz=task.spec.timing.physics_hz, egl=choose(renderer) == "egl")
+    client = Client(physics_hz=task.spec.timing.physics_hz, renderer=choose(renderer))
     loader = Loader(client, task)
     try:
         floor = _build_floor(client) if scene.floor else None
@@ -207,9 +205,12 @@ def _build_site(client: Client, name: str, spec: SiteSpec) -> Site:
     if spec.marker is None:
         return Site(name, spec, spec.pose, None, None)
     shape = shape_of(spec.marker)
-    part = Part(shape, Pose(), (*rgb(spec.color), 1.0))
+    box = bounds(shape)
+    zone = 2.0 * min(box.half) > THICK_M
+    opacity = spec.opacity or (ZONE_OPACITY if zone else 1.0)
+    part = Part(shape, Pose(), (*rgb(spec.color), opacity))
     marker = create_body(client, {name: part}, name=name, collides=False)
-    return Site(name, spec, spec.pose, bounds(shape), marker)
+    return Site(name, spec, spec.pose, box, marker)
 
 
 def _put_all(world: World) -> None:

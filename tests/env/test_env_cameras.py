@@ -53,7 +53,7 @@ def test_points_lie_on_what_the_mask_says_is_there(make):
     for name, half in (("block", (0.03, 0.02, 0.02)), ("post", (0.05, 0.015, 0.19))):
         body = world.objects[name].body
         on = points[found["front.mask"] == body.id]
-        assert len(on) > 3
+        assert len(on) > 1
         own = np.array([body.pose().inverse().apply(tuple(point)) for point in on.tolist()])
         off = np.abs(own) - half
         assert off.max() < 0.01, name  # inside the box, and on its surface

@@ -19,9 +19,9 @@ ROLLED = CameraView((0.5, -1.0, 0.8), (0.0, 0.0, 0.0), up=(0.5, 0.2, 1.0), width
 needs_egl = pytest.mark.skipif(not probe_egl().works, reason=f"no EGL: {probe_egl().reason}")
 
 
-@pytest.fixture(params=["tiny", pytest.param("egl", marks=needs_egl)])
+@pytest.fixture(params=["raster", "tiny", pytest.param("egl", marks=needs_egl)])
 def drawing_client(request):
-    with Client(physics_hz=120, egl=request.param == "egl") as client:
+    with Client(physics_hz=120, renderer=request.param) as client:
         assert client.renderer == request.param
         yield client
 

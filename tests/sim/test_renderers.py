@@ -8,7 +8,7 @@ import pytest
 from taskbuilder.errors import SimulationError
 from taskbuilder.sim import renderers
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.renderers import EglProbe, choose, probe_egl
+from taskbuilder.sim.renderers import choose, probe_egl
 
 
 @pytest.fixture
@@ -23,17 +23,26 @@ def test_the_probe_says_either_what_draws_or_why_nothing_does():
     assert bool(probe.device) != bool(probe.reason)
 
 
-@pytest.mark.parametrize(
-    ("probe", "chosen"),
-    [
-        (EglProbe("NVIDIA H200/PCIe/SSE2", ""), "egl"),
-        (EglProbe("llvmpipe (LLVM 15.0.6, 256 bits)", ""), "tiny"),
-        (EglProbe("", "no device"), "tiny"),
-    ],
-)
-def test_auto_takes_egl_only_with_hardware_behind_it(monkeypatch, probe, chosen):
-    monkeypatch.setattr(renderers, "probe_egl", lambda: probe)
-    assert choose("auto") == chosen
+def test_auto_takes_the_rasteriser_where_it_is_installed():
+    assert choose("auto") == choose("raster") == "raster"
+
+
+@pytest.fixture
+def without_numba(monkeypatch):
+    """A machine on which the rasteriser's packages are missing."""
+    monkeypatch.setattr(renderers, "RASTER_PACKAGES", ("no_such_package",))
+    renderers.has_raster.cache_clear()
+    renderers._stand_in.cache_clear()
+    yield
+    renderers.has_raster.cache_clear()
+
+
+def test_bullets_own_renderer_stands_in_and_says_once_how_to_get_the_other(without_numba, caplog):
+    assert [choose("auto"), choose("auto")] == ["tiny", "tiny"]
+    (record,) = caplog.records
+    assert 'pip install "taskbuilder[render]"' in record.getMessage()
+    with pytest.raises(SimulationError, match=r"raster is not installed; pip install"):
+        choose("raster")
 
 
 def test_egl_that_does_not_work_is_refused_with_the_way_out(monkeypatch, fresh_probe):
@@ -42,11 +51,11 @@ def test_egl_that_does_not_work_is_refused_with_the_way_out(monkeypatch, fresh_p
     with pytest.raises(SimulationError, match=r"EGL does not work here: .*use tiny"):
         choose("egl")
     with pytest.raises(SimulationError, match="EGL does not work here"):
-        Client(physics_hz=120, egl=True)
+        Client(physics_hz=120, renderer="egl")
 
 
 def test_an_unknown_renderer_is_refused():
-    with pytest.raises(SimulationError, match="auto, tiny or egl"):
+    with pytest.raises(SimulationError, match="auto, raster, tiny or egl"):
         choose("vulkan")
 
 
@@ -62,7 +71,7 @@ from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.shapes import BoxShape, Part
 from taskbuilder.sim.cameras import CameraView, capture
 from taskbuilder.sim.client import Client
-with Client(physics_hz=120, egl=True) as client:
+with Client(physics_hz=120, renderer="egl") as client:
     for _ in range(3):
         create_body(client, {"box": Part(BoxShape((1, 1, 1)))})
         capture(client, CameraView((3, 3, 3), (0, 0, 0)))

@@ -78,3 +78,39 @@ def test_markers_of_riding_sites_are_brought_along_for_pictures(build):
 def test_a_camera_that_is_not_there_is_named(build):
     with pytest.raises(UnknownNameError, match=r'no camera "frnt"; did you mean "front"\?'):
         build(SCENE).camera("frnt")
+
+
+ZONES = """
+scene:
+  robots:
+    arm: {model: ur5e, base: {position: [-3, 0, 0]}}
+  objects:
+    wall: {shape: {box: [1, 0.1, 1]}, fixed: true, position: [0, 0.5, 0.5], color: red}
+  sites:
+    zone: {position: [-0.2, 0, 0.5], marker: {box: [0.2, 0.2, 0.2]}, color: [0, 0, 1]}
+    spot: {position: [0.2, 0, 0.5], marker: {sphere: 0.025}, color: [0, 0, 1]}
+    thin: {position: [0, 0, 0.7], marker: {sphere: 0.025}, color: [0, 0, 1], opacity: 0.1}
+  cameras:
+    front: {position: [0, -1, 0.5], look_at: [0, 0, 0.5], fov_deg: 60, size: [121, 121]}
+"""
+
+
+def test_markers_with_volume_are_translucent_and_others_solid(build):
+    world = build(ZONES)
+    world.move_markers()
+    image = capture(world.client, world.camera("front"))
+    focal, wall = 60.5 / np.tan(np.radians(30)), world.objects["wall"].body.id
+
+    def seen(x, z, distance=1.0):
+        row, column = int(60.5 - focal * (z - 0.5) / distance), int(60.5 + focal * x / distance)
+        return image.bodies[row, column], image.rgb[row, column].astype(int)
+
+    for x, z, opacity in ((-0.2, 0.5, 0.35), (0, 0.7, 0.1)):
+        body, (red, green, blue) = seen(x, z)
+        assert body == wall
+        assert red > 0.8 * (1 - opacity) * 255 * 0.5
+        assert 0.2 * opacity * 255 < blue < opacity * 255 + 40
+        assert green < 45
+    body, (red, _, blue) = seen(0.2, 0.5)
+    assert body == world.sites["spot"].marker.id
+    assert blue > 100 > red

@@ -1,0 +1,34 @@
+"""A z-buffer rasteriser on the CPU: colour, depth and segmentation of triangle meshes in one pass.
+
+It knows nothing of robots or physics. `Scene` holds shapes, which stay; `Scene.draw` takes their
+poses and a camera, which change. The kernels are compiled by Numba when they are first used, and
+kept on disk. The same input gives the same picture, bit for bit.
+"""
+
+from taskbuilder.raster.meshes import (
+    TriangleMesh,
+    box,
+    capsule,
+    cylinder,
+    mesh_of,
+    parts_of,
+    simplified,
+    sphere,
+)
+from taskbuilder.raster.scene import Camera, Drawing, Lamp, Scene, Shape
+
+__all__ = [
+    "Camera",
+    "Drawing",
+    "Lamp",
+    "Scene",
+    "Shape",
+    "TriangleMesh",
+    "box",
+    "capsule",
+    "cylinder",
+    "mesh_of",
+    "parts_of",
+    "simplified",
+    "sphere",
+]

@@ -1,0 +1,74 @@
+"""Loops over the triangles of a mesh, compiled by Numba."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@njit(cache=True, nogil=True)
+def crease_normals(points: Array, triangles: Array, cosine: float) -> Array:
+    """Normals at the corners of triangles: the mean over faces around a point that meet smoothly.
+
+    Args:
+        points: (p, 3).
+        triangles: (t, 3).
+        cosine: Of the largest angle between faces that share a normal.
+
+    Returns:
+        (3 t, 3) unit vectors, one for each corner.
+    """
+    count = len(triangles)
+    areas = np.empty((count, 3))
+    faces = np.empty((count, 3))
+    for t in range(count):
+        a, b, c = points[triangles[t, 0]], points[triangles[t, 1]], points[triangles[t, 2]]
+        areas[t] = np.cross(b - a, c - a)
+        length = math.sqrt(np.sum(areas[t] * areas[t]))
+        faces[t] = areas[t] / length if length > 0.0 else areas[t]
+    starts = np.zeros(len(points) + 1, np.int64)
+    for t in range(count):
+        for corner in range(3):
+            starts[triangles[t, corner] + 1] += 1
+    starts = np.cumsum(starts)
+    around = np.empty(3 * count, np.int64)
+    filled = starts[:-1].copy()
+    for t in range(count):
+        for corner in range(3):
+            point = triangles[t, corner]
+            around[filled[point]] = t
+            filled[point] += 1
+    normals = np.empty((3 * count, 3))
+    for t in range(count):
+        for corner in range(3):
+            point = triangles[t, corner]
+            total = np.zeros(3)
+            for place in range(starts[point], starts[point + 1]):
+                other = around[place]
+                if np.sum(faces[t] * faces[other]) >= cosine:
+                    total += areas[other]
+            length = math.sqrt(np.sum(total * total))
+            normals[3 * t + corner] = total / length if length > 0.0 else faces[t]
+    return normals
+
+
+@njit(cache=True, nogil=True)
+def nearest(points: Array, others: Array) -> Array:
+    """The nearest of other points to each point: (p,) of (p, 3) and (o, 3)."""
+    found = np.empty(len(points), np.intp)
+    for p in range(len(points)):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        least = math.inf
+        for o in range(len(others)):
+            dx, dy, dz = others[o, 0] - x, others[o, 1] - y, others[o, 2] - z
+            distance = dx * dx + dy * dy + dz * dz
+            if distance < least:
+                least = distance
+                found[p] = o
+    return found

@@ -1,0 +1,147 @@
+"""Drawing a client's world by the rasteriser: what its shapes look like, and where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.assets.mesh import read_mesh
+from taskbuilder.geometry import Pose, Quat, Vec3
+from taskbuilder.raster import (
+    Scene,
+    Shape,
+    TriangleMesh,
+    box,
+    capsule,
+    cylinder,
+    parts_of,
+    simplified,
+    sphere,
+)
+from taskbuilder.sim.body import BASE, inertial_frame
+from taskbuilder.sim.bullet import p
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.mesh_colors import WHITE, Color, face_colors
+
+FLOOR_REACH_M = 1.5
+"""What is wider than this, from its middle, casts no shadow that anybody would see."""
+
+MOST_TRIANGLES = 3_000
+"""Meshes with more are simplified."""
+
+
+def raster_world(client: Client) -> RasterWorld:
+    """The look of a client's bodies, which is kept until bodies or their colours change."""
+    known = client.drawn
+    state = (client.bullet.getNumBodies(), client.looks)
+    if not isinstance(known, RasterWorld) or known.state != state:
+        known = client.drawn = RasterWorld(client, state)
+    return known
+
+
+class RasterWorld:
+    """The look of a client's bodies.
+
+    Args:
+        client: The world.
+        state: Number of bodies, and of changes of their look.
+
+    Attributes:
+        state: As it was given.
+        scene: The shapes.
+        bodies: Bullet's number of the body of each shape, and -1.
+        links: Index of the link of each shape, and -1.
+    """
+
+    def __init__(self, client: Client, state: tuple[int, int]) -> None:
+        self.state = state
+        self._bullet = client.bullet
+        self._bodies: list[tuple[int, Pose | None, list[int]]] = []
+        shapes: list[Shape] = []
+        owners: list[tuple[int, int]] = []
+        rows = 0
+        for number in range(self._bullet.getNumBodies()):
+            body = self._bullet.getBodyUniqueId(number)
+            count = self._bullet.getNumJoints(body)
+            inertial = inertial_frame(client, body, BASE)
+            base = None if inertial == Pose() else inertial.inverse()
+            self._bodies.append((body, base, list(range(count))))
+            for data in self._bullet.getVisualShapeData(body):
+                made = _shapes(rows + 1 + data[1], *data[2:8])
+                shapes += made
+                owners += [(body, data[1])] * len(made)
+            rows += 1 + count
+        self.scene = Scene(shapes)
+        self.bodies = np.array([*(body for body, _ in owners), -1], np.int32)
+        self.links = np.array([*(link for _, link in owners), -1], np.int32)
+
+    def refresh(self) -> None:
+        """Put the shapes where their bodies are."""
+        rows: list[tuple[float, ...]] = []
+        bullet = self._bullet
+        for body, com_from_base, links in self._bodies:
+            position, quaternion = bullet.getBasePositionAndOrientation(body)
+            if com_from_base is not None:
+                pose = Pose(position, quaternion) @ com_from_base
+                position, quaternion = pose.position, pose.quaternion
+            rows.append(position + quaternion)
+            if links:
+                states = bullet.getLinkStates(body, links, computeForwardKinematics=1)
+                rows += [state[4] + state[5] for state in states]
+        self.scene.place(np.array(rows))
+
+
+def _shapes(
+    row: int,
+    kind: int,
+    sizes: tuple[float, ...],
+    file: bytes,
+    position: Vec3,
+    quaternion: Quat,
+    color: tuple[float, float, float, float],
+) -> list[Shape]:
+    """What Bullet's account of a shape looks like; nothing for one that cannot be drawn."""
+    in_link = Pose(position, quaternion)
+    columns = [in_link.axis(0), in_link.axis(1), in_link.axis(2), position]
+    pose = np.ascontiguousarray(np.array(columns).T)
+    red, green, blue, opacity = color
+    shapes = []
+    for mesh, (r, g, b) in _meshes(kind, tuple(sizes), file):
+        wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
+        tinted = (red * r, green * g, blue * b, opacity)
+        shapes.append(Shape(mesh, row, pose, tinted, casts_shadow=not wide))
+    return shapes
+
+
+@lru_cache(maxsize=512)
+def _meshes(
+    kind: int, sizes: tuple[float, ...], file: bytes
+) -> tuple[tuple[TriangleMesh, Color], ...]:
+    """The meshes of a shape, each with its tint."""
+    if kind == p.GEOM_BOX:
+        return ((box((sizes[0], sizes[1], sizes[2])), WHITE),)
+    if kind == p.GEOM_SPHERE:
+        return ((sphere(sizes[0]), WHITE),)
+    if kind == p.GEOM_CYLINDER:
+        return ((cylinder(sizes[1], sizes[0]), WHITE),)
+    if kind == p.GEOM_CAPSULE:
+        return ((capsule(sizes[1], sizes[0]), WHITE),)
+    if kind == p.GEOM_MESH:
+        return tuple(_from_file(Path(file.decode()), sizes))
+    return ()
+
+
+def _from_file(path: Path, scale: tuple[float, ...]) -> Iterator[tuple[TriangleMesh, Color]]:
+    """The parts of a mesh file that have one colour each."""
+    mesh = read_mesh(path)
+    points = np.asarray(mesh.points, np.float64).reshape(-1, 3) * np.asarray(scale)
+    triangles: NDArray[np.int32] = np.asarray(mesh.corners, np.int32).reshape(-1, 3)
+    colors, color_of = face_colors(path, len(triangles))
+    points, triangles, origin = simplified(points, triangles, MOST_TRIANGLES)
+    most = np.median(color_of[origin], axis=1).astype(np.intp)  # what two of three corners have
+    left, part = np.unique(most, return_inverse=True)
+    yield from zip(parts_of(points, triangles, part), (colors[n] for n in left), strict=True)

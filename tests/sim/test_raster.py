@@ -1,0 +1,89 @@
+"""The rasteriser beside Bullet's own renderer, on every camera of every task."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from taskbuilder import catalogue, load_task
+from taskbuilder.sim.cameras import capture
+from taskbuilder.world.building import build_world
+
+SIZE = (96, 72)
+KERNEL = np.ones((3, 3), np.uint8)
+
+CLOSE_M = 0.004
+"""How far decimated meshes and polygons in place of circles may be from Bullet's."""
+
+
+def around(depth):
+    """The least and the greatest depth among a pixel and its neighbours."""
+    return cv2.erode(depth, KERNEL), cv2.dilate(depth, KERNEL)
+
+
+def unexplained(one, two):
+    """Pixels of a picture whose body is not among the neighbours in the other."""
+    found = np.zeros(one.shape, bool)
+    for body in np.unique(one):
+        near = cv2.dilate((two == body).astype(np.uint8), KERNEL) > 0
+        found |= (one == body) & ~near
+    return found
+
+
+@pytest.mark.parametrize("name", list(catalogue().tasks))
+def test_it_sees_the_same_bodies_at_the_same_depths(name):
+    task = load_task(name)
+    worlds = [build_world(task.file, renderer=renderer) for renderer in ("raster", "tiny")]
+    try:
+        for world in worlds:
+            world.reset(7)
+            world.move_markers()
+        for camera in worlds[0].scene.cameras:
+            view = worlds[0].camera(camera, SIZE)
+            raster, tiny = (capture(world.client, view) for world in worlds)
+            assert unexplained(raster.bodies, tiny.bodies).mean() < 0.002, camera
+            assert unexplained(tiny.bodies, raster.bodies).mean() < 0.002, camera
+            low, high = around(tiny.depth)
+            apart = np.maximum(low - raster.depth, raster.depth - high)
+            slope = high - low  # rays of the two are half a pixel apart
+            assert (apart > slope + CLOSE_M).mean() < 0.003, camera  # slivers below a pixel
+            both = (raster.bodies == tiny.bodies) & (raster.bodies >= 0)
+            colors = np.abs(raster.rgb.astype(int) - tiny.rgb).max(axis=2)[both]
+            assert np.median(colors) <= 12, camera
+    finally:
+        for world in worlds:
+            world.client.close()
+
+
+def test_a_color_that_changes_is_seen(tmp_path):
+    world = build_world(load_task("reach").file, renderer="raster")
+    try:
+        world.reset(0)
+        world.move_markers()
+        view = world.camera("front", SIZE)
+        before = capture(world.client, view)
+        robot = next(iter(world.robots.values())).body
+        robot.set_color((1.0, 0.0, 0.0, 1.0))
+        after = capture(world.client, view)
+        changed = (before.rgb != after.rgb).any(axis=2)
+        np.testing.assert_array_equal(changed, after.bodies == robot.id)
+    finally:
+        world.client.close()
+
+
+def test_pictures_repeat_to_the_bit():
+    world = build_world(load_task("handover").file, renderer="raster")
+    try:
+        world.reset(0)
+        view = replace(world.camera("front", SIZE), fov_deg=40.0)
+        one, two = (
+            capture(world.client, view, shadow=True),
+            capture(world.client, view, shadow=True),
+        )
+        assert one.rgb.tobytes() == two.rgb.tobytes()
+        assert one.depth.tobytes() == two.depth.tobytes()
+    finally:
+        world.client.close()
