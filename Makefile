@@ -24,6 +24,7 @@ docs:
 
 benchmarks:
 	python benchmarks/authoring.py
+	python benchmarks/watching.py --out benchmarks/results/watching.json
 	python benchmarks/physics_hz.py
 	python benchmarks/environments.py
 	python benchmarks/experts.py

@@ -48,7 +48,7 @@ class Watched(Script):
         world = self.world
         for robot in world.robot_names:
             closing = world.robots[robot].gripper.command.values
-            told_to_hold = closing == world.robots[robot].gripper_positions(0.0)
+            told_to_hold = closing == world.robots[robot].gripper.positions(0.0)
             if not (told_to_hold and world.held(self.thing, robot)):
                 self.taken.pop(robot, None)
                 continue

@@ -20,8 +20,8 @@ from taskbuilder.rollout.play import play, replay, replaying
 from taskbuilder.rollout.players import RandomActions
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.sim.cameras import capture
-from taskbuilder.sim.motors import Command, Motors
 from taskbuilder.sim.renderers import has_raster, probe_egl
+from taskbuilder.sim.snapshots import Commanded
 from taskbuilder.task import Task
 from taskbuilder.visual.still import take_still
 
@@ -146,7 +146,7 @@ def _play(env: TaskEnv, rollout: Rollout) -> float:
     return time.perf_counter() - started
 
 
-Told = list[dict[Motors, Command]]
+Told = list[dict[Commanded, Any]]
 
 
 def _record(env: TaskEnv, rollout: Rollout) -> Told:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
+from taskbuilder.schema.other_robots import other_robots, with_robots
 from taskbuilder.schema.source import dotted
 from taskbuilder.wording import suggestion
 
@@ -45,7 +46,11 @@ class Task:
 
 
 def load_task(
-    reference: str | Path, *, catalogue: Catalogue | None = None, guarded: bool = False
+    reference: str | Path,
+    *,
+    catalogue: Catalogue | None = None,
+    guarded: bool = False,
+    robots: Mapping[str, str | Path] | None = None,
 ) -> Task:
     """Load a task by its name in the catalogue or by the path of its YAML file.
 
@@ -56,9 +61,13 @@ def load_task(
         catalogue: The catalogue that names are looked up in; by default that of this installation.
         guarded: Whether to first import a description from outside the catalogue in a child
             process, where a hang or a crash becomes a finding.
+        robots: Other models for robots of the scene, such as ``{"left": "panda"}``: names of the
+            catalogue, or paths of robot files.
 
     Raises:
-        UnknownNameError: There is no task of that name.
+        UnknownNameError: There is no task of that name, or no such robot.
+        UsageError: The scene has no robot of a name in ``robots``, or its expert needs the one
+            that it has.
         FileError: The files of the task have errors; it has all findings.
     """
     catalogue = catalogue or Catalogue.discover()
@@ -86,6 +95,7 @@ def load_task(
             findings += _check_conditions(file, description)
         findings += file.warnings if file is not None else ()
         if file is not None and not any(finding.severity == "error" for finding in findings):
+            file = with_robots(file, other_robots(robots or {}), catalogue)
             return Task(file, with_members(description, file.names), tuple(findings))
     raise FileError(findings)
 

@@ -43,7 +43,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "validate": (
         *("bench", "visual", "expert", "rollout", "env"),
-        *("diagnostics", "jobs", "files", "processes", *SIMULATED),
+        *("diagnostics", "jobs", "digests", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
     "trial": (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from taskbuilder.reference.markdown import number, side_by_side, table
+from taskbuilder.reference.markdown import side_by_side, table
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robots import load_robot
 
@@ -18,7 +18,7 @@ def library(_: str) -> str:
         [
             f"`{robot.name}`",
             str(len(robot.arm)),
-            f"{number(robot.spec.gripper.stroke * 1000)} mm",
+            robot.grip or "–",
             robot.spec.summary,
         ]
         for robot in robots
@@ -28,4 +28,4 @@ def library(_: str) -> str:
         for robot in robots
         if (IMAGES / f"robot-{robot.name}.png").is_file()
     ]
-    return f"{table(['robot', 'joints', 'opens', 'what it is'], rows)}\n\n{side_by_side(figures)}"
+    return f"{table(['robot', 'joints', 'gripper', 'what it is'], rows)}\n\n{side_by_side(figures)}"

@@ -114,7 +114,7 @@ def _sections(task: Task) -> Iterator[str]:
                 _point(entry.base.position),
                 f"`{entry.action.arm}` in `{entry.action.frame}`, "
                 f"{number(entry.action.max_step * 100)} cm a step",
-                code(entry.action.gripper),
+                code(entry.action.gripper) if task.file.robots[robot].takes_hold else "none",
             ]
             for robot, entry in spec.scene.robots.items()
         ),

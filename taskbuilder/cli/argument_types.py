@@ -39,6 +39,15 @@ def size(text: str) -> tuple[int, int]:
     return width, height
 
 
+def robot_choice(text: str) -> tuple[str, str]:
+    """A converter for ROBOT=MODEL."""
+    name, equals, model = text.partition("=")
+    if not (name and equals and model):
+        wrong = f'"{text}" names no model for a robot; write left=panda'
+        raise argparse.ArgumentTypeError(wrong)
+    return name, model
+
+
 def share(text: str) -> float:
     """A converter for numbers from 0 to 1."""
     try:

@@ -11,15 +11,18 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.argument_types import size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
+from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
+    add_other_robots,
     add_picture,
     add_ray,
     add_renderer,
+    add_show,
     add_suite,
 )
 from taskbuilder.validate.formats import DOCUMENTS
@@ -30,6 +33,7 @@ _COMMANDS = (
     "show",
     "new",
     "validate",
+    "watch",
     "render",
     "demo",
     "collect",
@@ -192,6 +196,7 @@ def _add_validate(adder: Adder) -> None:
     seeds.add_argument(
         "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
     )
+    add_other_robots(parser)
     add_jobs(parser)
     add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
@@ -236,8 +241,41 @@ def _add_render(adder: Adder) -> None:
         default=["rgb"],
         help="kinds of image (default rgb)",
     )
+    add_show(parser)
     _add_episode(parser, "seed of the episode (default 0)")
+    parser.add_argument(
+        "--randomize",
+        type=whole(1, 100),
+        metavar="N",
+        help="instead, one sheet of N episodes, in which light, colours of furniture and "
+        "background, cameras, and what the task lists under randomize are drawn",
+    )
     add_json(parser)
+
+
+def _add_watch(adder: Adder) -> None:
+    parser = adder.command(
+        "check a task again whenever one of its files changes, and take its picture",
+        "stack_cubes.yaml --out view.png",
+    )
+    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="picture (default renders/TASK-watch.png)"
+    )
+    parser.add_argument(
+        "--camera", metavar="C", help="camera that takes the picture (default the scene's first)"
+    )
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
+    )
+    add_show(parser)
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=0,
+        metavar="N",
+        help="seed of the episode whose start is shown (default 0)",
+    )
 
 
 def _add_demo(adder: Adder) -> None:
@@ -273,6 +311,12 @@ def _add_demo(adder: Adder) -> None:
     )
     add_picture(parser, cameras="its first", of="a picture")
     _add_episode(parser, "seed of the first episode (default 0); others follow")
+    parser.add_argument(
+        "--randomize",
+        choices=("quantities", "looks", "all"),
+        help="quantities: draw what the task lists under randomize; looks: draw light, colours of "
+        "furniture and background, and cameras; all: both",
+    )
     add_json(parser)
 
 
@@ -286,64 +330,8 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="number of the variation (default 0, the task as written)",
     )
+    add_other_robots(parser)
     add_renderer(parser)
-
-
-def _add_robots(adder: Adder) -> None:
-    parser = adder.command(
-        "list the robots, or check one: its files and joints, with a picture",
-        "check path/to/robot.yaml",
-    )
-    parser.add_argument(
-        "action", nargs="?", choices=("check",), metavar="check", help="check one robot"
-    )
-    parser.add_argument(
-        "robot", nargs="?", metavar="ROBOT", help="name, or path of a robot.yaml or of any URDF"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="picture (default renders/ROBOT.png)"
-    )
-    add_json(parser)
-
-
-def _add_bench(adder: Adder) -> None:
-    parser = adder.command(
-        "measure the speed of a task's environment, beside that of its physics alone", "handover"
-    )
-    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
-    parser.add_argument(
-        "--episodes",
-        type=whole(1, 1000),
-        default=10,
-        metavar="N",
-        help="number of episodes (default 10)",
-    )
-    parser.add_argument(
-        "--workers",
-        type=whole(0, 64),
-        default=2,
-        metavar="N",
-        help="measure scaling up to N processes (default 2)",
-    )
-    add_json(parser)
-
-
-def _add_explain(adder: Adder) -> None:
-    parser = adder.command(
-        "print the reference entry of a code, a condition, a verb, a channel or a key",
-        "objects.place",
-    )
-    parser.add_argument("name", metavar="NAME", help="such as TB511, Held, grasp or objects.place")
-    add_json(parser)
-
-
-def _add_schema(adder: Adder) -> None:
-    parser = adder.command(
-        "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
-    )
-    parser.add_argument(
-        "sort", choices=("task", "robot"), metavar="SORT", help="kind of file: task or robot"
-    )
 
 
 _ADDERS = {
@@ -351,6 +339,7 @@ _ADDERS = {
     "show": _add_show,
     "new": _add_new,
     "validate": _add_validate,
+    "watch": _add_watch,
     "render": _add_render,
     "demo": _add_demo,
     "collect": add_collect,
@@ -358,8 +347,8 @@ _ADDERS = {
     "train": add_train,
     "evaluate": add_evaluate,
     "plot": add_plot,
-    "bench": _add_bench,
-    "robots": _add_robots,
-    "explain": _add_explain,
-    "schema": _add_schema,
+    "bench": add_bench,
+    "robots": add_robots,
+    "explain": add_explain,
+    "schema": add_schema,
 }

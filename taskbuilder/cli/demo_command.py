@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, progress, say
-from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import EnvFactory, is_trained
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
@@ -35,7 +35,8 @@ from taskbuilder.visual.strip import film_strip
 def run(arguments: argparse.Namespace) -> int:
     """Play episodes, say how each went, and show the first."""
     catalogue = catalogue_of(arguments)
-    task = load_task(arguments.task, catalogue=catalogue)
+    robots = dict(asked_robots(arguments))
+    task = load_task(arguments.task, catalogue=catalogue, robots=robots)
     _check(task, arguments)
     factory = _factory(catalogue, arguments)
     make_folder(arguments.out)
@@ -77,6 +78,10 @@ def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFacto
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
+    if arguments.randomize:
+        options["randomize"] = arguments.randomize == "quantities" or arguments.randomize
+    if arguments.robot:  # else those of training
+        options["robots"] = asked_robots(arguments)
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))
     factory = PlayerFactory(make_env, arguments.policy)
     if trained:

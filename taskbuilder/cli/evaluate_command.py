@@ -14,7 +14,7 @@ from typing import Any
 from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
-from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin
 from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.cli.verifying import verify
@@ -38,7 +38,12 @@ def run(arguments: argparse.Namespace) -> int:
         return verify(arguments)
     if not arguments.policy:
         raise UsageError("which policy? name one, such as zoo:handover/demos or expert:handover")
-    found = evaluated(arguments.policy, catalogue_of(arguments), variation=arguments.variation)
+    found = evaluated(
+        arguments.policy,
+        catalogue_of(arguments),
+        variation=arguments.variation,
+        robots=asked_robots(arguments),
+    )
     _check(found, arguments)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     if not arguments.json:

@@ -16,6 +16,7 @@ from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.task import Task, load_task
 from taskbuilder.trial.arms import TrialConfig
 
@@ -43,9 +44,9 @@ class Evaluated:
     @property
     def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
-        return TrialConfig(
-            self.player, self.make_env, EnvFactory(self.make_env.task, self.make_env.catalogue, ())
-        )
+        robots = tuple((name, value) for name, value in self.make_env.options if name == "robots")
+        plain = EnvFactory(self.make_env.task, self.make_env.catalogue, robots)
+        return TrialConfig(self.player, self.make_env, plain)
 
     @property
     def about(self) -> Mapping[str, Any]:
@@ -66,6 +67,7 @@ def evaluated(
     variation: int | None = None,
     task: str | None = None,
     options: Mapping[str, Any] | None = None,
+    robots: OtherRobots = (),
 ) -> Evaluated:
     """Find who is evaluated and where; refuses what cannot play before anything is played.
 
@@ -75,6 +77,7 @@ def evaluated(
         variation: Which is played; by default that of training, or the plain one.
         task: What to play in place of the task that the name leads to.
         options: Of the environment, in place of those of training.
+        robots: Other models for robots of the scene, in place of those in ``options``.
 
     Raises:
         UnknownNameError: There is no such policy or task.
@@ -95,8 +98,11 @@ def evaluated(
     chosen = dict(options) if options is not None else chosen
     if variation is not None:
         chosen["variation"] = variation
+    chosen_robots = other_robots(robots or chosen.pop("robots", ()))
+    if chosen_robots:
+        chosen["robots"] = chosen_robots
     reference = task or reference
-    loaded = load_task(reference, catalogue=catalogue)
+    loaded = load_task(reference, catalogue=catalogue, robots=dict(chosen_robots))
     if player == Kind.EXPERT.value and not has_expert(loaded):
         raise UsageError(
             f"{loaded.name} has no expert; write its stages under expert: in "

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Protocol
 
 from taskbuilder.cli.argument_types import share, variation, whole
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_picture, add_ray, add_renderer
+from taskbuilder.cli.shared_options import (
+    add_jobs,
+    add_json,
+    add_other_robots,
+    add_picture,
+    add_ray,
+    add_renderer,
+)
 from taskbuilder.learn.algorithms import ALGORITHMS
 
 
@@ -155,6 +162,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         metavar="K",
         help="number of the variation (default that of training)",
     )
+    add_other_robots(parser)
     parser.add_argument(
         "--controls",
         type=whole(0, 100_000),

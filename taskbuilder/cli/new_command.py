@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import keyword
 import math
 import re
@@ -11,6 +12,7 @@ from string import Template
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
+from taskbuilder.reference.json_schema import LINE, SCHEMA_FILE, described_schema
 from taskbuilder.schema.values import RESERVED
 
 _ROBOT = Template("""\
@@ -21,6 +23,7 @@ _ROBOT = Template("""\
 """)
 
 _TASK = Template("""\
+$line
 task: $task
 summary: The robot $first picks up the cube and brings it to the goal.
 instructions:
@@ -34,24 +37,27 @@ scene:
 $robots
   objects:                             # metres, kilograms, degrees where the key says _deg
     table:
-      shape: {box: [2.0, $depth, 0.04]}
+      parts:
+        top: {box: [2.0, $depth, 0.04], at: [0, 0, -0.02]}
+        left_frame: {box: [0.06, $frame, 0.36], at: [-0.85, 0, -0.22], color: lightgray}
+        right_frame: {box: [0.06, $frame, 0.36], at: [0.85, 0, -0.22], color: lightgray}
       fixed: true
-      position: [0, 0, 0.38]
+      position: [0, 0, 0.4]
       color: wood
     cube:
       shape: {box: [0.045, 0.045, 0.045]}
       mass: 0.08
       color: red
       grasps: {middle: {across: y}}
-      place: {surface: table, center: [$cube_x, $cube_y], size: [0.1, 0.1], yaw_deg: [-20, 20]}
+      place: {surface: table.top, center: [$cube_x, $cube_y], size: [0.1, 0.1], yaw_deg: [-20, 20]}
   sites:                               # named frames without a body
     goal:
       marker: {sphere: 0.025}
       color: green
       place: {center: [$goal_x, $goal_y, 0.6], size: [0.1, 0.1, 0.1]}
   cameras:
-    front: {position: [0, -1.9, 1.5], look_at: [0, 0, 0.5]}
-    top: {position: [0, 0, 2.4], look_at: [0, 0, 0.4]}
+    front: {position: $front, look_at: $aim}
+    close: {position: $close, look_at: [$cube_x, $cube_y, 0.5], fov_deg: 42}
 
 expert:                                # how it is done: a list of stages
   - $first: {grasp: cube.middle}
@@ -91,6 +97,13 @@ def test_the_task_is_sound() -> None:
     assert report.ok, "\\n".join(map(str, report.findings))
 ''')
 
+_CAMERAS = {
+    1: {"front": "[0.1, -1.05, 1.0]", "aim": "[-0.45, 0, 0.55]", "close": "[0.1, -0.4, 0.85]"},
+    2: {"front": "[0, -1.3, 1.1]", "aim": "[0, 0, 0.52]", "close": "[0.1, -0.4, 0.85]"},
+    3: {"front": "[0, -1.7, 1.6]", "aim": "[0, -0.1, 0.5]", "close": "[0.2, 0, 0.95]"},
+}
+"""Where cameras stand, by the number of robots; with three or more, these stand all around."""
+
 _RADIUS = 0.8  # metres from the middle of the table to a robot's base
 
 
@@ -114,6 +127,9 @@ def run(arguments: argparse.Namespace) -> int:
     for file in files:
         if file.exists():
             raise UsageError(f"{display_path(file)} exists already; choose another name or --dir")
+    if not (folder / SCHEMA_FILE).exists():  # another task's does as well
+        schema = json.dumps(described_schema("task"), indent=1, ensure_ascii=False)
+        files[folder / SCHEMA_FILE] = schema + "\n"
     make_folder(folder)
     for file, text in files.items():
         write_whole(file, text.encode())
@@ -137,8 +153,15 @@ def _task(task: str, count: int) -> str:
     robots = "".join(_robot(name, angle) for name, angle in zip(_names(count), angles, strict=True))
     cube, goal = _toward(angles[0], 0.38), _toward(angles[0], 0.3)
     places = {"cube_x": cube[0], "cube_y": cube[1], "goal_x": goal[0], "goal_y": goal[1]}
-    depth = "2.0" if count > 2 else "1.0"
-    return _TASK.substitute(_words(task, count), **places, depth=depth, robots=robots.rstrip("\n"))
+    table = {"depth": "2.0", "frame": "1.9"} if count > 2 else {"depth": "1.0", "frame": "0.9"}
+    return _TASK.substitute(
+        _words(task, count),
+        **places,
+        **table,
+        **_CAMERAS[min(count, 3)],
+        line=LINE,
+        robots=robots.rstrip("\n"),
+    )
 
 
 def _robot(name: str, angle: float) -> str:

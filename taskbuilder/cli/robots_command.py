@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import PACKAGE, AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
+from taskbuilder.cli.proposed import robot_file
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import (
     FileError,
@@ -24,8 +26,15 @@ from taskbuilder.errors import (
 )
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
 from taskbuilder.schema.robots import RobotModel, load_robot
+from taskbuilder.sim.kinematics import Chain
+from taskbuilder.visual.annotations import arm_reach, axes
+from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
 from taskbuilder.visual.still import save_image
+from taskbuilder.world.reach import longest_reach
+from taskbuilder.world.robot_proposal import Proposal, propose
+
+_MOST_ROOM_M = 2.0
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -44,9 +53,10 @@ def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         print_json({"robots": robots})
         return 0
     rows = [["robot", "joints", "gripper", "summary"]]
-    for robot in robots:
-        stroke = f"{robot['stroke'] * 1000:.0f} mm" if robot["stroke"] else "-"
-        rows.append([robot["name"], str(robot["joints"] or "-"), stroke, robot["summary"]])
+    rows += [
+        [robot["name"], str(robot["joints"] or "-"), robot["gripper"] or "-", robot["summary"]]
+        for robot in robots
+    ]
     print_table(rows)
     for robot in robots:
         if not robot["joints"]:
@@ -60,9 +70,14 @@ def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
     try:
         robot = load_robot(entry, catalogue.folders)
     except FileError:
-        return {**known, "joints": None, "stroke": None, "summary": "(has errors)"}
-    stroke = robot.spec.gripper.stroke
-    return {**known, "joints": len(robot.arm), "stroke": stroke, "summary": robot.spec.summary}
+        return {**known, "joints": None, "gripper": None, "stroke": None, "summary": "(has errors)"}
+    return {
+        **known,
+        "joints": len(robot.arm),
+        "gripper": robot.grip or None,
+        "stroke": robot.stroke or None,
+        "summary": robot.spec.summary,
+    }
 
 
 def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -72,24 +87,29 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         urdf, robot = _read(arguments.robot, catalogue)
     except FileError as error:
         findings += error.findings
-    picture = None
+    proposal, pictures = None, []
     if urdf is not None:
         trusted = robot is not None and robot.entry.trusted
         findings += () if trusted else urdf.warnings
         joints = dict(zip(robot.spec.arm, robot.home, strict=True)) if robot else {}
         joints |= _open_gripper(robot) if robot else {}
+        proposal = None if robot else propose(urdf)
+        joints |= proposal.open if proposal else {}
+        arm = _arm(urdf, robot, proposal)
         file = arguments.out or Path("renders", f"{robot.entry.name if robot else urdf.name}.png")
-        picture = _robot_picture(file, urdf, joints, findings, trusted=trusted)
+        pictures = _pictures(file, urdf, joints, findings, arm, trusted=trusted)
     ok = not any(finding.severity == "error" for finding in findings)
     if arguments.json:
-        print_json(_check_data(arguments.robot, ok, urdf, findings, picture))
+        print_json(_check_data(arguments.robot, ok, urdf, findings, pictures, proposal))
         return 0 if ok else 1
     if urdf is not None:
         _print_robot(urdf, robot)
+        if robot is None:
+            _print_proposal(urdf, proposal)
     for finding in in_reading_order(findings):
         print(show_finding(finding))
     print(paint("ok", "green") if ok else paint("failed", "red"))
-    if picture is not None:
+    for picture in pictures:
         print(display_path(picture))
     return 0 if ok else 1
 
@@ -123,23 +143,51 @@ def _read_packaged(reference: str, catalogue: Catalogue) -> Urdf:
 
 
 def _open_gripper(robot: RobotModel) -> dict[str, float]:
-    return {name: ends.open for name, ends in robot.spec.gripper.joints.items()}
+    gripper = robot.spec.gripper
+    return {name: ends.open for name, ends in gripper.joints.items()} if gripper else {}
 
 
-def _robot_picture(
+@dataclass(frozen=True)
+class _Arm:
+    """An arm, as far as it is shown."""
+
+    chain: Chain
+    home: tuple[float, ...]
+
+
+def _arm(urdf: Urdf, robot: RobotModel | None, proposal: Proposal | None) -> _Arm | None:
+    """The arm of a robot file, or the proposed one."""
+    if robot is not None:
+        spec = robot.spec
+        return _Arm(Chain.of(urdf, spec.arm, spec.tcp.link, spec.tcp.pose), robot.home)
+    if proposal is None:
+        return None
+    names = [joint.name for joint in proposal.arm]
+    return _Arm(Chain.of(urdf, names, proposal.tcp_link, proposal.tcp), proposal.home)
+
+
+def _pictures(
     file: Path,
     urdf: Urdf,
     joints: Mapping[str, float],
     findings: list[Finding],
+    arm: _Arm | None,
     *,
     trusted: bool,
-) -> Path | None:
-    """Take the picture, unless the engine does not survive or understand the asset."""
+) -> list[Path]:
+    """Take the picture, unless the engine does not survive or understand the asset.
+
+    If there is an arm, the picture shows the tool's axes, and another one what the arm reaches.
+    """
+    marks = Marks()
+    if arm is not None:
+        room = min(longest_reach(arm.chain), _MOST_ROOM_M)
+        marks = axes(arm.chain.forward(arm.home), "tcp", 0.12 * room)
     try:
-        pixels, said = take_robot_picture(urdf, joints, trusted=trusted)
+        pixels, said = take_robot_picture(urdf, joints, trusted=trusted, marks=marks)
     except AssetError as error:
         findings.append(error.finding(location=Location(urdf.path)))
-        return None
+        return []
     if not trusted:
         place = Location(urdf.path)
         # Of missing inertia the check of the URDF tells more, and only where it matters.
@@ -147,7 +195,24 @@ def _robot_picture(
         findings += [Finding("TB407", text, "", place, "warning") for text in told]
     make_folder(file.parent)
     save_image(file, pixels)
-    return file
+    if arm is None:
+        return [file]
+    reach = arm_reach(arm.chain, arm.home, room)
+    pixels, _ = take_robot_picture(urdf, joints, trusted=True, marks=reach, room_m=room)
+    save_image(file.with_stem(f"{file.stem}-reach"), pixels)
+    return [file, file.with_stem(f"{file.stem}-reach")]
+
+
+def _print_proposal(urdf: Urdf, proposal: Proposal | None) -> None:
+    """What a robot.yaml beside a bare URDF may say."""
+    if proposal is None:
+        print("  no arm was found: a robot is a chain of joints from its root to a tool\n")
+        return
+    for remark in proposal.remarks:
+        print(f"  {remark}")
+    folder = urdf.path.parent
+    print(f"  proposal for {display_path(folder / 'robot.yaml')}; compare it with the pictures:\n")
+    print(robot_file(urdf, proposal))
 
 
 def _print_robot(urdf: Urdf, robot: RobotModel | None) -> None:
@@ -163,9 +228,9 @@ def _print_robot(urdf: Urdf, robot: RobotModel | None) -> None:
     rows += [_joint_row(joint, roles.get(joint.name, "")) for joint in urdf.moving_joints]
     print_table(rows, indent="  ")
     if robot:
-        grip = robot.spec.gripper
         print()
-        print(f"  tcp on {robot.spec.tcp.link}; gripper opens {grip.stroke * 1000:.0f} mm")
+        held = f"gripper opens {robot.grip}" if robot.stroke else robot.grip or "no gripper"
+        print(f"  tcp on {robot.spec.tcp.link}; {held}")
     print()
 
 
@@ -173,7 +238,7 @@ def _roles(robot: RobotModel | None) -> dict[str, str]:
     if robot is None:
         return {}
     arm = {name: f"arm {number}" for number, name in enumerate(robot.spec.arm, start=1)}
-    return arm | dict.fromkeys(robot.spec.gripper.joints, "gripper")
+    return arm | dict.fromkeys(_open_gripper(robot), "gripper")
 
 
 def _joint_row(joint: UrdfJoint, role: str) -> list[str]:
@@ -201,7 +266,8 @@ def _check_data(
     ok: bool,
     urdf: Urdf | None,
     findings: list[Finding],
-    picture: Path | None,
+    pictures: Sequence[Path],
+    proposal: Proposal | None,
 ) -> dict[str, Any]:
     joints = urdf.moving_joints if urdf else ()
     return {
@@ -211,5 +277,7 @@ def _check_data(
             {"name": j.name, "type": j.type, "lower": j.lower, "upper": j.upper} for j in joints
         ],
         "findings": [finding.as_data() for finding in in_reading_order(findings)],
-        "picture": display_path(picture) if picture else None,
+        "picture": display_path(pictures[0]) if pictures else None,
+        "reach": display_path(pictures[1]) if len(pictures) > 1 else None,
+        "proposal": robot_file(urdf, proposal) if urdf and proposal else None,
     }

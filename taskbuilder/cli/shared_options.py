@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.argument_types import robot_choice, size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -48,6 +48,19 @@ def add_suite(parser: ArgumentParser) -> None:
     )
 
 
+def add_other_robots(parser: ArgumentParser) -> None:
+    """``--robot``: other models for robots of the scene."""
+    parser.add_argument(
+        "--robot",
+        action="append",
+        type=robot_choice,
+        default=[],
+        metavar="NAME=MODEL",
+        help="another model for a robot of the scene, such as left=panda: a robot's name, or the "
+        "path of a robot file (may be repeated)",
+    )
+
+
 def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
     """``--camera`` and ``--size``.
 
@@ -72,4 +85,15 @@ def add_renderer(parser: ArgumentParser) -> None:
         default="auto",
         help="raster: fast, on the CPU; tiny: Bullet's own; egl: through OpenGL (default auto: "
         "raster where it is installed)",
+    )
+
+
+def add_show(parser: ArgumentParser) -> None:
+    """``--show``: what is drawn over pictures."""
+    parser.add_argument(
+        "--show",
+        nargs="+",
+        default=[],
+        metavar="WHAT",
+        help="draw over the pictures, with names: frames, grasps, sites, regions, cameras, reach",
     )

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING
 
 from taskbuilder.cli.output import emit, paint, print_json, print_table, progress, show_finding
 from taskbuilder.cli.spreading import check_spread
-from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
+from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
 from taskbuilder.errors import display_path
 from taskbuilder.jobs import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.validate.formats import document
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
@@ -37,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     names = asked_tasks(arguments, catalogue)
     for name in names:
         catalogue.task(name)  # one that is not there is refused before any takes its time
-    pages = _Pages(arguments.report, catalogue)
+    pages = _Pages(arguments.report, catalogue, asked_robots(arguments))
     reports: list[TaskReport] = []
     with ending(_validated(names, catalogue, arguments)) as validated:
         for name, found in zip(names, validated, strict=True):
@@ -60,6 +61,7 @@ def _validated(
         level=arguments.level,
         seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
         catalogue=catalogue,
+        robots=dict(asked_robots(arguments)),
     )
     if arguments.ray:
         with cluster(arguments.ray) as spread:
@@ -79,6 +81,8 @@ def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) 
     words += ["--level", arguments.level] if arguments.level != "full" else []
     words += ["--quick"] if arguments.quick else []
     words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
+    for robot, model in arguments.robot:
+        words += ["--robot", f"{robot}={model}"]
     for folder in arguments.task_path or ():
         words += ["--task-path", str(folder)]
     return replace(report, making=replace(report.making, command=shlex.join(words)))
@@ -91,8 +95,8 @@ class _Pages:
         UsageError: There can be no such folder.
     """
 
-    def __init__(self, folder: Path | None, catalogue: Catalogue) -> None:
-        self._folder, self._catalogue = folder, catalogue
+    def __init__(self, folder: Path | None, catalogue: Catalogue, robots: OtherRobots) -> None:
+        self._folder, self._catalogue, self._robots = folder, catalogue, robots
         self._written: list[tuple[str, Page]] = []
         if folder:
             make_folder(folder)
@@ -104,7 +108,7 @@ class _Pages:
             from taskbuilder.validate.html.page import make_page
 
             taken = [INDEX, *(file for file, _ in self._written)]
-            page = make_page(name, report, self._catalogue)
+            page = make_page(name, report, self._catalogue, robots=self._robots)
             self._written.append((write_page(self._folder, page, taken).name, page))
 
     def finish(self) -> str:

@@ -9,12 +9,13 @@ from typing import Any
 
 from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.output import paint, print_json, print_table
-from taskbuilder.cli.tasks import catalogue_of
+from taskbuilder.cli.tasks import asked_robots, catalogue_of
 from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.digests import digest
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.zoo import policy_file
-from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.trial.arms import jobs_of
 from taskbuilder.trial.certificate import (
@@ -60,7 +61,8 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
     if named_player(name) is None:
         here["policy"] = {data["policy"]: digest(policy_file(name).read_bytes())}
     try:
-        found = _found(name, data, catalogue, given=bool(arguments.policy))
+        robots = asked_robots(arguments) or _robots(data, catalogue)
+        found = _found(name, data, catalogue, robots, given=bool(arguments.policy))
         here["task"] = digests_of_task(found.task)
         files = compare_files(data, here)
         check_plays(found)
@@ -100,7 +102,29 @@ def _policy(name: str, certificate: Path, *, given: bool) -> str:
     return str(file)
 
 
-def _found(name: str, data: Mapping[str, Any], catalogue: Catalogue, *, given: bool) -> Evaluated:
+def _robots(data: Mapping[str, Any], catalogue: Catalogue) -> OtherRobots:
+    """The other models that a certificate names; those of the catalogue, never files.
+
+    Raises:
+        UsageError: It names a file.
+        UnknownNameError: There is no such robot.
+    """
+    robots = other_robots(data["options"].get("robots", ()))
+    for name, model in robots:
+        if looks_like_path(model):
+            raise UsageError(f"where is the robot {model}? Name its file: --robot {name}=FILE")
+        catalogue.robot(model, Path())
+    return robots
+
+
+def _found(
+    name: str,
+    data: Mapping[str, Any],
+    catalogue: Catalogue,
+    robots: OtherRobots,
+    *,
+    given: bool,
+) -> Evaluated:
     """Who plays what; the task is the catalogue's, whatever files the certificate names.
 
     Raises:
@@ -116,7 +140,7 @@ def _found(name: str, data: Mapping[str, Any], catalogue: Catalogue, *, given: b
             hint = "name the folder of its files by --task-path"
             raise UsageError(f"its task is not here ({error}); {hint}") from None
     options = {key: value for key, value in data["options"].items() if key in _OPTIONS}
-    return evaluated(name, catalogue, task=task, options=options)
+    return evaluated(name, catalogue, task=task, options=options, robots=robots)
 
 
 def _verdict(wrong: list[str], points: list[Point], data: Mapping[str, Any]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 
 from taskbuilder.description.figures import beside, listed
-from taskbuilder.description.measures import one_body
+from taskbuilder.description.measures import one_body, without_hands
 from taskbuilder.description.node import BodyName, Condition, Memory, RobotName, SolidName
 from taskbuilder.description.view import WorldView
 from taskbuilder.schema.names import SceneNames
@@ -16,7 +16,7 @@ _CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has le
 
 @dataclass(frozen=True)
 class Held(Condition):
-    """Fingers of a robot press on a body from opposite sides.
+    """A robot holds a body: fingers press on it from opposite sides, or a suction cup holds it.
 
     ``by`` is a robot, several that must all hold at once, or None for any robot.
     """
@@ -42,11 +42,14 @@ class Held(Condition):
     def problems(self, names: SceneNames) -> Iterator[str]:
         if self.by == ():
             yield "by is empty; name a robot, or leave by out for any"
+        yield from without_hands(
+            names, *((self.by,) if isinstance(self.by, str) else self.by or ())
+        )
 
 
 @dataclass(frozen=True)
 class Released(Condition):
-    """No finger touches a body: no finger of robot ``by``, or of any robot."""
+    """No finger or tool touches a body: none of robot ``by``, or of any robot."""
 
     body: BodyName
     _: KW_ONLY
@@ -74,6 +77,9 @@ class EmptyHanded(Condition):
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         held = [name for name in world.object_names if world.held(name, self.robot)]
         return f"it holds {listed(held)}" if held else "it holds nothing"
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from without_hands(names, self.robot)
 
 
 @dataclass(frozen=True)

@@ -166,6 +166,9 @@ class GripperOpening(Measure):
     def value(self, world: WorldView) -> float:
         return world.opening(self.robot)
 
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        yield from without_hands(names, self.robot)
+
 
 @dataclass(frozen=True)
 class ContactForce(Measure):
@@ -186,6 +189,13 @@ class ContactForce(Measure):
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from one_body(self.first, self.second)
+
+
+def without_hands(names: SceneNames, *robots: str) -> Iterator[str]:
+    """Robots that are to hold something and have no gripper."""
+    for robot in robots:
+        if robot in names.handless:
+            yield f"{robot} has no gripper and never holds anything"
 
 
 def one_body(first: str, second: str) -> Iterator[str]:

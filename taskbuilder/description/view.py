@@ -43,7 +43,7 @@ class WorldView(Protocol):
         """Whether a name is a body (True), or a site, which is only a frame (False)."""
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether opposing fingers of a robot press on an object or part from both sides."""
+        """Whether a robot holds an object or part: with opposing fingers, or by suction."""
 
     def touching(self, first: str, second: str) -> bool:
         """Whether two things touch: objects, parts, or robots (their gripper included)."""

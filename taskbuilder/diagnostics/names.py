@@ -7,7 +7,7 @@ from taskbuilder.diagnostics.entry import Code, Example, within
 ENTRIES = {
     "TB200": Code(
         "Names and description",
-        "Summary of TB201 to TB215, which check the names in the task file and the description.",
+        "Summary of TB201 to TB216, which check the names in the task file and the description.",
     ),
     "TB201": Code(
         "Unknown name",
@@ -124,6 +124,16 @@ ENTRIES = {
             "description",
             'failure = Near("pegs", "cube", within=0.01)',
             'failure = Any(Near("pegs", "cube", within=0.01))',
+        ),
+    ),
+    "TB216": Code(
+        "Not with this end effector",
+        "A robot without a gripper is told to take hold of something or to let go, or its actions "
+        "set the gripper that it does not have. Such a robot moves, pushes and presses.",
+        within(
+            "scene.robots.left",
+            "model: ur5e_pusher\naction: {gripper: binary}",
+            "model: ur5e\naction: {gripper: binary}",
         ),
     ),
 }

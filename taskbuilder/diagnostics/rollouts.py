@@ -84,6 +84,19 @@ ENTRIES = {
             "  - {left: {bring: cube, to: goal}}",
         ),
     ),
+    "TB512": Code(
+        "Suction on nothing",
+        "At a grasp point that the expert takes by suction, there is no surface within the reach "
+        "of the cup, or the point lies inside the object. Such a point belongs onto the surface, "
+        "in the direction from which it is approached.",
+        within(
+            "scene.robots",
+            "left:\n  model: ur5e_suction\n  base: {position: [-0.7, 0, 0.4]}\n"
+            "  home: {tcp: {position: [-0.35, -0.1, 0.6]}}",
+            "left:\n  model: ur5e\n  base: {position: [-0.7, 0, 0.4]}\n"
+            "  home: {tcp: {position: [-0.35, -0.1, 0.6]}}",
+        ),
+    ),
     "TB521": Code(
         "PettingZoo's parallel API test",
         "`parallel_api_test` fails on the environment of the task." + _OURS,

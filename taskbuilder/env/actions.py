@@ -1,4 +1,4 @@
-"""Actions of agents: the arm's numbers, then the gripper's, applied to its robot."""
+"""Actions of agents: the arm's numbers, then the gripper's if it has one, applied to its robot."""
 
 from __future__ import annotations
 
@@ -52,24 +52,19 @@ class GripperMode:
     @property
     def bounds(self) -> tuple[float, float]:
         """Lower and upper bound: -1 (close) to 1 (open), or an opening width in metres."""
-        return (-1.0, 1.0) if self.kind == "binary" else (0.0, self.robot.model.spec.gripper.stroke)
+        return (-1.0, 1.0) if self.kind == "binary" else (0.0, self.robot.model.stroke)
 
     def opening_to(self, opening: float | None) -> float:
         """The number that opens the gripper to a fraction from 0 to 1; None leaves it unchanged."""
         if self.kind == "continuous":
-            told = self.commanded() if opening is None else opening
-            return told * self.robot.model.spec.gripper.stroke
+            told = self.robot.gripper.told() if opening is None else opening
+            return told * self.robot.model.stroke
         return 0.0 if opening is None else 1.0 if opening > 0.5 else -1.0
-
-    def commanded(self) -> float:
-        """The last commanded opening, from 0 to 1."""
-        end = next(iter(self.robot.model.spec.gripper.joints.values()))
-        return (self.robot.gripper.command.values[0] - end.closed) / (end.open - end.closed)
 
     def command(self, value: float) -> None:
         """Command the gripper by the last number of an action."""
         if self.kind == "continuous":
-            self.robot.move_gripper(value / self.robot.model.spec.gripper.stroke)
+            self.robot.move_gripper(value / self.robot.model.stroke)
         elif value > HYSTERESIS:
             self.robot.move_gripper(1.0)
         elif value < -HYSTERESIS:
@@ -85,18 +80,21 @@ class RobotActions:
         high: (n,) upper bound.
         short_names: Name of each number, such as ``dx`` or ``gripper``.
         names: The same with the robot's name, such as ``left.dx``.
-        size: Number of values in an action: the arm's, then one for the gripper.
+        size: Number of values in an action: the arm's, then one for the gripper if there is one.
+        arm_size: Number of those of the arm.
     """
 
     def __init__(self, world: World, robot: Robot, spec: ActionSpec, dt: float) -> None:
         self.arm = Arm.of(world, robot, spec, dt)
         self._mode = ARM_MODES[spec.arm](self.arm)
-        self._gripper = GripperMode(robot, spec.gripper)
-        self._bounds = (*self._mode.bounds, self._gripper.bounds)
+        self._gripper = GripperMode(robot, spec.gripper) if robot.model.takes_hold else None
+        of_gripper = (self._gripper.bounds,) if self._gripper else ()
+        self._bounds = (*self._mode.bounds, *of_gripper)
         self._spans = tuple(((low + high) / 2.0, (high - low) / 2.0) for low, high in self._bounds)
         self.size = len(self._bounds)
-        self.short_names = (*self._mode.names, "gripper")
+        self.short_names = (*self._mode.names, *(["gripper"] if self._gripper else ()))
         self.names = tuple(f"{robot.name}.{name}" for name in self.short_names)
+        self.arm_size = self.size - len(of_gripper)
         self.low: NDArray[np.float64] = np.array([low for low, _ in self._bounds])
         self.high: NDArray[np.float64] = np.array([high for _, high in self._bounds])
 
@@ -131,11 +129,13 @@ class RobotActions:
             opening: Of the gripper, from 0 (closed) to 1; None to leave it unchanged.
         """
         arm = self._mode.leading_to(self.arm.robot.commanded() if joints is None else joints)
-        return self.clipped([*arm, self._gripper.opening_to(opening)])
+        gripper = [self._gripper.opening_to(opening)] if self._gripper else []
+        return self.clipped([*arm, *gripper])
 
     def joint_targets(self) -> tuple[float, ...]:
-        """The last commands as joint positions (rad or m), and the opening from 0 to 1."""
-        return (*self.arm.robot.commanded(), self._gripper.commanded())
+        """The last commands: joint positions (rad or m), and the gripper's opening from 0 to 1."""
+        robot = self.arm.robot
+        return (*robot.commanded(), robot.gripper.told())
 
     def command(self, values: Sequence[float]) -> Targets:
         """Apply an action in physical units and within the bounds.
@@ -143,6 +143,6 @@ class RobotActions:
         Returns:
             Joint positions of the arm for the end of the control step, or None.
         """
-        *arm, gripper = values
-        self._gripper.command(gripper)
-        return self._mode.command(arm)
+        if self._gripper:
+            self._gripper.command(values[-1])
+        return self._mode.command(values[: self.arm_size])

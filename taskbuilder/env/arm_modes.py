@@ -66,7 +66,12 @@ class Arm:
     def reach(self) -> float:
         """Maximum distance of the tool from the base, m."""
         links = [norm(offset) for offset, _ in self.ik.offsets]
-        return sum(links) + norm(self.ik.tool.position)
+        travels = [
+            max(abs(low), abs(high))
+            for low, high, turns in zip(self.ik.lower, self.ik.upper, self.ik.turns, strict=True)
+            if not turns
+        ]
+        return sum(links) + norm(self.ik.tool.position) + sum(travels)
 
     def approach(self, joints: Sequence[float], goal: Sequence[float]) -> list[float]:
         """Joints on the straight line to a goal, as far as one control step allows."""

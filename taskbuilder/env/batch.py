@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.errors import ActionError, AgentError
 from taskbuilder.env.shared_buffers import Signature
+from taskbuilder.env.spaces import ACTION_PARTS
 from taskbuilder.errors import UsageError
 
 _SEED_LIMIT = 2**63
@@ -73,7 +74,8 @@ def _read(agent: str, actions: Any, space: spaces.Space[Any], num_envs: int) -> 
     if isinstance(space, spaces.Dict):
         if not isinstance(actions, Mapping) or set(actions) != set(space.spaces):
             raise ActionError(agent, space, "is not a mapping with these keys")
-        parts = [_read(agent, actions[key], space[key], num_envs) for key in ("arm", "gripper")]
+        keys = [key for key in ACTION_PARTS if key in space.spaces]
+        parts = [_read(agent, actions[key], space[key], num_envs) for key in keys]
         return np.concatenate(parts, axis=1)
     try:
         values = np.asarray(actions, dtype=np.float64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.shared_buffers import SharedBuffers
+from taskbuilder.env.spaces import ACTION_PARTS
 from taskbuilder.task import Task
 
 Wrap = Callable[[TaskEnv], Any]
@@ -93,5 +95,7 @@ class EnvGroup:
 
 def _parted(values: NDArray[np.float64], space: spaces.Space[Any]) -> Any:
     if isinstance(space, spaces.Dict):
-        return {"arm": values[:-1], "gripper": values[-1:]}
+        sizes = [math.prod(space[key].shape or ()) for key in ACTION_PARTS if key in space.spaces]
+        parts = np.split(values, np.cumsum(sizes)[:-1])
+        return dict(zip(ACTION_PARTS, parts, strict=False))
     return values

@@ -23,8 +23,9 @@ from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
-from taskbuilder.world.randomness import EpisodeRandomness
-from taskbuilder.world.world import World, WorldState
+from taskbuilder.world.randomness import EpisodeRandomness, delay_of
+from taskbuilder.world.state import WorldState
+from taskbuilder.world.world import World
 
 Actions = Mapping[str, NDArray[np.float64]]
 
@@ -44,6 +45,7 @@ class EpisodeState:
     over: bool
     previous: Mapping[str, NDArray[np.float64]]
     noise: Mapping[str, Any]
+    waiting: Mapping[str, tuple[NDArray[np.float64], ...]]
 
 
 class Episode(Single):
@@ -85,6 +87,7 @@ class Episode(Single):
         self.noise_rng = np.random.default_rng(0)
         self.actions = self._make_actions()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
+        self._waiting: dict[str, tuple[NDArray[np.float64], ...]] = {}
         self.outcome = self._referee.start(self.world)
 
     # --- stepping
@@ -195,10 +198,15 @@ class Episode(Single):
         self.seed = seed
         self.exploded = self.succeeded = False
         self.steps = 0
+        self._waiting = {}
         self.noise_rng = randomness.noise()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         try:
-            self.world.reset(seed, randomized=self.options.randomize)
+            self.world.reset(
+                seed,
+                randomized=self.options.randomize in (True, "all"),
+                looks=self.options.randomize in ("looks", "all"),
+            )
         except ExplosionError:
             self._give_up()
             raise
@@ -216,7 +224,7 @@ class Episode(Single):
         """
         self.check_usable()
         targets: dict[str, Sequence[float]] = {}
-        for agent, values in actions.items():
+        for agent, values in self._due(actions).items():
             mode = self.actions[agent]
             numbers: list[float] = values.tolist()
             normalized = self.options.normalize
@@ -237,6 +245,19 @@ class Episode(Single):
         self.failed = self.failed or self.outcome.failure
         self.succeeded = self.succeeded or (self.outcome.success and not self.failed)
         self.over = self.terminated or self.truncated
+
+    def _due(self, actions: Actions) -> Actions:
+        """The actions to carry out now: those given, or earlier ones where a robot has a delay."""
+        if not any(delay_of(agent, self.world.quantities) for agent in self.agents):
+            return actions
+        due: dict[str, NDArray[np.float64]] = {}
+        for agent, values in actions.items():
+            waiting = (*self._waiting.get(agent, ()), values)
+            if len(waiting) > delay_of(agent, self.world.quantities):
+                due[agent], *rest = waiting
+                waiting = tuple(rest)
+            self._waiting[agent] = waiting
+        return due
 
     def close(self) -> None:
         """Close the physics engine."""
@@ -277,11 +298,11 @@ class Episode(Single):
         return float(any(world.held(name, robot) for name in world.movable))
 
     def forces(self, robot: str) -> Sequence[float]:
-        """Force of each finger on the object that the robot touches most, in newtons."""
+        """Force of each finger, or of the tool, on the object that it touches most, in newtons."""
         world = self.world
         pressed = [world.grip_forces(name, robot) for name in world.movable]
-        fingers = len(world.robots[robot].fingers)
-        return max(pressed, key=sum, default=()) or (0.0,) * fingers
+        tips = len(world.robots[robot].gripper.tips)
+        return max(pressed, key=sum, default=()) or (0.0,) * tips
 
     def previous_action(self, robot: str) -> Sequence[float]:
         """The last action, from -1 to 1; zeros after reset."""
@@ -315,6 +336,7 @@ class Episode(Single):
             self.over,
             dict(self._previous),
             self.noise_rng.bit_generator.state,
+            dict(self._waiting),
         )
 
     def load(self, state: EpisodeState) -> None:
@@ -339,3 +361,4 @@ class Episode(Single):
         self.begun, self.taken = True, None
         self._previous = dict(state.previous)
         self.noise_rng.bit_generator.state = state.noise
+        self._waiting = dict(state.waiting)

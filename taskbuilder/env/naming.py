@@ -45,7 +45,7 @@ def channel_names(channel: Channel, world: World, action: Sequence[str] = ()) ->
         parts = {
             "joints": joint_names(len(robot.arm.indices)),
             "joint_velocities": joint_names(len(robot.arm.indices), "_velocity"),
-            "force": tuple(f"finger_{n}_force" for n in range(1, len(robot.fingers) + 1)),
+            "force": tuple(f"finger_{n}_force" for n in range(1, len(robot.gripper.tips) + 1)),
             "previous_action": tuple(f"previous_{name}" for name in action),
         }.get(quantity, (quantity,))
         return tuple(f"{subject}.{part}" for part in parts)

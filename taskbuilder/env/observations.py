@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.naming import channel_names, with_matrix
 from taskbuilder.geometry import Pose, Quat, multiply
-from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
+from taskbuilder.schema.channels import CAMERA_QUANTITIES, GRIPPER_QUANTITIES, Channel
 from taskbuilder.schema.task import Noise
 from taskbuilder.sim.divergence import REACH_M, SPEED_LIMIT
 from taskbuilder.world.world import World
@@ -233,8 +233,8 @@ def _robot_parts(channel: Channel, world: World) -> _Parts:
         case "holding":
             return (lambda e: (e.holding(name),)), (0.0,), (1.0,), None
         case "force":
-            fingers = len(robot.fingers)
-            return (lambda e: e.forces(name)), (0.0,) * fingers, (_FORCE_LIMIT,) * fingers, None
+            tips = len(robot.gripper.tips)
+            return (lambda e: e.forces(name)), (0.0,) * tips, (_FORCE_LIMIT,) * tips, None
         case "previous_action":
             size = _actions(world, name).size
             return (lambda e: e.previous_action(name)), *_around(size, 1.0), None
@@ -315,13 +315,27 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
         if name in moving or grasp.link is not None
     ]
     return (
-        *(f"{robot}.{quantity}" for robot in robots for quantity in ("tcp", "gripper", "holding")),
+        *_of_robots({"self": agent} | {name: name for name in robots[1:]}, ("tcp",), world),
         *(f"{name}.pose" for name in moving),
         *(f"{place}.position in self.tcp" for place in (*grasps, *world.task.names.sites)),
         *_moving_joints(world),
         *(f"{site}.position" for site in world.task.names.sites),
         "time_left",
     )
+
+
+def _of_robots(robots: Mapping[str, str], own: Sequence[str], world: World) -> Iterator[str]:
+    """Channels of robots, and those of their grippers.
+
+    Args:
+        robots: What channels call each robot, and its name.
+        own: Quantities that every robot has.
+        world: The world.
+    """
+    handless = world.task.names.handless
+    for called, name in robots.items():
+        of_gripper = () if name in handless else GRIPPER_QUANTITIES
+        yield from (f"{called}.{quantity}" for quantity in (*own, *of_gripper))
 
 
 def _moving_joints(world: World) -> list[str]:
@@ -335,10 +349,10 @@ def _moving_joints(world: World) -> list[str]:
 
 def everything(world: World) -> tuple[str, ...]:
     """All channels of numbers, for a centralised critic."""
-    robots = ("joints", "joint_velocities", "tcp", "gripper", "holding")
+    robots = {name: name for name in world.robots}
     moving = [name for name, thing in world.objects.items() if not thing.spec.fixed]
     return (
-        *(f"{robot}.{quantity}" for robot in world.robots for quantity in robots),
+        *_of_robots(robots, ("joints", "joint_velocities", "tcp"), world),
         *(f"{name}.{quantity}" for name in moving for quantity in ("pose", "velocity")),
         *_moving_joints(world),
         *(f"{site}.position" for site in world.task.names.sites),

@@ -37,7 +37,7 @@ class Observer:
     def __init__(self, task: Task, options: Options, world: World) -> None:
         spec, names = task.file.spec, task.file.names
         self._flat = options.flat
-        listed = spec.observe or {agent: default_channels(names) for agent in task.agents}
+        listed = spec.observe or {agent: default_channels(names, agent) for agent in task.agents}
         if options.observe == "scene":
             listed = {agent: surroundings(agent, world) for agent in task.agents}
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
@@ -122,4 +122,8 @@ class Observer:
         world.move_markers()
         wanted = dict.fromkeys(camera.subject for camera in cameras)
         views = {name: world.camera(name, self._sizes[name]) for name in wanted}
-        return {name: (capture(world.client, view), view) for name, view in views.items()}
+        light, backdrop = world.look.light, world.look.backdrop
+        return {
+            name: (capture(world.client, view, light=light, backdrop=backdrop), view)
+            for name, view in views.items()
+        }

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal, TypedDict, Unpack, get_args
+from pathlib import Path
+from typing import Any, Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.other_robots import OtherRobots, other_robots, with_robots
 from taskbuilder.schema.scene import RobotEntry, SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.task import Task
@@ -19,6 +21,7 @@ Renderer = Literal["auto", "raster", "tiny", "egl"]
 RenderMode = Literal["rgb_array"]
 Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
+Randomize = bool | Literal["looks", "all"]
 Rotation = Literal["quaternion", "matrix"]
 
 
@@ -46,7 +49,8 @@ class Options:
             action are scaled, so that tools and joints keep their speed.
         variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
             episode.
-        randomize: Draw the quantities that the task lists under ``randomize``.
+        randomize: True: draw the quantities that the task lists under ``randomize``; ``looks``:
+            draw light, background, colours of furniture and cameras instead; ``all``: both.
         observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,
             the other robots' tools and grippers, all moving objects, all sites and the time left.
         frame: ``task``: observed poses and commanded motions are in the frames of the task file;
@@ -59,6 +63,8 @@ class Options:
         renderer: Renderer of images: ``raster``, ``tiny``, ``egl``; or ``auto``, which is
             ``raster`` where its packages are installed and else ``tiny``.
         render_camera: The camera of ``render()``; by default the scene's first.
+        robots: Other models for robots of the scene, such as ``{"left": "panda"}``: names of the
+            catalogue, or paths of robot files. Kept as pairs.
     """
 
     reward: RewardSharing = "team"
@@ -67,7 +73,7 @@ class Options:
     horizon: int | None = None
     control_hz: int | None = None
     variation: Variation = 0
-    randomize: bool = False
+    randomize: Randomize = False
     observe: Seen = "task"
     frame: Frame = "task"
     rotation: Rotation = "quaternion"
@@ -75,15 +81,19 @@ class Options:
     camera_size: tuple[int, int] | None = None
     renderer: Renderer = "auto"
     render_camera: str | None = None
+    robots: OtherRobots = ()
 
     def applied(self, task: Task) -> TaskFile:
-        """The task file with the horizon and control rate of these options.
+        """The task file with the horizon, control rate and robots of these options.
 
         Raises:
             UsageError: An option does not fit the task.
+            UnknownNameError: There is no robot of a name in ``robots``.
+            FileError: The files of such a robot have errors.
         """
         self._check(task)
-        timing = task.file.spec.timing
+        file = with_robots(task.file, self.robots, task.file.catalogue)
+        timing = file.spec.timing
         changes = {"episode_steps": self.horizon, "control_hz": self.control_hz}
         wanted = {key: value for key, value in changes.items() if value is not None}
         changed = timing.model_copy(update=wanted)
@@ -95,9 +105,9 @@ class Options:
                 f"{changed.physics_hz} of {task.name}; {near} does"
             )
         share = timing.control_hz / changed.control_hz
-        scenes = tuple(_paced(scene, share) for scene in task.file.scenes)
+        scenes = tuple(_paced(scene, share) for scene in file.scenes)
         update = {"timing": changed, "scene": scenes[0]}
-        return replace(task.file, spec=task.file.spec.model_copy(update=update), scenes=scenes)
+        return replace(file, spec=file.spec.model_copy(update=update), scenes=scenes)
 
     def _check(self, task: Task) -> None:
         _choice("reward", self.reward, get_args(RewardSharing))
@@ -109,6 +119,8 @@ class Options:
             raise UsageError(
                 f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
             )
+        if not isinstance(self.randomize, bool):
+            _choice("randomize", self.randomize, ("looks", "all"))
         _choice("observe", self.observe, ("task", "scene"))
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
@@ -149,7 +161,7 @@ class EnvOptions(TypedDict, total=False):
     horizon: int | None
     control_hz: int | None
     variation: Variation
-    randomize: bool
+    randomize: Randomize
     observe: Seen
     frame: Frame
     rotation: Rotation
@@ -157,6 +169,7 @@ class EnvOptions(TypedDict, total=False):
     camera_size: tuple[int, int] | None
     renderer: Renderer
     render_camera: str | None
+    robots: Mapping[str, str | Path] | OtherRobots
 
 
 def make_options(**options: Unpack[EnvOptions]) -> Options:
@@ -172,7 +185,8 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     known = [field.name for field in fields(Options)]
     for name in options:
         _choice("option", name, known)
-    return Options(**options)
+    chosen: dict[str, Any] = {**options, "robots": other_robots(options.get("robots", ()))}
+    return Options(**chosen)
 
 
 def _choice(name: str, value: str, choices: Sequence[str]) -> None:

@@ -64,18 +64,21 @@ def image_values(channel: Channel, image: Image, view: CameraView) -> NDArray[An
 
 
 def action_space(actions: RobotActions, *, flat: bool, normalize: bool) -> spaces.Space[Any]:
-    """The action space of an agent: a box, or a dictionary of arm and gripper."""
+    """The action space of an agent: a box, or a dictionary of arm and, if it has one, gripper."""
     ones = np.ones(actions.size, dtype=np.float32)
     low = -ones if normalize else actions.low.astype(np.float32)
     high = ones if normalize else actions.high.astype(np.float32)
     if flat:
         return spaces.Box(low, high, dtype=np.float32)
-    return spaces.Dict(
-        {
-            "arm": spaces.Box(low[:-1], high[:-1], dtype=np.float32),
-            "gripper": spaces.Box(low[-1:], high[-1:], dtype=np.float32),
-        }
-    )
+    arm = slice(actions.arm_size)
+    parts: dict[str, spaces.Space[Any]] = {"arm": spaces.Box(low[arm], high[arm], dtype=np.float32)}
+    if actions.size > actions.arm_size:
+        parts["gripper"] = spaces.Box(low[-1:], high[-1:], dtype=np.float32)
+    return spaces.Dict(parts)
+
+
+ACTION_PARTS = ("arm", "gripper")
+"""Keys of actions that are dictionaries, in the order of flat ones; some robots lack a gripper."""
 
 
 def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np.float64]:
@@ -89,7 +92,11 @@ def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np
     if isinstance(space, spaces.Dict):
         if not isinstance(action, Mapping) or set(action) != set(space.spaces):
             raise ActionError(agent, space, "is not a mapping with these keys")
-        parts = [read_action(agent, action[key], space[key]) for key in ("arm", "gripper")]
+        parts = [
+            read_action(agent, action[key], space[key])
+            for key in ACTION_PARTS
+            if key in space.spaces
+        ]
         return np.concatenate(parts)
     try:
         found = np.asarray(action)

@@ -6,7 +6,7 @@ save_rollouts(Path("runs/first") / DEMONSTRATIONS_FILE, episodes)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -26,8 +26,8 @@ from taskbuilder.learn.training_rewards import TrainingReward
 from taskbuilder.rollout.files import load_rollouts
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.scene import RobotEntry
 from taskbuilder.task import Task, load_task
+from taskbuilder.world.world import World
 
 DEMONSTRATIONS_FILE = "expert.npz"
 """File of the demonstrations in the folder of a training run."""
@@ -80,7 +80,7 @@ def reference_of(task: Task) -> str:
 
 def _play(task: str, catalogue: Catalogue | None, options: _Options, seed: int) -> Rollout:
     expert = _expert(task, catalogue, options)
-    return with_explicit_grippers(expert.play(seed), expert.env.episode.world.scene.robots)
+    return with_explicit_grippers(expert.play(seed), _binary(expert.env.episode.world))
 
 
 @lru_cache(maxsize=1)
@@ -89,7 +89,16 @@ def _expert(task: str, catalogue: Catalogue | None, options: _Options) -> Expert
     return Expert(parallel_env(load_task(task, catalogue=catalogue), **dict(options)))
 
 
-def with_explicit_grippers(rollout: Rollout, robots: Mapping[str, RobotEntry]) -> Rollout:
+def _binary(world: World) -> frozenset[str]:
+    """The robots whose gripper is told to open or to close."""
+    return frozenset(
+        name
+        for name, robot in world.robots.items()
+        if robot.model.takes_hold and world.scene.robots[name].action.gripper == "binary"
+    )
+
+
+def with_explicit_grippers(rollout: Rollout, binary: Collection[str]) -> Rollout:
     """Repeat the last command to binary grippers at every step of an episode.
 
     An expert commands a gripper once. A network that imitates this would output an average at each
@@ -97,10 +106,10 @@ def with_explicit_grippers(rollout: Rollout, robots: Mapping[str, RobotEntry]) -
 
     Args:
         rollout: The episode.
-        robots: The robots of its scene.
+        binary: The robots whose gripper is told to open or to close.
     """
     actions = {
-        agent: _explicit(done) if robots[agent].action.gripper == "binary" else done
+        agent: _explicit(done) if agent in binary else done
         for agent, done in rollout.actions.items()
     }
     return replace(rollout, actions=actions)

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from taskbuilder import description
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.reference import codes, keys, vocabulary
+from taskbuilder.reference.meanings import DRAWN
 from taskbuilder.reference.python import prose, signature
 from taskbuilder.schema.order import VERBS
 from taskbuilder.wording import suggestion
@@ -63,7 +64,7 @@ def _plain(name: str) -> str:
 
 @cache
 def _entries() -> tuple[tuple[str, Entry], ...]:
-    every = (*_codes(), *_public(), *_orders(), *_channels(), *_files())
+    every = (*_codes(), *_public(), *_attributes(), *_drawn(), *_orders(), *_channels(), *_files())
     return tuple((entry.name, entry) for entry in every)
 
 
@@ -78,6 +79,19 @@ def _public() -> Iterator[Entry]:
         if callable(thing):
             text = f"`{name}{signature(thing)}`\n\n{prose(inspect.getdoc(thing) or '')}"
             yield Entry(name, _kind(thing), text)
+
+
+def _attributes() -> Iterator[Entry]:
+    """What a description declares, from its docstring."""
+    told = inspect.getdoc(description.Description) or ""
+    for name, meaning in re.findall(r"^    (\w+): (.+)$", told, re.MULTILINE):
+        yield Entry(f"Description.{name}", "attribute of a description", meaning)
+
+
+def _drawn() -> Iterator[Entry]:
+    """What can be drawn for robots; what can be drawn for other things is a key of theirs."""
+    for name, (value, meaning) in DRAWN.items():
+        yield Entry(f"randomize.NAME.{name}", "quantity of a robot", _told(value, "", meaning))
 
 
 def _kind(thing: object) -> str:

@@ -40,6 +40,7 @@ SECTIONS: Mapping[str, str] = {
     "RobotSpec": "robot file",
     "Tcp": "tcp",
     "GripperSpec": "gripper",
+    "SuctionSpec": "suction",
     "GripperJoint": "gripper joint",
 }
 """Model -> heading of the section that explains it."""
@@ -141,6 +142,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "rpy_deg": "Orientation in the link's frame.",
     },
     "GripperSpec": {"joints": "Every joint of the gripper that moves."},
+    "SuctionSpec": {},
     "GripperJoint": {
         "open": "Position when the gripper is open, in m or rad.",
         "closed": "Position when it is closed, in m or rad.",
@@ -181,3 +183,16 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("Grasp", "link"): "name in the URDF",
 }
 """Values that a type says less well than words."""
+
+DRAWN: Mapping[str, tuple[str, str]] = {
+    "gains": (
+        "distribution of factors, above 0 to 2",
+        "Factor of the position gain of the arm's motors, drawn in each episode.",
+    ),
+    "delay": (
+        "choice of whole numbers, 0 to 50",
+        "Control steps by which every action of the robot is carried out late, drawn in each "
+        "episode.",
+    ),
+}
+"""What `randomize` can draw for a robot: value and meaning."""

@@ -22,6 +22,9 @@ ROBOT_QUANTITIES = (
     "force",
     "previous_action",
 )
+GRIPPER_QUANTITIES = ("gripper", "holding")
+"""Quantities that robots without a gripper do not have."""
+
 POSE_QUANTITIES = ("pose", "position", "orientation")
 OBJECT_QUANTITIES = (*POSE_QUANTITIES, "velocity")
 CAMERA_QUANTITIES = ("rgb", "depth", "mask", "points")
@@ -82,6 +85,8 @@ def _own(name: str, agent: str | None) -> str:
 def _quantities(subject: str, names: SceneNames) -> tuple[str, ...] | None:
     if members := names.members(subject):
         return _quantities(members[0], names)
+    if subject in names.handless:
+        return tuple(each for each in ROBOT_QUANTITIES if each not in GRIPPER_QUANTITIES)
     if subject in names.robots:
         return ROBOT_QUANTITIES
     if subject in names.objects:
@@ -103,9 +108,10 @@ def _unknown(subject: str, names: SceneNames) -> str:
     return f'the scene has no "{subject}"; {suggestion(subject, known, what="it has")}'
 
 
-def default_channels(names: SceneNames) -> tuple[str, ...]:
+def default_channels(names: SceneNames, agent: str) -> tuple[str, ...]:
     """What an agent observes where the task file says nothing: itself, and all that is there."""
-    own = tuple(f"self.{quantity}" for quantity in ("joints", "tcp", "gripper", "holding"))
+    of_gripper = () if agent in names.handless else GRIPPER_QUANTITIES
+    own = tuple(f"self.{quantity}" for quantity in ("joints", "tcp", *of_gripper))
     objects = tuple(f"{name}.pose" for name in names.entries)
     joints = names.known("joint")
     sites = tuple(f"{name}.position" for name in names.sites)

@@ -22,7 +22,9 @@ _FLOW_WIDTH = 72
 def as_yaml(task: TaskFile) -> str:
     """A task with every default filled in, as YAML that is itself a valid task file."""
     spec = task.written
-    observe = spec.observe or {robot: default_channels(task.names) for robot in spec.scene.robots}
+    observe = spec.observe or {
+        robot: default_channels(task.names, robot) for robot in spec.scene.robots
+    }
     full = spec.model_copy(update={"observe": observe})
     node = yaml.SafeDumper(io.StringIO(), sort_keys=False).represent_data(_data(full))
     _choose_styles(node)

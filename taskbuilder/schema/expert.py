@@ -192,6 +192,17 @@ def each_order(
                     yield (*path, index, robot, *where), robot, order
 
 
+def each_together(
+    stages: Sequence[Any], path: tuple[str | int, ...] = ("expert",)
+) -> Iterator[tuple[tuple[str | int, ...], Together]]:
+    """Path and stage of every load that several robots are to bring."""
+    for index, stage in enumerate(stages):
+        if isinstance(stage, Repeat):
+            yield from each_together(stage.stages, (*path, index, "stages"))
+        elif isinstance(stage, Together):
+            yield (*path, index), stage
+
+
 def directed(stage: Mapping[str, Any]) -> tuple[str, ...]:
     """The keys of a stage's plain data that stand for robots, if only by mistake."""
     return tuple(

@@ -14,6 +14,7 @@ from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
 from taskbuilder.schema.articulation import check_object, check_orders
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
+from taskbuilder.schema.end_effectors import check_end_effectors
 from taskbuilder.schema.explain import parse
 from taskbuilder.schema.groups import (
     check_arrangements,
@@ -47,6 +48,7 @@ class TaskFile:
         names: Every name of the scene.
         written: Its content as it is in the file.
         warnings: What is doubtful.
+        catalogue: Where its robots were looked up.
     """
 
     entry: CatalogueEntry
@@ -58,6 +60,7 @@ class TaskFile:
     names: SceneNames
     written: TaskSpec
     warnings: tuple[Finding, ...] = ()
+    catalogue: Catalogue = field(default_factory=Catalogue)
 
 
 class TaskFileError(FileError):
@@ -103,7 +106,8 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
     loading.findings += [*loading.source.findings, *wrong]
     _read_robots(loading)
     _read_assets(loading)
-    names = read_names(loading.source, _articulated(loading.assets))
+    handless = tuple(name for name, model in loading.robots.items() if not model.takes_hold)
+    names = read_names(loading.source, _articulated(loading.assets), handless)
     loading.findings += check_names(loading.source, names)
     scenes: list[SceneSpec] = []
     if spec is not None:
@@ -126,6 +130,7 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         names,
         spec,
         tuple(loading.findings),
+        catalogue,
     )
 
 
@@ -259,6 +264,7 @@ def _check_scene(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterato
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
     yield from check_arrangements(loading.source, scene, loading.assets)
     yield from check_orders(loading.source, spec.expert, scene, loading.assets)
+    yield from check_end_effectors(loading.source, spec.expert, scene, loading.robots)
 
 
 def _check_posture(

@@ -80,6 +80,7 @@ class SceneNames:
         sites: The sites, and whether each has a marker, hence a volume.
         cameras: The cameras.
         groups: The members of each group; none where its count cannot be read.
+        handless: The robots that have no gripper.
     """
 
     robots: tuple[str, ...]
@@ -87,6 +88,7 @@ class SceneNames:
     sites: Mapping[str, bool]
     cameras: tuple[str, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    handless: tuple[str, ...] = ()
 
     @property
     def entries(self) -> tuple[str, ...]:

@@ -31,12 +31,15 @@ class _Reference:
     on_key: bool = False
 
 
-def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneNames:
+def read_names(
+    source: Source, articulated: dict[str, ObjectNames], handless: tuple[str, ...] = ()
+) -> SceneNames:
     """The names that a task file introduces.
 
     Args:
         source: The task file.
         articulated: What is inside the objects that are URDFs.
+        handless: The robots that have no gripper.
     """
     objects = {
         name: articulated.get(name)
@@ -68,6 +71,7 @@ def read_names(source: Source, articulated: dict[str, ObjectNames]) -> SceneName
             else (name for name, _ in source.entries("scene", "cameras"))
         ),
         groups=groups,
+        handless=handless,
     )
 
 

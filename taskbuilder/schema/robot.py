@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.values import (
@@ -61,8 +62,18 @@ class GripperSpec(Model):
     friction: Friction = Field(1.2, description="Lateral friction of the finger links.")
 
 
+class SuctionSpec(Model):
+    """A suction cup at the tcp, whose z axis points out of its mouth."""
+
+    cup: LinkName = Field(description="The link that touches what is held.")
+    force: Positive = Field(description="Pull in newtons beyond which it lets go.")
+    reach: Annotated[float, Field(gt=0.0, le=0.1)] = Field(
+        0.005, description="Distance in metres from the tcp at which it takes hold of a surface."
+    )
+
+
 class RobotSpec(Model):
-    """An arm with a gripper, over a URDF."""
+    """An arm with a gripper, with suction, or with a tool that takes nothing, over a URDF."""
 
     robot: Name = Field(description="The name of its folder.")
     summary: Text
@@ -74,4 +85,15 @@ class RobotSpec(Model):
     home_deg: tuple[float, ...] = Field(
         description="One value per arm joint: degrees, or metres for a prismatic joint."
     )
-    gripper: GripperSpec = Field(description="Its joints, fingers, stroke and force.")
+    gripper: GripperSpec | None = Field(None, description="Its joints, fingers, stroke and force.")
+    suction: SuctionSpec | None = Field(
+        None, description="Its cup and force; without this or a gripper, the robot pushes."
+    )
+
+    @model_validator(mode="after")
+    def _one_end(self) -> RobotSpec:
+        if self.gripper is not None and self.suction is not None:
+            raise PydanticCustomError(
+                "choice", "a robot has gripper and suction; give one of them, or none"
+            )
+        return self

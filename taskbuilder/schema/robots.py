@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,7 @@ from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding
 from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.schema.explain import parse
-from taskbuilder.schema.robot import RobotSpec
+from taskbuilder.schema.robot import GripperJoint, GripperSpec, RobotSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.wording import suggestion
 
@@ -43,6 +43,23 @@ class RobotModel:
         return joint_values(self.arm, self.spec.home_deg)
 
     @property
+    def takes_hold(self) -> bool:
+        """Whether it can hold objects."""
+        return self.spec.gripper is not None or self.spec.suction is not None
+
+    @property
+    def grip(self) -> str:
+        """What it holds with, in a table: stroke or suction force; empty if it holds nothing."""
+        if self.spec.suction is not None:
+            return f"suction {self.spec.suction.force:g} N"
+        return f"{self.stroke * 1000:.0f} mm" if self.takes_hold else ""
+
+    @property
+    def stroke(self) -> float:
+        """Opening of its fingers when open, in metres; 0 without fingers."""
+        return self.spec.gripper.stroke if self.spec.gripper else 0.0
+
+    @property
     def warnings(self) -> tuple[Finding, ...]:
         """What is doubtful about the robot without keeping it from being used."""
         return self.urdf.warnings
@@ -66,6 +83,8 @@ def load_robot(entry: CatalogueEntry, roots: Sequence[Path] = ()) -> RobotModel:
     Raises:
         FileError: With every finding of robot.yaml, or of the URDF where robot.yaml is right.
     """
+    if entry.trusted:  # robots of one package may share meshes
+        roots = (*roots, entry.root.parent)
     source = read_source(entry.file)
     spec, wrong = parse(RobotSpec, source)
     findings = [*source.findings, *wrong]
@@ -123,7 +142,7 @@ def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: CatalogueEntry) -
     if unknown:
         return
     yield from (finding(path, misfit) for path, misfit in _misfits(spec, urdf))
-    for name, ends in spec.gripper.joints.items():
+    for name, ends in _gripper_joints(spec).items():
         for key, value in (("open", ends.open), ("closed", ends.closed)):
             path = ("gripper", "joints", name, key)
             if problem := beyond_limits(moving[name], value):
@@ -134,7 +153,7 @@ def _misfits(spec: RobotSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
     """Joints and links that are there, but not where arm, tcp and fingers need them."""
     links = {link.name for link in urdf.links}
     for index, name in enumerate(spec.arm):
-        if name in spec.arm[:index] or name in spec.gripper.joints:
+        if name in spec.arm[:index] or name in _gripper_joints(spec):
             yield ("arm", index), f'"{name}" stands twice; a joint is of the arm or of the gripper'
             return
     if spec.tcp.link in links:
@@ -146,12 +165,25 @@ def _misfits(spec: RobotSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
                 return
         if moving != spec.arm:
             yield ("arm",), f"not from base to wrist; that is {', '.join(moving)}"
-    for i, finger in enumerate(spec.gripper.fingers):
+    if spec.gripper is not None:
+        yield from _gripper_misfits(spec.gripper, urdf)
+    elif (
+        spec.suction is None and spec.tcp.link in links and not urdf.link(spec.tcp.link).collisions
+    ):
+        message = f'without a gripper, "{spec.tcp.link}" is what the robot pushes with'
+        advice = "and it has no collision shape; name a link that has one"
+        yield ("tcp", "link"), f"{message}, {advice}"
+
+
+def _gripper_misfits(gripper: GripperSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
+    """Fingers that no joint moves, and joints that go nowhere."""
+    links = {link.name for link in urdf.links}
+    for i, finger in enumerate(gripper.fingers):
         for j, link in enumerate(finger):
             above = [joint.name for joint in _joints_above(urdf, link)] if link in links else []
-            if link in links and not set(above) & set(spec.gripper.joints):
+            if link in links and not set(above) & set(gripper.joints):
                 yield ("gripper", "fingers", i, j), f'no joint of the gripper moves "{link}"'
-    if all(ends.open == ends.closed for ends in spec.gripper.joints.values()):
+    if all(ends.open == ends.closed for ends in gripper.joints.values()):
         yield ("gripper", "joints"), "open and closed are the same; write where its joints go"
 
 
@@ -190,15 +222,22 @@ def beyond_limits(joint: UrdfJoint, value: float) -> str | None:
     )
 
 
+def _gripper_joints(spec: RobotSpec) -> Mapping[str, GripperJoint]:
+    return spec.gripper.joints if spec.gripper else {}
+
+
 def _link_names(spec: RobotSpec) -> Iterator[tuple[Path_, str]]:
     yield ("tcp", "link"), spec.tcp.link
-    for i, finger in enumerate(spec.gripper.fingers):
+    for i, finger in enumerate(spec.gripper.fingers if spec.gripper else ()):
         for j, link in enumerate(finger):
             yield ("gripper", "fingers", i, j), link
+
+    if spec.suction is not None:
+        yield ("suction", "cup"), spec.suction.cup
 
 
 def _joint_names(spec: RobotSpec) -> Iterator[tuple[Path_, str]]:
     for index, name in enumerate(spec.arm):
         yield ("arm", index), name
-    for name in spec.gripper.joints:
+    for name in _gripper_joints(spec):
         yield ("gripper", "joints", name), name

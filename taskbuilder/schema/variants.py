@@ -15,13 +15,22 @@ from taskbuilder.schema.names import SceneNames
 from taskbuilder.schema.references import check_names
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted
-from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.task import Distribution, TaskSpec
 from taskbuilder.wording import suggestion
 
 _GROUPS = ("robots", "objects", "sites", "cameras")
 
 RANDOMIZABLE = ("mass", "friction", "rolling_friction", "restitution", "color")
 """What can be drawn anew each episode: a change that needs no new body."""
+
+DRIVES: Mapping[str, float] = {"gains": 1.0, "delay": 0}
+"""What of robots can be drawn anew each episode, and how it is in the task as written.
+
+``gains`` is a factor of the position gain of the arm's motors, ``delay`` the number of control
+steps after which actions are carried out.
+"""
+
+GREATEST_GAIN, LONGEST_DELAY = 2.0, 50
 
 
 class _BadChange(Exception):  # noqa: N818  # carries a sentence from one function to the next
@@ -72,12 +81,16 @@ def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterat
         if quantity and any(thing in owner for owner in _owners(names)):
             allowed = _randomizable(thing, names)
             if quantity not in allowed:
-                help_ = "only what objects and sites have can be"
+                help_ = "only what objects, sites and robots have can be"
                 if allowed:
                     help_ = suggestion(quantity, allowed, what=f"of {thing}, these can")
                 message = f'"{key}" cannot be randomised; {help_}'
                 yield Finding("TB205", message, dotted(path), source.locate(path, key=True))
                 continue
+        if quantity in DRIVES and thing in names.robots:
+            if problem := _drive_problem(quantity, distribution):
+                yield Finding("TB205", problem, dotted(path), source.locate(path))
+            continue
         for value in distribution.uniform or distribution.choice or ():
             _, wrong = _changed(source, names, ("randomize",), {key: value})
             yield from wrong
@@ -88,7 +101,25 @@ def check_randomize(source: Source, names: SceneNames, spec: TaskSpec) -> Iterat
 def _randomizable(thing: str, names: SceneNames) -> tuple[str, ...]:
     if thing in names.entries:
         return RANDOMIZABLE
+    if thing in names.robots:
+        return tuple(DRIVES)
     return ("color",) if thing in names.sites else ()
+
+
+def _drive_problem(quantity: str, distribution: Distribution) -> str | None:
+    """What is wrong with the gains or the delays that may be drawn for a robot, or None."""
+    if quantity == "gains":
+        for value in distribution.uniform or distribution.choice or ():
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if not number or not 0.0 < value <= GREATEST_GAIN:
+                return f"{value!r} is no factor for gains; above 0 to {GREATEST_GAIN:g}"
+        return None
+    if distribution.uniform is not None:
+        return "a delay is a whole number of control steps; write choice: [0, 1, 2]"
+    for value in distribution.choice or ():
+        if type(value) is not int or not 0 <= value <= LONGEST_DELAY:
+            return f"{value!r} is no delay; a whole number of control steps, 0 to {LONGEST_DELAY}"
+    return None
 
 
 def _changed(

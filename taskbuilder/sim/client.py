@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Vec3
@@ -40,6 +40,7 @@ class Client(Single):
         snapshots: How many snapshots of it are kept.
         looks: How often the look of a body was changed.
         drawn: What the rasteriser keeps of its bodies, for its next picture.
+        holders: Its links that can hold others; see `attachments`.
 
     Raises:
         SimulationError: Bullet refuses a connection, or the EGL renderer does not load.
@@ -59,6 +60,7 @@ class Client(Single):
         self.snapshots = 0
         self.looks = 0
         self.drawn: object = None
+        self.holders: list[Any] = []
         self.id: int = p.connect(p.DIRECT)
         if self.id < 0:
             raise SimulationError("Bullet opens no more clients in this process; close some first")

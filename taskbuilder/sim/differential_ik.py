@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple, Self
+from typing import NamedTuple, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,17 @@ from taskbuilder.geometry import (
     subtract,
     unit,
 )
-from taskbuilder.sim.kinematics import METRES_PER_RADIAN, Chain
+from taskbuilder.sim.descent import METRES_PER_RADIAN
+from taskbuilder.sim.kinematics import Chain
 
 DAMPING = 0.02
 """Metres of tool motion per radian below which a direction counts as singular and is damped."""
+
+BASE_SHARE = 0.1
+"""How readily a base moves, where the joints of the arm that it carries count 1."""
+
+POSTURE_M = 0.2
+"""Way of the tool, in metres, along which a redundant arm comes back to its posture."""
 
 
 class LinkFrames(NamedTuple):
@@ -52,6 +59,8 @@ class DifferentialIK:
         turns: Whether each joint turns; the others slide.
         lower: Smallest joint positions, rad or m.
         upper: Largest joint positions.
+        base: How many of the first joints carry a base; see `Chain.base`.
+        posture: Joint positions that a redundant arm prefers; those of the base do not count.
     """
 
     offsets: tuple[tuple[Vec3, Quat], ...]
@@ -59,6 +68,8 @@ class DifferentialIK:
     turns: tuple[bool, ...]
     lower: tuple[float, ...]
     upper: tuple[float, ...]
+    base: int = 0
+    posture: tuple[float, ...] = ()
 
     @classmethod
     def of(cls, chain: Chain) -> Self:
@@ -77,6 +88,8 @@ class DifferentialIK:
             tuple(chain.revolute.tolist()),
             tuple(chain.lower.tolist()),
             tuple(chain.upper.tolist()),
+            chain.base if chain.posture is not None else 0,
+            () if chain.posture is None else tuple(chain.posture.tolist()),
         )
 
     def forward(self, positions: Sequence[float]) -> Pose:
@@ -114,7 +127,10 @@ class DifferentialIK:
     ) -> tuple[float, ...]:
         here = self.frames(positions)
         inverse = self._damped_inverse(here)
-        first = (inverse @ _error(here.tool, target)).tolist()
+        error = _error(here.tool, target)
+        first = (inverse @ error).tolist()
+        if self.base:
+            first = self._towards_posture(first, positions, here, inverse, math.hypot(*error))
         halfway = [q + d for q, d in zip(positions, first, strict=True)]
         second = (inverse @ _error(self._frames(halfway).tool, target)).tolist()
         move = [a + b for a, b in zip(first, second, strict=True)]
@@ -125,6 +141,25 @@ class DifferentialIK:
             min(max(q + d, low), high)
             for q, d, low, high in zip(positions, move, self.lower, self.upper, strict=True)
         )
+
+    def _towards_posture(
+        self,
+        step: Sequence[float],
+        positions: Sequence[float],
+        frames: LinkFrames,
+        inverse: NDArray[np.float64],
+        way: float,
+    ) -> list[float]:
+        """A step, and with it so much of the way to the posture as does not move the tool.
+
+        The longer the tool's own way, the more: while it stands still, so does the base.
+        """
+        away = np.array(self.posture) - np.array(positions)
+        away[: self.base] = 0.0
+        away *= min(1.0, way / POSTURE_M)
+        seen = inverse @ (self._columns(frames).T @ away)
+        moved: list[float] = (np.array(step) + away - seen).tolist()
+        return moved
 
     def frames(self, positions: Sequence[float]) -> LinkFrames:
         """The tool's pose, and each joint's axis and origin, in the base link's frame."""
@@ -167,6 +202,17 @@ class DifferentialIK:
 
     def _damped_inverse(self, frames: LinkFrames) -> NDArray[np.float64]:
         """(n, 6) damped inverse of the Jacobian, rotations weighed in metres."""
+        transposed = self._columns(frames)
+        weighted: NDArray[np.float64] = transposed
+        if self.base:
+            weighted = transposed.copy()
+            weighted[: self.base] *= BASE_SHARE
+        square = weighted.T @ transposed
+        square.flat[::7] += DAMPING * DAMPING
+        return cast("NDArray[np.float64]", np.linalg.solve(square, weighted.T).T)
+
+    def _columns(self, frames: LinkFrames) -> NDArray[np.float64]:
+        """(n, 6) transposed Jacobian, rotations weighed in metres."""
         columns = []
         tx, ty, tz = frames.tool.position
         for (x, y, z), (ox, oy, oz), turns in zip(
@@ -179,11 +225,7 @@ class DifferentialIK:
                 columns.append((*across, x * m, y * m, z * m))
             else:
                 columns.append((x, y, z, 0.0, 0.0, 0.0))
-        transposed = np.array(columns)
-        square = transposed.T @ transposed
-        square.flat[::7] += DAMPING * DAMPING
-        inverse: NDArray[np.float64] = np.linalg.solve(square, transposed.T).T
-        return inverse
+        return np.array(columns)
 
 
 def _error(tool: Pose, target: Pose) -> tuple[float, ...]:

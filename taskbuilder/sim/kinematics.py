@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
@@ -18,23 +18,15 @@ from numpy.typing import NDArray
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose, Vec3, from_axes, norm, subtract, turn_between
+from taskbuilder.sim.descent import METRES_PER_RADIAN, descend
 
 Floats = NDArray[np.float64]
 
-# One radian off weighs as much as 0.3 m off: about the lever arm at which a tool is used.
-METRES_PER_RADIAN = 0.3
-# Steps longer than this leave the region where the Jacobian says anything.
-LONGEST_STEP = 0.5
-ITERATIONS = 60
-# An attempt that has not halved its error in this many iterations sits in a local minimum.
-PATIENCE = 12
 # After the first beginning so many times as many are tried as before, side by side: nineteen at
 # once take less than half the time that they take one by one.
 HANDFUL = 4
-# Where iterating stops; well inside any tolerance asked for, because convergence is fast there.
-CLOSE_ENOUGH = 2e-5
-
-_IDENTITY = np.eye(6)
+# How far joints of a redundant arm are from its posture where a beginning is drawn, rad.
+POSTURE_SPREAD = 0.35
 
 
 @dataclass(frozen=True)
@@ -48,6 +40,7 @@ class Chain:
         revolute: (n,) whether each joint turns; the others slide.
         lower: (n,) smallest positions, rad or m; minus infinity where there is no limit.
         upper: (n,) largest positions.
+        posture: (n,) the positions that a redundant arm prefers, or None.
     """
 
     frames: Floats
@@ -55,9 +48,17 @@ class Chain:
     revolute: NDArray[np.bool_]
     lower: Floats
     upper: Floats
+    posture: Floats | None = None
 
     @classmethod
-    def of(cls, urdf: Urdf, joints: Sequence[str], tcp_link: str, tcp_offset: Pose) -> Self:
+    def of(
+        cls,
+        urdf: Urdf,
+        joints: Sequence[str],
+        tcp_link: str,
+        tcp_offset: Pose,
+        posture: Sequence[float] | None = None,
+    ) -> Self:
         """Read a chain off a URDF.
 
         Args:
@@ -66,6 +67,7 @@ class Chain:
                 taken at zero.
             tcp_link: The link that carries the tool.
             tcp_offset: The tool's frame in that link's.
+            posture: Joint positions that the arm prefers if it is redundant, rad or m.
 
         Raises:
             SimulationError: The joints are not all between base and tool, in that order.
@@ -90,11 +92,35 @@ class Chain:
             revolute=np.array([joint.type != "prismatic" for joint in own]),
             lower=np.array([-math.inf if j.lower is None else j.lower for j in own]),
             upper=np.array([math.inf if j.upper is None else j.upper for j in own]),
+            posture=None if posture is None else np.array(posture),
+        )
+
+    @cached_property
+    def base(self) -> int:
+        """How many of the first joints carry a base that need not move for the tool to.
+
+        Six joints are enough for all poses. Where joints slide and there are more than six, the
+        first ones are the base's.
+        """
+        return 0 if self._all_turn else max(0, len(self.axes) - 6)
+
+    def with_base_at(self, positions: Sequence[float]) -> Chain:
+        """The arm alone, with its base at joint positions (rad or m)."""
+        count = len(positions)
+        rest = [*positions, *(0.0,) * (len(self.axes) - count)]
+        moved = self.frames[:-1] @ self._motions(np.asarray(rest))
+        first = np.eye(4)
+        for index in range(count):
+            first = first @ moved[index]
+        frames = self.frames[count:].copy()
+        frames[0] = first @ frames[0]
+        return Chain(
+            frames, self.axes[count:], self.revolute[count:], self.lower[count:], self.upper[count:]
         )
 
     def forward(self, positions: Sequence[float]) -> Pose:
         """Pose of the tool with the joints at positions (rad or m)."""
-        tool = self._frames_at(np.asarray(positions, dtype=np.float64))[-1]
+        tool = self.frames_at(np.asarray(positions, dtype=np.float64))[-1]
         x, y, z = tool[:3, :3].T.tolist()
         return Pose(_vector(tool[:3, 3]), from_axes(tuple(x), tuple(y), tuple(z)))
 
@@ -103,7 +129,7 @@ class Chain:
         at = np.asarray(positions)
         return bool((at >= self.lower + margin).all() and (at <= self.upper - margin).all())
 
-    def _frames_at(self, positions: Floats) -> Floats:
+    def frames_at(self, positions: Floats) -> Floats:
         """(..., n + 1, 4, 4) frames of the joints at (..., n), then of the tool, in the base's."""
         moved = _repeated(self.frames, positions)
         moved[..., :-1, :, :] @= self._motions(positions)
@@ -144,11 +170,11 @@ class Chain:
     def _turns_twice(self) -> Floats:
         return self._turns @ self._turns
 
-    def _jacobian(self, frames: Floats) -> Floats:
+    def jacobian(self, frames: Floats) -> Floats:
         """(..., 6, n) velocity of the tool's origin, then its angular velocity, for each joint's.
 
         Args:
-            frames: (..., n + 1, 4, 4) as of `_frames_at`.
+            frames: (..., n + 1, 4, 4) as of `frames_at`.
         """
         axes = (frames[..., :-1, :3, :3] @ self.axes[:, :, None])[..., 0]
         arms = frames[..., -1:, :3, 3] - frames[..., :-1, :3, 3]
@@ -190,6 +216,8 @@ def solve(
 ) -> IkResult:
     """Find joint positions that bring the tool to a pose.
 
+    The base of a redundant arm stays where it is if the arm alone can bring the tool there.
+
     The first attempt begins at ``start``, so a solution near it is found first; later ones begin
     at random inside the limits. Joints that turn further than a full circle are brought to the
     turn nearest ``start``.
@@ -203,20 +231,24 @@ def solve(
         position_tolerance_m: How far off the tool may be.
         angle_tolerance: How much it may be turned, rad.
     """
+    if chain.base:
+        found = _with_base_still(chain, target, start, rng, position_tolerance_m, angle_tolerance)
+        if found.ok:
+            return found
     goal = _matrix(target)
     best: IkResult | None = None
     begun = 0
     while begun < attempts:
         before = rng.bit_generator.state
         count = min(max(1, HANDFUL * begun), attempts - begun)
-        beginnings = _beginnings(chain, rng, count) if begun else _within(chain, start)
-        for number, descended in enumerate(_descend(chain, goal, beginnings), start=1):
-            found = _nearest_turn(chain, descended, start)
-            result = _judged(chain, target, found, position_tolerance_m, angle_tolerance)
+        beginnings = beginnings_of(chain, rng, count) if begun else _within(chain, start)
+        for number, descended in enumerate(descend(chain, goal, beginnings), start=1):
+            joints = _nearest_turn(chain, descended, start)
+            result = _judged(chain, target, joints, position_tolerance_m, angle_tolerance)
             if result.ok:
                 if number < count:  # as if the later ones had never been drawn
                     rng.bit_generator.state = before
-                    _beginnings(chain, rng, number)
+                    beginnings_of(chain, rng, number)
                 return result
             if best is None or _badness(result) < _badness(best):
                 best = result
@@ -226,98 +258,26 @@ def solve(
     return best
 
 
-class _Descent:
-    """How far one of several descents has come.
-
-    Attributes:
-        best: The best joint positions so far.
-    """
-
-    def __init__(self, beginning: Floats) -> None:
-        self.best = beginning
-        self._least = self._milestone = math.inf
-        self._patience = PATIENCE
-
-    def note(self, positions: Floats, error: float) -> None:
-        """Keep positions that are better than all before."""
-        if error < self._least:
-            self.best, self._least = positions, error
-
-    def goes_on(self, error: float) -> bool:
-        """Whether there is a point in a further step."""
-        if error < CLOSE_ENOUGH:
-            return False
-        if error < 0.5 * self._milestone:
-            self._milestone, self._patience = error, PATIENCE
-        self._patience -= 1
-        return self._patience > 0
-
-
-def _descend(chain: Chain, goal: Floats, beginnings: Floats) -> list[Floats]:
-    """Levenberg-Marquardt from several beginnings, side by side: (k, n), n for each.
-
-    The damping is the error itself plus a constant, which makes steps bold near a solution and
-    short near a singularity: Sugihara, "Solvability-unconcerned inverse kinematics by the
-    Levenberg-Marquardt method", IEEE Trans. Robotics 27(5), 2011.
-    """
-    descents = [_Descent(beginning) for beginning in beginnings]
-    going, positions = list(descents), beginnings
-    for iteration in range(ITERATIONS + 1):
-        frames = chain._frames_at(positions)
-        errors = [_error(tool, goal) for tool in frames[:, -1]]
-        sizes = [math.sqrt(error @ error) for error in errors]
-        for descent, at, size in zip(going, positions, sizes, strict=True):
-            descent.note(at, size)
-        if iteration == ITERATIONS:
-            break
-        kept = [k for k, descent in enumerate(going) if descent.goes_on(sizes[k])]
-        if not kept:
-            break
-        if len(kept) < len(going):
-            going, sizes = [going[k] for k in kept], [sizes[k] for k in kept]
-            positions, frames = positions[kept], frames[kept]
-            errors = [errors[k] for k in kept]
-        step = _step(chain, frames, np.array(errors), np.array(sizes))
-        # np.clip takes four times as long.
-        positions = np.minimum(np.maximum(positions + step, chain.lower), chain.upper)
-    return [descent.best for descent in descents]
-
-
-def _step(chain: Chain, frames: Floats, errors: Floats, sizes: Floats) -> Floats:
-    """(k, n) the next step of each of several descents.
-
-    Args:
-        chain: The arm.
-        frames: (k, n + 1, 4, 4) where its joints are.
-        errors: (k, 6) where the goal lies as seen from the tool.
-        sizes: (k,) lengths of the errors.
-    """
-    jacobian = chain._jacobian(frames)
-    jacobian[:, 3:] *= METRES_PER_RADIAN
-    transposed = jacobian.swapaxes(1, 2)
-    damping = 0.1 * sizes * sizes + 1e-5
-    square = jacobian @ transposed + damping[:, None, None] * _IDENTITY
-    step: Floats = (transposed @ np.linalg.solve(square, errors[:, :, None]))[:, :, 0]
-    longest = np.maximum(np.abs(step).max(axis=1), LONGEST_STEP)
-    step *= (LONGEST_STEP / longest)[:, None]
-    return step
-
-
-def _error(tool: Floats, goal: Floats) -> Floats:
-    """(6,) where the goal lies as seen from the tool: metres, then a rotation vector, scaled."""
-    turn = goal[:3, :3] @ tool[:3, :3].T
-    (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
-    x, y, z = h - f, c - g, d - b  # 2·sin(angle)·axis
-    twice_sine = math.sqrt(x * x + y * y + z * z)
-    angle = math.atan2(twice_sine, a + e + i - 1.0)
-    if twice_sine > 1e-9:
-        gain = METRES_PER_RADIAN * angle / twice_sine
-    elif angle < 1.0:
-        gain = 0.0
-    else:  # half a turn has no one axis: any gets the descent going
-        x, y, z, gain = 1.0, 0.0, 0.0, METRES_PER_RADIAN * angle
-    px, py, pz = (goal[:3, 3] - tool[:3, 3]).tolist()
-    return np.array([px, py, pz, gain * x, gain * y, gain * z])
+def _with_base_still(
+    chain: Chain,
+    target: Pose,
+    start: Sequence[float],
+    rng: np.random.Generator,
+    distance: float,
+    angle: float,
+) -> IkResult:
+    """Joint positions with the base where it is at the start."""
+    still = tuple(start[: chain.base])
+    found = solve(
+        chain.with_base_at(still),
+        target,
+        start=start[chain.base :],
+        rng=rng,
+        attempts=1,  # rather than bend the arm over, the base moves
+        position_tolerance_m=distance,
+        angle_tolerance=angle,
+    )
+    return replace(found, joints=(*still, *found.joints))
 
 
 def _within(chain: Chain, start: Sequence[float]) -> Floats:
@@ -325,12 +285,17 @@ def _within(chain: Chain, start: Sequence[float]) -> Floats:
     return np.clip(np.asarray(start, dtype=np.float64), chain.lower, chain.upper)[None]
 
 
-def _beginnings(chain: Chain, rng: np.random.Generator, count: int) -> Floats:
+def beginnings_of(chain: Chain, rng: np.random.Generator, count: int) -> Floats:
     """(count, n) joint positions at random inside the limits."""
     # One turn is all there is to choose from; wider limits would only spread the guesses.
     widest = np.where(chain.revolute, math.pi, math.inf)
     lower, upper = np.maximum(chain.lower, -widest), np.minimum(chain.upper, widest)
-    return rng.uniform(lower, upper, (count, len(lower)))
+    drawn = rng.uniform(lower, upper, (count, len(lower)))
+    if chain.base and chain.posture is not None:  # the base comes near by itself, from all sides
+        spread = rng.normal(0.0, POSTURE_SPREAD, (count, len(lower) - chain.base))
+        near = chain.posture[chain.base :] + spread
+        drawn[:, chain.base :] = np.clip(near, lower[chain.base :], upper[chain.base :])
+    return drawn
 
 
 def _nearest_turn(chain: Chain, positions: Floats, start: Sequence[float]) -> Floats:

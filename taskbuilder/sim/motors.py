@@ -70,17 +70,30 @@ class Motors:
         self.forces = tuple(forces)
         self.command = FREE
         self._idle = (0.0,) * count
+        self._gains = position_gain, velocity_gain
+        self.scale_gain(1.0)
+        self._velocities = None if velocities is None else tuple(velocities)
+        self.release()
+
+    def scale_gain(self, factor: float) -> None:
+        """Multiply the position gain of the built motors by a factor.
+
+        Args:
+            factor: 1 for the motors as they were built.
+        """
+        position_gain, velocity_gain = self._gains
+        count = len(self.indices)
         self._to_positions = partial(
-            body.client.bullet.setJointMotorControlArray,
-            body.id,
+            self.body.client.bullet.setJointMotorControlArray,
+            self.body.id,
             self.indices,
             p.POSITION_CONTROL,
             forces=self.forces,
-            positionGains=(position_gain,) * count,
+            positionGains=(factor * position_gain,) * count,
             velocityGains=(velocity_gain,) * count,
         )
-        self._velocities = None if velocities is None else tuple(velocities)
-        self.release()
+        if self.command.mode == "position":  # which the engine goes on with as it was told
+            self.repeat()
 
     def position(self, positions: Sequence[float]) -> None:
         """Drive the joints to positions (rad or m) and hold them there."""

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.motors import Command
 
 
 class Commanded(Protocol):
-    """What goes on with its last command: a group of motors, a joint with a lock."""
+    """What goes on with its last command: a group of motors, a joint with a lock, a gripper."""
 
-    command: Command
+    @property
+    def command(self) -> Any:
+        """The last command."""
 
-    def issue(self, command: Command) -> None:
+    def issue(self, command: Any) -> None:
         """Give a command, perhaps one remembered from earlier."""
 
 
@@ -31,7 +32,7 @@ class Snapshot:
 
     client: Client
     state: int
-    commands: tuple[tuple[Commanded, Command], ...]
+    commands: tuple[tuple[Commanded, Any], ...]
 
 
 def save(client: Client, motors: Sequence[Commanded] = ()) -> Snapshot:

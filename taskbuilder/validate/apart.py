@@ -18,6 +18,7 @@ from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
@@ -79,6 +80,7 @@ class ValidationConfig:
         only: Names of the families to run; None for all.
         limits: The time limits.
         kept: Intermediate result of a process that was lost.
+        robots: Other models for robots of the scene.
     """
 
     reference: str
@@ -89,6 +91,7 @@ class ValidationConfig:
     only: tuple[str, ...] | None
     limits: Limits = field(default_factory=lambda: LIMITS)
     kept: Kept | None = None
+    robots: OtherRobots = ()
 
 
 class Listener(Protocol):
@@ -141,7 +144,15 @@ class Nobody:
 
 
 @dataclass(frozen=True)
-class _Begun:
+class Begun:
+    """A part of a validation has begun: a family, the import or the inspection.
+
+    Attributes:
+        part: Its name.
+        limit_s: Time limit of a unit of its work.
+        rest: The families after it.
+    """
+
     part: str
     limit_s: float
     rest: tuple[str, ...] = ()
@@ -163,7 +174,7 @@ class Owner:
 
     def begin(self, part: str, limit_s: float, rest: tuple[str, ...] = ()) -> None:
         """Report that a part has begun."""
-        say(_Begun(part, limit_s, rest))
+        say(Begun(part, limit_s, rest))
 
     def alive(self) -> None:
         """Report that the work goes on."""
@@ -243,7 +254,7 @@ class _Watch:
                 self._begin()
 
     def _begin(self) -> None:
-        self._begun, self._started = _Begun("", START_LIMIT_S), time.perf_counter()
+        self._begun, self._started = Begun("", START_LIMIT_S), time.perf_counter()
         self._shown: Iterator[int] = iter(())
         self._worker.give(packed(self._function, self._orders))
 
@@ -255,7 +266,7 @@ class _Watch:
         return heard
 
     def _take(self, said: Any) -> None:
-        if isinstance(said, _Begun):
+        if isinstance(said, Begun):
             self._begun, self._started = said, time.perf_counter()
         elif isinstance(said, _Shown):
             self._shown = iter(self._progress(said.seeds, said.label))

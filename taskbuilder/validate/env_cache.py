@@ -12,6 +12,7 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.named import has_expert
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.locate import failure_of_description
 
@@ -37,12 +38,14 @@ class EnvSource:
     Attributes:
         reference: Name or path of the task.
         catalogue: The catalogue that names are looked up in.
-        run: Number of the validation, so that files that have changed since another are reread.
+        number: Number of the validation, so that files that have changed since another are reread.
+        robots: Other models for robots of the scene.
     """
 
     reference: str
     catalogue: Catalogue
     number: int
+    robots: OtherRobots = ()
 
 
 class EnvCache:
@@ -116,7 +119,9 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
         task: The task, if it has been loaded already.
     """
     if source not in _CACHES:
-        loaded = task or load_task(source.reference, catalogue=source.catalogue)
+        loaded = task or load_task(
+            source.reference, catalogue=source.catalogue, robots=dict(source.robots)
+        )
         _CACHES[source] = EnvCache(loaded)
     return _CACHES[source]
 

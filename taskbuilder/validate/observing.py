@@ -359,7 +359,7 @@ def _alike(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
 def sees_itself(task: Task, agent: str) -> bool:
     """Whether an agent observes anything of itself."""
     names = task.file.names
-    listed = (task.file.spec.observe or {}).get(agent, default_channels(names))
+    listed = (task.file.spec.observe or {}).get(agent, default_channels(names, agent))
     channels = [parse_channel(text, agent, names) for text in listed]
     return any(
         isinstance(channel, Channel) and agent in (channel.subject, channel.frame.partition(".")[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
@@ -21,6 +21,7 @@ from taskbuilder.errors import (
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import owned
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.apart import (
     CHECK,
@@ -101,6 +102,7 @@ def validate_task(
     jobs: int = 1,
     only: Collection[str] | None = None,
     apart: bool = True,
+    robots: Mapping[str, str | Path] | None = None,
 ) -> TaskReport:
     """Validate a task.
 
@@ -114,23 +116,26 @@ def validate_task(
         only: Names of the families to run; by default all.
         apart: Whether to load and play the task only in child processes, where a crash or hang does
             no harm. Use False to debug a description in this process.
+        robots: Other models for robots of the scene; see `load_task`.
 
     Raises:
         UnknownNameError: There is no such task.
-        UsageError: There is no such family.
+        UsageError: There is no such family, or a robot does not fit.
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
-    config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted)
+    others = other_robots(robots or {})
+    config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted, robots=others)
     watched = Stopwatch()
     if apart:
-        report = watch(_validated_apart, config, progress)
+        report = watch(validate_in_child, config, progress)
     else:
         report = _validated(config, Nobody(progress))
     return replace(report, making=watched.making(level, seeds))
 
 
-def _validated_apart(config: ValidationConfig) -> TaskReport:
+def validate_in_child(config: ValidationConfig) -> TaskReport:
+    """Run a validation in this child process, and report its events to the owner."""
     return _validated(config, Owner())
 
 
@@ -143,7 +148,7 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
         return TaskReport(config.reference, config.reference, (failure,))
     static = _timed(static_family(task), started)
     if config.level == "static":
-        return TaskReport(task.name, headline(task), (static,))
+        return TaskReport(task.name, headline(task, config.robots), (static,))
     limit_s = config.limits.piece(task.file.spec.timing.episode_steps)
     with workers(
         config.jobs if config.level == "full" else 1,
@@ -158,13 +163,15 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
 def _loaded(config: ValidationConfig, listener: Listener) -> Task:
     """Load the task; its description is imported first, so that its errors can be located."""
     if not owned():
-        return load_task(config.reference, catalogue=config.catalogue, guarded=True)
+        return load_task(
+            config.reference, catalogue=config.catalogue, guarded=True, robots=dict(config.robots)
+        )
     entry = config.catalogue.task(config.reference)
     listener.begin(IMPORT, config.limits.import_s)
     with suppress(FileError):  # errors are reported with all others
         load_description(entry)
     listener.begin(CHECK, config.limits.import_s)
-    return load_task(config.reference, catalogue=config.catalogue)
+    return load_task(config.reference, catalogue=config.catalogue, robots=dict(config.robots))
 
 
 def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
@@ -193,11 +200,11 @@ def _play(
     from taskbuilder.validate.context import Context
     from taskbuilder.validate.env_cache import EnvSource, close_cache
 
-    source = EnvSource(config.reference, config.catalogue, next(_RUNS))
+    source = EnvSource(config.reference, config.catalogue, next(_RUNS), config.robots)
     context = Context(
         task, source, config.seeds, listener.progress, spread, limit_s, listener.alive
     )
-    report = TaskReport(task.name, headline(task), (static,), context.measures)
+    report = TaskReport(task.name, headline(task, config.robots), (static,), context.measures)
     if config.kept:
         report = config.kept.report
         context.take_over(config.kept.state)
@@ -260,14 +267,15 @@ def _checked(context: Context, family: Family) -> FamilyResult:
     return FamilyResult(family.name, (check,), (finding,), "the description fails")
 
 
-def headline(task: Task) -> str:
-    """A task in one line: name, size, length, file."""
+def headline(task: Task, others: OtherRobots = ()) -> str:
+    """A task in one line: name, size, other robots than the file's, length, file."""
     spec = task.file.spec
     robots, objects = len(spec.scene.robots), len(spec.scene.objects)
     return " · ".join(
         (
             task.name,
             f"{robots} robot{'s' * (robots != 1)}",
+            *(f"{name}: {model}" for name, model in others),
             f"{objects} object{'s' * (objects != 1)}",
             f"{spec.timing.episode_steps} steps at {spec.timing.control_hz} Hz",
             display_path(task.file.entry.file),

@@ -15,14 +15,21 @@ from taskbuilder.sim.cameras import STUDIO, CameraView, capture
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
+from taskbuilder.visual.ink import Lens, Marks, drawn_over
 from taskbuilder.visual.still import Pixels
 
 _FROM = (0.72, -0.62, 0.32)  # from front right and above; robots look along +x
+_FROM_ABOVE = (0.42, -0.62, 0.66)
 _SIZE = (480, 480)
 
 
 def take_robot_picture(
-    urdf: Urdf, joints: Mapping[str, float], *, trusted: bool
+    urdf: Urdf,
+    joints: Mapping[str, float],
+    *,
+    trusted: bool,
+    marks: Marks | None = None,
+    room_m: float = 0.0,
 ) -> tuple[Pixels, tuple[str, ...]]:
     """Load a URDF, pose it and take its picture.
 
@@ -30,6 +37,8 @@ def take_robot_picture(
         urdf: A description that has been checked.
         joints: Joint positions in rad or m; the others stay at zero.
         trusted: Do without the probe in a child process.
+        marks: What to draw over it.
+        room_m: Show so much around the base, from higher up, in metres; by default the robot alone.
 
     Returns:
         The picture, (480, 480, 3) uint8 RGB, and what the engine warned of.
@@ -51,10 +60,16 @@ def take_robot_picture(
         for name, position in joints.items():
             body.reset_joints((body.joints[name].index,), (position,))
         extent = body.occupied()
+        center, away = extent.center, _FROM
         distance = max(2.9 * norm(extent.half), 0.05)
-        eye = add(extent.center, scale(_FROM, distance))
+        if room_m:
+            center, away, distance = (0.0, 0.0, 0.15 * room_m), _FROM_ABOVE, 2.2 * room_m
+        eye = add(center, scale(away, distance))
         view = CameraView(
-            eye, extent.center, fov_deg=42, width=_SIZE[0], height=_SIZE[1], far=20 + 2 * distance
+            eye, center, fov_deg=42, width=_SIZE[0], height=_SIZE[1], far=20 + 2 * distance
         )
         picture = capture(client, view, supersample=2, shadow=True, backdrop=STUDIO)
+    if marks is not None:
+        lens = Lens(view.extrinsics, picture.intrinsics, picture.depth)
+        return drawn_over(picture.rgb, lens, marks), warnings(printed.text)
     return picture.rgb, warnings(printed.text)

@@ -13,7 +13,7 @@ from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.robots import joint_values
+from taskbuilder.schema.robots import RobotModel, joint_values
 from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
@@ -25,12 +25,14 @@ from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import Request, choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
-from taskbuilder.world.gripper import build_gripper
+from taskbuilder.world.end_effector import EndEffector, Tool
+from taskbuilder.world.fingers import Fingers
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
+from taskbuilder.world.suction import Suction
 from taskbuilder.world.world import World
 
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
@@ -89,7 +91,7 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
     body = loader.urdf(model.urdf, name, entry.base.pose, fixed=True)
     joints = [body.joints[joint] for joint in spec.arm]
     indices = [joint.index for joint in joints]
-    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose)
+    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose, posture=model.home)
     arm = Motors(
         body,
         indices,
@@ -97,11 +99,18 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
         velocities=[joint.velocity or ARM_SPEED for joint in joints],
         position_gain=ARM_GAIN,
     )
-    fingers = tuple(tuple(body.links[link] for link in finger) for finger in spec.gripper.fingers)
     home = _home(loader, name, entry, chain)
-    robot = Robot(name, model, body, chain, arm, build_gripper(body, model), home, fingers)
+    robot = Robot(name, model, body, chain, arm, _build_end(body, model), home)
     robot.go_home()
     return robot
+
+
+def _build_end(body: Body, model: RobotModel) -> EndEffector:
+    if model.spec.gripper is not None:
+        return Fingers(body, model, model.spec.gripper)
+    if model.spec.suction is not None:
+        return Suction(body, model.spec.suction, model.spec.tcp)
+    return Tool(body.links[model.spec.tcp.link])
 
 
 def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[float, ...]:

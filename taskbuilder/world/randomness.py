@@ -11,7 +11,9 @@ import numpy as np
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.task import Distribution
 from taskbuilder.schema.values import rgb
+from taskbuilder.schema.variants import DRIVES
 from taskbuilder.sim.body import Body
+from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 
 
@@ -49,6 +51,10 @@ class EpisodeRandomness:
         """For which of the task's instructions an episode has."""
         return self._generator(6)
 
+    def looks(self) -> np.random.Generator:
+        """For light, colours of furniture and cameras, where looks vary."""
+        return self._generator(7)
+
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 
@@ -69,6 +75,9 @@ def written(scene: SceneSpec, randomize: Iterable[str], groups: Members) -> dict
     values = {}
     for key in randomize:
         thing, _, quantity = key.rpartition(".")
+        if thing in scene.robots:
+            values[key] = DRIVES[quantity]
+            continue
         values[key] = getattr(things[groups.get(thing, (thing,))[0]], quantity)
     return values
 
@@ -86,15 +95,33 @@ def draw(distribution: Distribution, rng: np.random.Generator) -> Any:
     return choices[int(rng.integers(len(choices)))]
 
 
+def delay_of(robot: str, values: Mapping[str, Any]) -> int:
+    """After how many control steps a robot carries out its actions, 0 for at once.
+
+    Args:
+        robot: Its name.
+        values: The quantities of the episode.
+    """
+    return int(values.get(f"{robot}.delay", 0))
+
+
 def apply(
+    robots: Mapping[str, Robot],
     objects: Mapping[str, SceneObject],
     sites: Mapping[str, Site],
     values: Mapping[str, Any],
     groups: Members,
 ) -> None:
-    """Give quantities of objects and of sites, such as ``stick.mass``, their values."""
+    """Give quantities of objects, sites and robots, such as ``stick.mass``, their values.
+
+    Delays are not the world's business: whoever commands the robots sees to them.
+    """
     for key, value in values.items():
         thing, _, quantity = key.rpartition(".")
+        if thing in robots:
+            if quantity == "gains":
+                robots[thing].arm.scale_gain(value)
+            continue
         for one in groups.get(thing, (thing,)):
             marker = sites[one].marker if one in sites else None
             _set(marker or objects[one].body, quantity, value)

@@ -1,4 +1,4 @@
-"""A robot of the world: an arm that is driven by joint targets, and a gripper that opens."""
+"""A robot of the world: an arm that is driven by joint targets, and its end effector."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.kinematics import Chain
 from taskbuilder.sim.motors import Motors
+from taskbuilder.world.end_effector import EndEffector
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,8 @@ class Robot:
         body: Its body in the simulation.
         chain: Its arm's kinematics, base link to tcp.
         arm: Motors of the arm's joints, base to wrist.
-        gripper: Motors of the gripper's joints.
+        gripper: Its end effector.
         home: Joint positions that episodes start from, in rad or m.
-        fingers: Link indices of each finger.
     """
 
     name: str
@@ -36,9 +36,8 @@ class Robot:
     body: Body
     chain: Chain
     arm: Motors
-    gripper: Motors
+    gripper: EndEffector
     home: tuple[float, ...]
-    fingers: tuple[tuple[int, ...], ...]
 
     @property
     def tcp(self) -> Pose:
@@ -64,17 +63,11 @@ class Robot:
 
     @cached_property
     def _moving(self) -> tuple[int, ...]:
-        return self.arm.indices + self.gripper.indices
+        return self.arm.indices + self.gripper.joints
 
     def opening(self) -> float:
-        """How far the gripper is open, from 0 (closed) to 1, averaged over its joints."""
-        positions, _ = self.body.joint_states(self.gripper.indices)
-        ends = self.model.spec.gripper.joints.values()
-        shares = [
-            (position - end.closed) / (end.open - end.closed)
-            for position, end in zip(positions, ends, strict=True)
-        ]
-        return sum(shares) / len(shares)
+        """How far the gripper is open, from 0 (closed) to 1."""
+        return self.gripper.opening()
 
     def commanded(self) -> tuple[float, ...]:
         """The arm's joints as last commanded, or as they are where no position was commanded."""
@@ -114,23 +107,13 @@ class Robot:
 
     def move_gripper(self, opening: float) -> None:
         """Drive the gripper to an opening from 0 (closed) to 1 (open)."""
-        positions = self.gripper_positions(opening)
-        if positions != self.gripper.command.values:  # motors go on with what they were told
-            self.gripper.position(positions)
-
-    def gripper_positions(self, opening: float) -> tuple[float, ...]:
-        """Positions of the gripper's joints at an opening from 0 to 1."""
-        return tuple(
-            end.closed + opening * (end.open - end.closed)
-            for end in self.model.spec.gripper.joints.values()
-        )
+        self.gripper.move(opening)
 
     def go_home(self) -> None:
         """Put the arm home, at rest, with the gripper open, and hold it there."""
         self.body.reset_joints(self.arm.indices, self.home)
-        self.body.reset_joints(self.gripper.indices, self.gripper_positions(1.0))
+        self.gripper.go_home()
         self.move_arm(self.home)
-        self.move_gripper(1.0)
 
 
 @cache

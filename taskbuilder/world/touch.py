@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from itertools import combinations
+from functools import partial
 
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.geometry import ORIGIN, Vec3, add, dot, norm, scale, subtract
+from taskbuilder.geometry import ORIGIN, Vec3, add, scale
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import ContactPoint, contacts
 from taskbuilder.wording import suggestion
+from taskbuilder.world.end_effector import Push
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject
-
-GRASP_FORCE_N = 0.5
-"""What each finger must press with to hold something: well above the noise of a touch."""
-
-_OPPOSING = -0.7  # cosine of the angle between the forces of two fingers; -1 is straight against
-
-
-@dataclass(frozen=True, slots=True)
-class _Push:
-    """Force of a finger on a body (N), and where it acts, in the world."""
-
-    force: Vec3
-    at: Vec3
 
 
 class Touch:
@@ -51,23 +38,24 @@ class Touch:
         self._held.clear()
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether fingers of a robot press on an object or part from opposite sides."""
+        """Whether a robot holds an object or part with its gripper."""
         known = self._held.get((body, robot))
         if known is None:
-            strong = [p for p in self._pushes(body, robot) if norm(p.force) > GRASP_FORCE_N]
-            known = any(_opposed(*pair) for pair in combinations(strong, 2))
+            pushes = partial(self._pushes, body, robot)
+            known = self._robots[robot].gripper.holds(*self.body(body), pushes)
             self._held[body, robot] = known
         return known
 
     def grip_forces(self, body: str, robot: str) -> tuple[float, ...]:
-        """Force in newtons with which each finger of a robot presses on an object or part."""
-        return tuple(norm(push.force) for push in self._pushes(body, robot))
+        """Force in newtons of each finger, or of the tool, of a robot on an object or part."""
+        pushes = partial(self._pushes, body, robot)
+        return self._robots[robot].gripper.forces(*self.body(body), pushes)
 
     def fingers_touch(self, body: str, robot: str) -> bool:
-        """Whether any finger of a robot touches an object or part."""
+        """Whether any finger of a robot, or its tool, touches an object or part."""
         touches = self.between(robot, body)
-        fingers = {link for finger in self._robots[robot].fingers for link in finger}
-        return any(contact.link_a in fingers for contact in touches)
+        tips = {link for tip in self._robots[robot].gripper.tips for link in tip}
+        return any(contact.link_a in tips for contact in touches) or self.held(body, robot)
 
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which one object or part carries another."""
@@ -100,15 +88,15 @@ class Touch:
             found[contact.body_b] = (*found.get(contact.body_b, ()), contact)
         return found
 
-    def _pushes(self, body: str, robot: str) -> list[_Push]:
-        """What each finger of a robot does to an object or part; none if none touches."""
+    def _pushes(self, body: str, robot: str) -> list[Push]:
+        """What each tip of a robot does to an object or part; none if none touches."""
         touches = self.between(robot, body)
         pushes = []
-        for finger in self._robots[robot].fingers if touches else ():
-            own = [contact for contact in touches if contact.link_a in finger]
+        for tip in self._robots[robot].gripper.tips if touches else ():
+            own = [contact for contact in touches if contact.link_a in tip]
             force = _total([scale(contact.normal_on_b, -contact.force) for contact in own])
             middle = _total([scale(contact.position_on_b, 1.0 / len(own)) for contact in own])
-            pushes.append(_Push(force, middle))
+            pushes.append(Push(force, middle))
         return pushes
 
     def body(self, name: str) -> tuple[Body, int | None]:
@@ -135,13 +123,6 @@ class Touch:
         known = (*self._objects, *self._robots)
         help_ = suggestion(owner, known, what="it has")
         raise UnknownNameError(f'the world has no body "{name}"; {help_}')
-
-
-def _opposed(one: _Push, other: _Push) -> bool:
-    """Whether two fingers press against, and towards, each other: with their inner sides."""
-    across = subtract(other.at, one.at)
-    against = dot(one.force, other.force) < _OPPOSING * norm(one.force) * norm(other.force)
-    return against and dot(one.force, across) > 0.0
 
 
 def _total(vectors: Sequence[Vec3]) -> Vec3:

@@ -4,31 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from taskbuilder.errors import Finding, UnknownNameError
-from taskbuilder.geometry import Box, Pose, Vec3, dot, norm, subtract
+from taskbuilder.errors import Finding
+from taskbuilder.geometry import Box, Pose, Vec3
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import ContactPoint
 from taskbuilder.sim.single import Single
-from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
-from taskbuilder.wording import suggestion
-from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
+from taskbuilder.sim.snapshots import Commanded, release, restore, save
+from taskbuilder.world.cameras import camera_view
+from taskbuilder.world.forces import ForceMeter, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
+from taskbuilder.world.looks import AS_WRITTEN, Look, Painter, draw_look, furniture
 from taskbuilder.world.piles import PILES, Piles
 from taskbuilder.world.placement import PlacementPlan, place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.restored_contacts import part, press, touches_to_restore
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
+from taskbuilder.world.state import WorldState
 from taskbuilder.world.touch import Touch
 
 MANY = 50
@@ -36,27 +36,6 @@ MANY = 50
 
 MANY_SETTLE_S = 1 / 60
 """Enough to come down on a surface; a hundred things take 2 ms for every physics step."""
-
-
-@dataclass(frozen=True)
-class WorldState:
-    """A saved state of a world, to restore in the same world.
-
-    Attributes:
-        snapshot: The physics and the motors' targets.
-        time: Seconds since the episode began.
-        sites: Pose of each site, in the world or in the frame that it moves with.
-        quantities: Values of the quantities that the task can randomise.
-        touches: A contact of each pair of touching links.
-        forces: Forces between the watched pairs of bodies.
-    """
-
-    snapshot: Snapshot
-    time: float
-    sites: Mapping[str, Pose]
-    quantities: Mapping[str, Any]
-    touches: tuple[ContactPoint, ...]
-    forces: Mapping[Pair, ForceReading]
 
 
 class World(Single):
@@ -77,6 +56,7 @@ class World(Single):
         warnings: Warnings of the engine while it loaded assets.
         time: Seconds since the episode began.
         quantities: Values of the quantities that the task can randomise, in this episode.
+        look: How this episode looks.
         piled: Where the members of piles lie at the start of this episode, in the frames of their
             arrangements.
         onlooker: An iterator, advanced before each physics step, to read the state between control
@@ -106,11 +86,15 @@ class World(Single):
         self.warnings = warnings
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
+        self.look = AS_WRITTEN
+        self._painter = Painter(objects, floor, furniture(task.spec, scene))
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
         self._springs = tuple(
             joint for thing in objects.values() for joint in thing.passive.values() if joint.acts
         )
+        self._ends = tuple(robot.gripper for robot in robots.values())
+        self._surfaces = tuple(thing.body for thing in objects.values())
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
@@ -126,13 +110,14 @@ class World(Single):
         self._built = self.save()
         return self._built
 
-    def reset(self, seed: int, *, randomized: bool = False) -> None:
+    def reset(self, seed: int, *, randomized: bool = False, looks: bool = False) -> None:
         """Begin an episode: reset the robots, place the objects, and settle for one control step.
 
         Args:
             seed: Seed for placement and for randomisation; each has its own random-number
                 generator.
             randomized: Draw the quantities that the task file lists under ``randomize``.
+            looks: Draw light, background, colours of furniture and cameras.
 
         Raises:
             PlacementError: The objects do not fit.
@@ -144,6 +129,8 @@ class World(Single):
         self.restore(self._built or self.keep_as_built())
         if randomized:
             self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
+        if looks:
+            self._set_look(draw_look(self.spec, self.scene, randomness.looks()))
         place_all(self, randomness.placement())
         self._run({}, self._settling_steps)
         self.time = 0.0
@@ -187,10 +174,14 @@ class World(Single):
         drives = [self.robots[name].ramp(to, substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
         drives += [joint.act() for joint in self._springs]
+        ends = [drive for end in self._ends if (drive := end.drive(self._surfaces)) is not None]
+        drives += ends
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
         self.client.step(substeps, drives, self._forces.read if self._forces else None)
+        for end in ends:
+            next(end)
         self.time += substeps / self.spec.timing.physics_hz
         self.refresh()
         self._check()
@@ -226,7 +217,8 @@ class World(Single):
         touches = touches_to_restore(self.client)
         snapshot = save(self.client, motors)
         return WorldState(
-            snapshot, self.time, sites, self.quantities, touches, self._forces.readings
+            *(snapshot, self.time, sites, self.quantities, touches),
+            *(self._forces.readings, self.look),
         )
 
     def restore(self, state: WorldState) -> None:
@@ -241,6 +233,7 @@ class World(Single):
         for name, pose in state.sites.items():
             self.sites[name].pose = pose
         self._set_quantities(state.quantities)
+        self._set_look(state.look)
         self._forces.restore(state.forces)
         self.refresh()
 
@@ -260,8 +253,13 @@ class World(Single):
     def _set_quantities(self, values: Mapping[str, Any]) -> None:
         """Give what the task can randomise its values; the physics' snapshots hold none of them."""
         changed = {k: value for k, value in values.items() if value != self.quantities[k]}
-        apply(self.objects, self.sites, changed, self.task.names.groups)
+        apply(self.robots, self.objects, self.sites, changed, self.task.names.groups)
         self.quantities = values
+
+    def _set_look(self, look: Look) -> None:
+        if look is not self.look:
+            self._painter.paint(look)
+        self.look = look
 
     def _check(self) -> None:
         for name, thing in self.objects.items():
@@ -368,24 +366,12 @@ class World(Single):
     # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
-        """The current view of a named camera, fixed or on its mount.
+        """The current view of a named camera, fixed or on its mount, in the look of the episode.
 
         Raises:
             UnknownNameError: The scene has no such camera.
         """
-        cameras = self.scene.cameras
-        if name not in cameras:
-            help_ = suggestion(name, cameras, what="there are")
-            raise UnknownNameError(f'no camera "{name}"; {help_}')
-        spec = cameras[name]
-        mount = self.pose(spec.mount) if spec.mount else Pose()
-        width, height = size or spec.size
-        eye, aim = mount.apply(spec.eye), mount.apply(spec.aim)
-        up = mount.axis(2)
-        sight = subtract(aim, eye)
-        if abs(dot(sight, up)) > 0.999 * norm(sight):  # straight along z
-            up = mount.axis(0 if spec.mount else 1)
-        return CameraView(eye, aim, up, spec.fov_deg, width, height)
+        return camera_view(self.scene.cameras, name, self.pose, self.look, size)
 
     def move_markers(self) -> None:
         """Move the markers of moving sites to their sites; needed for pictures only."""

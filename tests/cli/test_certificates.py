@@ -274,3 +274,21 @@ def test_who_cannot_play_is_refused(words, said, run, tmp_path):
     ran = run("evaluate", *words, "--jobs", "1")
     assert (ran.status, ran.out) == (2, "")
     assert said in ran.err
+
+
+def test_other_robots_are_part_of_a_certificate(run):
+    words = ("--episodes", "1", "--controls", "0", "--jobs", "1")
+    ran = run(
+        *("evaluate", "nothing:reach", "--robot", "arm=ur5e", "--certificate", "c.json", *words)
+    )
+    assert (ran.status, ran.err) == (0, "")
+    data = json.loads(Path("c.json").read_text())
+    assert data["options"]["robots"] == [["arm", "ur5e"]]
+    assert "ur5e/robot.yaml" in data["digests"]["task"]
+    assert run("evaluate", "--verify", "c.json", "--jobs", "1").status == 0
+
+    data["options"]["robots"] = [["arm", "/somewhere/robot.yaml"]]
+    Path("c.json").write_text(json.dumps(data))
+    ran = run("evaluate", "--verify", "c.json", "--jobs", "1")
+    assert ran.status == 2
+    assert "where is the robot /somewhere/robot.yaml? Name its file: --robot arm=FILE" in ran.err

@@ -5,9 +5,11 @@ from __future__ import annotations
 import pytest
 
 from taskbuilder import description
+from taskbuilder.description import Description
 from taskbuilder.reference.codes import known
 from taskbuilder.reference.lookup import explain
 from taskbuilder.schema.order import VERBS
+from taskbuilder.schema.variants import DRIVES
 
 
 @pytest.mark.parametrize(
@@ -57,3 +59,9 @@ def test_all_that_people_write_is_there():
     for name in names:
         if name not in kinds:
             assert explain(name), name
+
+
+def test_what_a_description_declares_and_what_robots_draw_has_an_entry():
+    declared = [name for name in vars(Description) if name in Description.__annotations__]
+    for name in (*declared, *DRIVES):
+        assert any(entry.name.endswith(f".{name}") for entry in explain(name)), name

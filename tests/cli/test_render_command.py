@@ -66,3 +66,43 @@ def test_seeds_and_variations_make_other_pictures(run, good):
 def test_nothing_is_written_where_one_task_cannot_be_rendered(run, good):
     assert run("render", "good.yaml", "handover", "--variation", "9").status == 2
     assert not Path("renders").exists()
+
+
+def test_randomized_episodes_are_on_one_sheet(run):
+    ran = run("render", "handover", *SMALL, "--randomize", "3")
+    assert (ran.status, ran.out) == (0, "renders/handover-randomized.png\n")
+    height, width, _ = cv2.imread("renders/handover-randomized.png").shape
+    assert width > 3 * 400 > height
+
+
+@pytest.mark.parametrize("count", ["0", "100000", "many"])
+def test_a_number_of_episodes_that_makes_no_sense_is_refused(run, count):
+    ran = run("render", "handover", "--randomize", count)
+    assert ran.status == 2
+    assert ran.err.startswith("taskbuilder render: --randomize: ")
+
+
+def test_another_robot_is_drawn(run):
+    words = ("--size", "80x60", "--camera", "front", "--json")
+    plain, other = (
+        run("render", "handover", *words, "--out", out, *more)
+        for out, more in (("plain", ()), ("other", ("--robot", "left=panda")))
+    )
+    assert (plain.status, other.status) == (0, 0)
+    pictures = [Path(ran.data["files"][0]).read_bytes() for ran in (plain, other)]
+    assert pictures[0] != pictures[1]
+
+
+def test_show_draws_over_every_picture(run, good):
+    plain = run("render", "good.yaml", *SMALL, "--out", "plain")
+    shown = run("render", "good.yaml", *SMALL, "--show", "frames,grasps", "sites", "--out", "shown")
+    assert (plain.status, shown.status, shown.err) == (0, 0, "")
+    for name in ("good-front.png", "good-sheet.png"):
+        assert Path("plain", name).read_bytes() != Path("shown", name).read_bytes()
+
+
+def test_an_unknown_word_of_show_is_refused_before_anything_is_rendered(run, good):
+    ran = run("render", "good.yaml", "--show", "frames,region")
+    assert (ran.status, ran.out) == (2, "")
+    assert 'there is no --show "region"; did you mean "regions"?' in ran.err
+    assert not Path("renders").exists()

@@ -23,7 +23,10 @@ def test_robots_are_listed(run):
 def test_robots_as_json_have_the_documented_shape(run):
     listed = run("robots", "--json").data["robots"]
     assert [robot["name"] for robot in listed] == ROBOTS
-    assert all(set(robot) == {"name", "path", "joints", "stroke", "summary"} for robot in listed)
+    keys = {"name", "path", "joints", "gripper", "stroke", "summary"}
+    assert all(set(robot) == keys for robot in listed)
+    (pusher,) = [robot for robot in listed if robot["name"] == "ur5e_pusher"]
+    assert (pusher["gripper"], pusher["stroke"]) == (None, None)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -42,7 +45,7 @@ def test_the_table_names_the_part_that_each_joint_plays(run):
     roles = {line.split()[0]: " ".join(line.split()[-2:]) for line in lines if "revolute" in line}
     assert roles["shoulder_pan_joint"] == "arm 1"
     assert roles["wrist_3_joint"] == "arm 6"
-    assert lines[-2:] == ["ok", "ur5e.png"]
+    assert lines[-3:] == ["ok", "ur5e.png", "ur5e-reach.png"]
 
 
 def test_a_urdf_can_be_checked_by_the_name_that_a_robot_file_gives_it(run):

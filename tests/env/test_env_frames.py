@@ -143,7 +143,7 @@ def test_in_their_own_frames_robots_that_face_each_other_are_one_robot(make, mod
     assert not near(views["left"], start, 0.03)
     for robot in (left, right):
         robot.body.reset_joints(robot.arm.indices, [joint - 0.1 for joint in robot.home])
-        robot.body.reset_joints(robot.gripper.indices, robot.gripper_positions(0.3))
+        robot.body.reset_joints(robot.gripper.joints, robot.gripper.positions(0.3))
     views = seen(env)
     assert near(views["left"], views["right"], 1e-6)
     assert not near(views["left"], start, 0.03)

@@ -71,7 +71,7 @@ def disturb(env, name):
     if name in world.robots:
         robot = world.robots[name]
         robot.body.reset_joints(robot.arm.indices, [0.1 + joint for joint in robot.home])
-        robot.body.reset_joints(robot.gripper.indices, robot.gripper_positions(0.4))
+        robot.body.reset_joints(robot.gripper.joints, robot.gripper.positions(0.4))
     elif name in world.objects:
         thing = world.objects[name]
         thing.body.place(thing.body.pose().moved((0.01, 0.02, 0.03)))

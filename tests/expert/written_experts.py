@@ -19,7 +19,7 @@ timing: {{control_hz: 10, physics_hz: 120, episode_steps: {steps}}}
 scene:
   robots:
     arm:
-      model: ur5e
+      model: {model}
       base: {{position: [-0.6, 0, 0.4]}}
       home: {{tcp: {{position: [-0.1, 0, 0.65], rpy_deg: [180, 0, 0]}}}}
       action: {{{action}}}
@@ -63,6 +63,8 @@ def made(
     objects: str = "",
     sites: str = "",
     action: str = "",
+    model: str = "ur5e",
+    description: str = DESCRIPTION,
     steps: int = 60,
     **options: object,
 ) -> TaskEnv:
@@ -72,6 +74,7 @@ def made(
         name=folder.name,
         steps=steps,
         action=action,
+        model=model,
         robots=robots,
         objects=objects,
         sites=sites,
@@ -79,7 +82,7 @@ def made(
     )
     file = folder / f"{folder.name}.yaml"
     file.write_text(text, encoding="utf-8")
-    file.with_suffix(".py").write_text(DESCRIPTION, encoding="utf-8")
+    file.with_suffix(".py").write_text(description, encoding="utf-8")
     return parallel_env(load_task(file), **options)
 
 

@@ -33,6 +33,22 @@ class LoadedRobot:
     def arm(self) -> list[int]:
         return [self.joints[name] for name in self.spec["arm"]]
 
+    @property
+    def gripper_joints(self) -> set[str]:
+        return set(self.spec.get("gripper", {"joints": {}})["joints"])
+
+    @property
+    def home(self) -> list[float]:
+        """Joint positions of home, in rad or m."""
+        return [
+            value if self.info(joint)[2] == pybullet.JOINT_PRISMATIC else float(np.radians(value))
+            for joint, value in zip(self.arm, self.spec["home_deg"], strict=True)
+        ]
+
+    def info(self, joint: int) -> tuple[Any, ...]:
+        """What PyBullet tells of a joint."""
+        return tuple(pybullet.getJointInfo(self.body, joint, physicsClientId=self.client))
+
     def move_arm(self, joint_positions: Sequence[float]) -> None:
         for joint, position in zip(self.arm, joint_positions, strict=True):
             pybullet.resetJointState(self.body, joint, position, physicsClientId=self.client)
@@ -106,8 +122,9 @@ def load_robot(name: str) -> LoadedRobot:
         {info[1].decode(): info[0] for info in infos},
         {info[12].decode(): info[0] for info in infos},
     )
-    robot.move_arm(np.radians(spec["home_deg"]).tolist())
-    robot.move_gripper("open")
+    robot.move_arm(robot.home)
+    if robot.gripper_joints:
+        robot.move_gripper("open")
     return robot
 
 

@@ -228,5 +228,5 @@ def test_a_slip_does_not_fit_the_json_schema(folder, old, new):
 @pytest.mark.parametrize("file", ROBOTS, ids=lambda file: file.parent.name)
 def test_a_misspelt_key_of_a_robot_does_not_fit_the_json_schema(file):
     data = as_json(read_source(file).data)
-    data["gripper"]["strokes"] = data["gripper"].pop("stroke")
+    data["tcp"]["lnk"] = data["tcp"].pop("link")
     assert not validator(RobotSpec).is_valid(data)

@@ -108,6 +108,9 @@ def test_what_is_wrong_with_the_plain_scene_is_not_told_again_for_each_variation
         "{cube.restitution: {choice: [0.5]}}",
         "{cube.color: {choice: [red, '#123456', [0, 0, 1]]}}",
         "{goal.color: {choice: [red, blue]}}",
+        "{left.gains: {uniform: [0.7, 1.3]}}",
+        "{left.gains: {choice: [1, 2]}}",
+        "{left.delay: {choice: [0, 1, 2]}}",
     ],
 )
 def test_looks_and_dynamics_can_be_randomised(findings, change):
@@ -117,6 +120,29 @@ def test_looks_and_dynamics_can_be_randomised(findings, change):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (
+            "{left.gains: {uniform: [0, 1]}}",
+            "25:25: error[TB205] randomize.left.gains: 0.0 is no factor for gains; above 0 to 2",
+        ),
+        (
+            "{left.gains: {choice: [fast]}}",
+            "25:25: error[TB205] randomize.left.gains: 'fast' is no factor for gains; above 0 to 2",
+        ),
+        (
+            "{left.delay: {uniform: [0, 2]}}",
+            "25:25: error[TB205] randomize.left.delay: a delay is a whole number of control steps; "
+            "write choice: [0, 1, 2]",
+        ),
+        (
+            "{left.delay: {choice: [0, 1.5]}}",
+            "25:25: error[TB205] randomize.left.delay: 1.5 is no delay; a whole number of control "
+            "steps, 0 to 50",
+        ),
+        (
+            "{left.delai: {choice: [0, 1]}}",
+            '25:13: error[TB205] randomize.left.delai: "left.delai" cannot be randomised; '
+            'did you mean "delay"?',
+        ),
         (
             "{cube.mas: {uniform: [1, 2]}}",
             '25:13: error[TB205] randomize.cube.mas: "cube.mas" cannot be randomised; '
@@ -135,12 +161,12 @@ def test_looks_and_dynamics_can_be_randomised(findings, change):
         (
             "{left.base.position: {choice: [[0, 0, 0]]}}",
             '25:13: error[TB205] randomize.left.base.position: "left.base.position" cannot be '
-            "randomised; only what objects and sites have can be",
+            "randomised; of left, these can: gains, delay",
         ),
         (
             "{front.fov_deg: {uniform: [40, 60]}}",
             '25:13: error[TB205] randomize.front.fov_deg: "front.fov_deg" cannot be randomised; '
-            "only what objects and sites have can be",
+            "only what objects, sites and robots have can be",
         ),
         (
             "{cub.mass: {uniform: [1, 2]}}",

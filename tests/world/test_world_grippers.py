@@ -12,8 +12,8 @@ ROBOTS = ("panda", "ur5e", "xarm6")
 def spread(world) -> float:
     """How far any joint of the gripper is from their common opening, as a share of the way."""
     arm = world.robots["arm"]
-    positions, _ = arm.body.joint_states(arm.gripper.indices)
-    closed, opened = np.array(arm.gripper_positions(0.0)), np.array(arm.gripper_positions(1.0))
+    positions, _ = arm.body.joint_states(arm.gripper.joints)
+    closed, opened = np.array(arm.gripper.positions(0.0)), np.array(arm.gripper.positions(1.0))
     shares = (np.array(positions) - closed) / (opened - closed)
     return float(np.abs(shares - arm.opening()).max())
 

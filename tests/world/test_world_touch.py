@@ -101,7 +101,7 @@ def test_fingers_that_spread_inside_a_frame_do_not_hold_it(build):
 """
     )
     world.robots["arm"].body.reset_joints(
-        world.robots["arm"].gripper.indices, world.robots["arm"].gripper_positions(0.5)
+        world.robots["arm"].gripper.joints, world.robots["arm"].gripper.positions(0.5)
     )
     squeeze(world, "arm", opening=1.0)
     forces = world.grip_forces("frame", "arm")

@@ -13,7 +13,7 @@ from taskbuilder.expert.planning.reach import Reach
 from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
 from taskbuilder.expert.planning.subspaces import ArmJoints, Carried, Jointed, Subspace
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.kinematics import solve
+from taskbuilder.sim.kinematics import beginnings_of, solve
 
 BRANCHES = 16
 """Start points of the search for further joint solutions."""
@@ -84,11 +84,8 @@ def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subsp
     """An arm with each of the joint solutions for its goal."""
     found: list[ArmJoints] = [part.end]
     chain, arm = part.reach.arm.robot.chain, part.reach.arm
-    turning = np.array(arm.ik.turns)
-    low = np.maximum(chain.lower, np.where(turning, -math.pi, -math.inf))
-    high = np.minimum(chain.upper, np.where(turning, math.pi, math.inf))
     for _ in range(BRANCHES):
-        beginning = rng.uniform(low, high).tolist()
+        (beginning,) = beginnings_of(chain, rng, 1).tolist()
         result = solve(chain, arm.base_from_world @ goal, start=beginning, rng=rng, attempts=1)
         if result.ok:
             joints = _wound(part.reach, result.joints, part.begin)

@@ -1,4 +1,4 @@
-"""Orders that push or press something with the closed gripper."""
+"""Orders that push or press something with the closed gripper, or with a tool."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ DEPTH_M = 0.01
 """Default depth to which something is pressed, in metres."""
 
 
-def finger_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
-    """Boxes of a gripper's fingers in the frame of its tcp.
+def tip_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
+    """Boxes of a gripper's fingers, or of a tool, in the frame of the tcp.
 
     Fingers that are closed meet in the middle, wherever they are now.
     """
     into_tool = robot.tcp.inverse()
     names = {index: name for name, index in robot.body.links.items()}
-    for index in (link for finger in robot.fingers for link in finger):
+    for index in (link for tip in robot.gripper.tips for link in tip):
         box = link_box(robot.model.urdf.link(names[index]).collisions, 1.0)
         box = box.seen_from(into_tool @ robot.body.link_pose(index))
         inner = min(box.low[1], box.high[1], key=abs)
@@ -72,7 +72,7 @@ def finger_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
 
 
 def _close(now: Situation, robot: str, verb: str) -> Grip | None:
-    """To close an open gripper.
+    """To close an open gripper; a tool has nothing to close.
 
     Raises:
         NotHeldError: The gripper holds something.
@@ -80,14 +80,16 @@ def _close(now: Situation, robot: str, verb: str) -> Grip | None:
     held = now.load(robot) or now.handle(robot)
     if held:
         raise NotHeldError(robot, f"has to {verb} with an empty gripper, and holds {held}")
-    return Grip(robot, 0.0) if now.is_open(robot) else None
+    rest = now.world.robots[robot].gripper.rest
+    ready = rest is None or now.is_open(robot) == (rest > 0.5)
+    return None if rest is None or ready else Grip(robot, rest)
 
 
 def _fingers(now: Situation, robot: str, turn: Quat) -> Box:
     """The closed fingers, about the tcp, along the axes of the world."""
     boxes = [
         box.seen_from(Pose((0.0, 0.0, 0.0), turn))
-        for box in finger_boxes(now.world.robots[robot], closed=True)
+        for box in tip_boxes(now.world.robots[robot], closed=True)
     ]
     low = [min(box.low[i] for box in boxes) for i in range(3)]
     high = [max(box.high[i] for box in boxes) for i in range(3)]
@@ -158,7 +160,7 @@ def _reach_behind(now: Situation, robot: str, thing: str, way: Vec3, turn: Quat)
     behind = -now.world.box(thing).seen_from(along @ at).low[0]
     hand = max(
         box.seen_from(along @ Pose((0.0, 0.0, 0.0), turn)).high[0]
-        for box in finger_boxes(now.world.robots[robot], closed=True)
+        for box in tip_boxes(now.world.robots[robot], closed=True)
     )
     return behind + hand
 

@@ -32,9 +32,6 @@ GRIP_S = 1.0
 PART_S = 0.4
 """Time for which an open gripper may still touch a released object, in seconds."""
 
-STOPPED = 0.01
-"""Speed below which a gripper's joints count as stopped, m/s or rad/s."""
-
 OPEN = 0.5
 """Opening from which a gripper counts as open; it opens further while the arm moves."""
 
@@ -364,8 +361,7 @@ class Executor:
             return not held and self.is_open(grip.robot)
         if grip.thing:
             return world.held(grip.thing, grip.robot)
-        robot = world.robots[grip.robot]
-        return max(map(abs, robot.body.joint_speeds(robot.gripper.indices))) < STOPPED
+        return not world.robots[grip.robot].gripper.moves()
 
     def _parted(self, grip: Grip) -> bool:
         """Whether an opening gripper no longer touches the object that it held."""
@@ -375,16 +371,14 @@ class Executor:
 
     def _missed(self, grip: Grip) -> str:
         world = self._env.episode.world
-        opening = world.robots[grip.robot].opening()
+        state = world.robots[grip.robot].gripper.words()
         if grip.opening:
-            part = f"its gripper is {max(opening, 0.0) * 100:.0f} % open"
-            return f"{grip.robot} does not let go of {grip.thing or 'anything'}: {part}"
+            return f"{grip.robot} does not let go of {grip.thing or 'anything'}: {state}"
         forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
         felt = f"pressing with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
         touched = self._touched(grip.robot)
-        closed = f"its gripper is {max(opening, 0.0) * 100:.0f} % open"
-        closed += f" and touches {touched}" if touched else ""
-        return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or closed}"
+        state += f" and touches {touched}" if touched else ""
+        return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
 
 
 def _whose(robot: str, told: Mapping[str, str]) -> str:

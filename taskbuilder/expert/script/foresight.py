@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from taskbuilder.assets.model import Urdf
 from taskbuilder.expert.planning.moves import Move
-from taskbuilder.expert.script.contact_orders import finger_boxes
+from taskbuilder.expert.script.contact_orders import tip_boxes
 from taskbuilder.expert.script.joints import Joint, joints_above
 from taskbuilder.expert.script.situation import Foreseen, Go, Grip, Situation
 from taskbuilder.geometry import (
@@ -237,10 +237,10 @@ class Foresight:
         return (ahead[0], ahead[1], 0.0) if max(pushes) > 0.0 else None
 
     def _pushers(self, robot: str, tool: Pose) -> Iterator[tuple[Box, Pose]]:
-        """What a robot pushes with, each a box and its pose: its fingers and what they hold."""
+        """What a robot pushes with, each a box and its pose: its fingers or tool, and its load."""
         key = robot, robot in self._closed
         if key not in self._fingers:
-            self._fingers[key] = tuple(finger_boxes(self.world.robots[robot], closed=key[1]))
+            self._fingers[key] = tuple(tip_boxes(self.world.robots[robot], closed=key[1]))
         for box in self._fingers[key]:
             yield box, tool
         if load := self.now.load(robot):

@@ -21,6 +21,7 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.script.dry_run import Asked, dry_run
 from taskbuilder.geometry import Pose, Vec3, add, norm, scale, subtract
 from taskbuilder.sim.kinematics import solve
+from taskbuilder.validate.checks.suction import check_suction
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.locate import finding_in_file, in_variation
@@ -101,7 +102,9 @@ def reach_family(context: Context) -> FamilyResult:
     value = worst.metres * 100.0 if worst and math.isfinite(worst.metres) else None
     ok = all(verdict == "warning" for _, verdict in missed)
     check = Check("TB511", "the expert's poses can be reached", ok, value, 0.0, "cm")
-    return FamilyResult("reach", (check,), tuple(findings), _summary(context, found, worst))
+    meets, missing = check_suction(context)
+    summary = _summary(context, found, worst)
+    return FamilyResult("reach", (check, meets), (*findings, *missing), summary)
 
 
 def _play_missed(context: Context, found: Sequence[Reached]) -> Sequence[Reached]:

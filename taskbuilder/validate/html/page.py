@@ -10,6 +10,7 @@ from taskbuilder.errors import FileError
 from taskbuilder.jobs import LostError, worker_processes
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.expert import ExpertStage
+from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.html.pictures import Picture, Pictures, take_pictures
 from taskbuilder.validate.report import TaskReport
@@ -49,7 +50,12 @@ class Page:
 
 
 def make_page(
-    reference: str, report: TaskReport, catalogue: Catalogue, *, apart: bool = True
+    reference: str,
+    report: TaskReport,
+    catalogue: Catalogue,
+    *,
+    apart: bool = True,
+    robots: OtherRobots = (),
 ) -> Page:
     """Gather what a page shows; pictures are taken here, unless no physics was asked for.
 
@@ -58,12 +64,13 @@ def make_page(
         report: Its validation.
         catalogue: Where it was looked up.
         apart: Load the task and take its pictures in another process; see `validate_task`.
+        robots: Other models for robots of the scene.
     """
     if not apart:
-        return _made(reference, report, catalogue)
+        return _made(reference, report, catalogue, robots)
     try:
         with worker_processes([{}], limit_s=PICTURES_LIMIT_S) as spread:
-            (page,) = spread(_made_apart, [(reference, report, catalogue)])
+            (page,) = spread(_made_apart, [(reference, report, catalogue, robots)])
     except LostError as error:
         lost = f"The process that takes them {error.fault.cause}."
         return Page(report, pictures=Pictures(trouble=lost))
@@ -71,15 +78,15 @@ def make_page(
     return found
 
 
-def _made_apart(asked: tuple[str, TaskReport, Catalogue]) -> Page:
+def _made_apart(asked: tuple[str, TaskReport, Catalogue, OtherRobots]) -> Page:
     """A page, without the description, which only the process that imported it knows."""
     page = _made(*asked)
     return replace(page, task=page.task and replace(page.task, description=Description))
 
 
-def _made(reference: str, report: TaskReport, catalogue: Catalogue) -> Page:
+def _made(reference: str, report: TaskReport, catalogue: Catalogue, robots: OtherRobots) -> Page:
     try:
-        task = load_task(reference, catalogue=catalogue)
+        task = load_task(reference, catalogue=catalogue, robots=dict(robots))
     except FileError:
         return Page(report)  # its findings say why
     if len(report.families) < 2:

@@ -1,0 +1,162 @@
+"""Fingers: a gripper whose joints move as one.
+
+PyBullet leaves the joints of a gripper independent, even where the URDF ties them by mimic tags.
+Two fingers driven apart from each other hold an object with no stiffness between them: the pair
+floats sideways along the closing axis when the arm accelerates. So the joints are geared to each
+other, as they are in the metal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations, pairwise
+
+from taskbuilder.geometry import dot, norm, subtract
+from taskbuilder.schema.robot import GripperSpec
+from taskbuilder.schema.robots import RobotModel
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.motors import Command, Motors, couple
+from taskbuilder.world.end_effector import Push, Pushes
+
+LEAST_INERTIA = 1e-3
+"""Principal moments, in kg·m², that links of turning gripper joints have at least.
+
+Published grippers have knuckles of 5e-6, with which the solver does not converge; a geared motor's
+rotor, which a URDF leaves out, adds about this much.
+"""
+
+GRASP_FORCE_N = 0.5
+"""What each finger must press with to hold something: well above the noise of a touch."""
+
+STOPPED = 0.01
+"""Speed below which a joint counts as stopped, m/s or rad/s."""
+
+_OPPOSING = -0.7  # cosine of the angle between the forces of two fingers; -1 is straight against
+
+
+class Fingers:
+    """A gripper that closes. It is an `EndEffector`.
+
+    Args:
+        body: The robot.
+        model: What it is.
+        spec: Its gripper.
+    """
+
+    rest = 0.0
+
+    def __init__(self, body: Body, model: RobotModel, spec: GripperSpec) -> None:
+        self.tips = tuple(tuple(body.links[link] for link in finger) for finger in spec.fingers)
+        self._body, self._ends = body, tuple(spec.joints.values())
+        self._motors = _motorised(body, model, spec)
+        self.joints = self._motors.indices
+
+    @property
+    def command(self) -> Command:
+        """The last command to its motors."""
+        return self._motors.command
+
+    def issue(self, command: Command) -> None:
+        """Give a command, perhaps one remembered from earlier."""
+        self._motors.issue(command)
+
+    def opening(self) -> float:
+        """How far it is open, from 0 (closed) to 1, averaged over its joints."""
+        positions, _ = self._body.joint_states(self.joints)
+        shares = [
+            (position - end.closed) / (end.open - end.closed)
+            for position, end in zip(positions, self._ends, strict=True)
+        ]
+        return sum(shares) / len(shares)
+
+    def told(self) -> float:
+        """The last commanded opening."""
+        end = self._ends[0]
+        return (self.command.values[0] - end.closed) / (end.open - end.closed)
+
+    def move(self, opening: float) -> None:
+        """Drive it to an opening from 0 (closed) to 1 (open)."""
+        positions = self.positions(opening)
+        if positions != self.command.values:  # motors go on with what they were told
+            self._motors.position(positions)
+
+    def positions(self, opening: float) -> tuple[float, ...]:
+        """Positions of its joints at an opening from 0 to 1."""
+        return tuple(end.closed + opening * (end.open - end.closed) for end in self._ends)
+
+    def go_home(self) -> None:
+        """Open it at once, past all motors, and hold it there."""
+        self._body.reset_joints(self.joints, self.positions(1.0))
+        self.move(1.0)
+
+    def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:  # noqa: ARG002
+        """Whether fingers press on a body, or on a link of it, from opposite sides."""
+        strong = [push for push in pushes() if norm(push.force) > GRASP_FORCE_N]
+        return any(_opposed(*pair) for pair in combinations(strong, 2))
+
+    def forces(self, body: Body, link: int | None, pushes: Pushes) -> tuple[float, ...]:  # noqa: ARG002
+        """Force of each finger on a body, or on a link of it, in newtons."""
+        return tuple(norm(push.force) for push in pushes())
+
+    def moves(self) -> bool:
+        """Whether its joints have not stopped yet."""
+        return max(map(abs, self._body.joint_speeds(self.joints))) >= STOPPED
+
+    def words(self) -> str:
+        """How far it is open, for messages."""
+        return f"its gripper is {max(self.opening(), 0.0) * 100:.0f} % open"
+
+    def drive(self, surfaces: Sequence[Body]) -> None:
+        """Nothing: motors go on with what they were told."""
+
+
+def _opposed(one: Push, other: Push) -> bool:
+    """Whether two fingers press against, and towards, each other: with their inner sides."""
+    across = subtract(other.at, one.at)
+    against = dot(one.force, other.force) < _OPPOSING * norm(one.force) * norm(other.force)
+    return against and dot(one.force, across) > 0.0
+
+
+def _motorised(body: Body, model: RobotModel, spec: GripperSpec) -> Motors:
+    """Couple, brace and motorise the joints of a gripper, in the order of the robot file.
+
+    In each finger the joint nearest the palm is driven; joints further out are geared to it, the
+    driven joints to each other, and whatever else the linkage has to the first of them.
+    """
+    chains = [_chain(model, spec, finger[-1]) for finger in spec.fingers]
+    driven = [chain[0] for chain in chains]
+    beside = [joint for joint in spec.joints if not any(joint in chain for chain in chains)]
+    gears = [gear for chain in chains for gear in pairwise(chain)]
+    gears += [(driven[0], joint) for joint in (*driven[1:], *beside)]
+    for leader, follower in gears:
+        ratio = _travel(spec, follower) / _travel(spec, leader)
+        couple(
+            body.client, body, body.joints[leader].index, body.joints[follower].index, ratio=ratio
+        )
+    for joint in spec.joints:
+        if body.joints[joint].type == "revolute":
+            body.raise_inertia(body.joints[joint].child, LEAST_INERTIA)
+    for finger in spec.fingers:
+        for link in finger:
+            body.set_grip(body.links[link], spec.friction)
+    return Motors(
+        body,
+        [body.joints[joint].index for joint in spec.joints],
+        forces=[spec.force if joint in driven else 0.0 for joint in spec.joints],
+    )
+
+
+def _chain(model: RobotModel, spec: GripperSpec, link: str) -> list[str]:
+    """The gripper's joints between the palm and a finger's link, from the palm outwards."""
+    chain: list[str] = []
+    joint = model.urdf.joint_above(link)
+    while joint is not None:
+        if joint.name in spec.joints:
+            chain.insert(0, joint.name)
+        joint = model.urdf.joint_above(joint.parent)
+    return chain
+
+
+def _travel(spec: GripperSpec, joint: str) -> float:
+    ends = spec.joints[joint]
+    return ends.open - ends.closed

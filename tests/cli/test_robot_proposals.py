@@ -1,0 +1,195 @@
+"""From a bare URDF to a robot file that works, by pasting what `robots check` proposes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+import cv2
+import pytest
+import yaml
+
+from taskbuilder import parallel_env
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.rollout import play
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.robots import load_robot
+from taskbuilder.world.robot_proposal import propose
+
+LINKS = (  # length of each link along z, and the axis of the joint that carries it
+    (0.15, "0 0 1"),
+    (0.40, "0 1 0"),
+    (0.35, "0 1 0"),
+    (0.08, "0 0 1"),
+    (0.08, "0 1 0"),
+    (0.06, "0 0 1"),
+)
+
+INERTIAL = """<inertial><origin xyz="0 0 {half}"/><mass value="{mass}"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>"""
+SHAPE = """<{kind}><origin xyz="0 0 {half}"/><geometry><box size="{width} {width} {length}"/>
+</geometry></{kind}>"""
+
+
+def link(name: str, length: float, width: float = 0.06, mass: float = 1.0) -> str:
+    values = {"half": length / 2, "length": length, "width": width, "mass": mass}
+    shapes = "".join(SHAPE.format(kind=kind, **values) for kind in ("visual", "collision"))
+    return f'<link name="{name}">{INERTIAL.format(**values)}{shapes}</link>\n'
+
+
+def joint(name: str, parent: str, child: str, at: str, axis: str, kind: str, limits: str) -> str:
+    limit = f'<limit {limits} effort="150" velocity="3"/>' if limits else ""
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{at}"/><axis xyz="{axis}"/>{limit}</joint>\n'
+    )
+
+
+def arm() -> str:
+    """Six joints that turn; the last link is l6."""
+    text = link("l0", 0.05, 0.15, 5.0)
+    below = 0.05
+    for number, (length, axis) in enumerate(LINKS, start=1):
+        at = f"0 0 {below}"
+        limits = 'lower="-2.9" upper="2.9"'
+        text += link(f"l{number}", length)
+        text += joint(f"j{number}", f"l{number - 1}", f"l{number}", at, axis, "revolute", limits)
+        below = length
+    return text
+
+
+def fingers(axis: str = "1 0 0") -> str:
+    """Two fingers that slide apart along x, one with limits the other way round."""
+    text = ""
+    for side, sign, limits in (
+        ("a", 1, 'lower="0" upper="0.04"'),
+        ("b", -1, 'lower="-0.04" upper="0"'),
+    ):
+        text += link(f"finger_{side}", 0.07, 0.012, 0.05)
+        at = f"{0.006 * sign} 0 0.06"
+        text += joint(f"slide_{side}", "l6", f"finger_{side}", at, axis, "prismatic", limits)
+    return text
+
+
+def turning_fingers() -> str:
+    text = ""
+    for side, sign in (("a", 1), ("b", -1)):
+        text += link(f"finger_{side}", 0.08, 0.012, 0.05)
+        limits = 'lower="0" upper="0.5"'
+        at, axis = f"{0.01 * sign} 0 0.06", f"0 {sign} 0"
+        text += joint(f"turn_{side}", "l6", f"finger_{side}", at, axis, "revolute", limits)
+    return text
+
+
+@pytest.fixture
+def urdf(tmp_path: Path) -> Callable[[str], Path]:
+    def write(inside: str) -> Path:
+        folder = tmp_path / "mine"
+        folder.mkdir()
+        file = folder / "arm.urdf"
+        file.write_text(f'<robot name="arm">{inside}</robot>')
+        return file
+
+    return write
+
+
+TASK = """\
+task: lift
+summary: A robot of one's own lifts a block.
+timing: {episode_steps: 60}
+scene:
+  robots:
+    arm: {model: mine/robot.yaml, base: {position: [0, 0, 0]}}
+  objects:
+    block:
+      shape: {box: [0.04, 0.04, 0.04]}
+      mass: 0.05
+      position: [0.5, 0, 0.02]
+      grasps: {middle: {across: y}}
+expert:
+  - arm: {grasp: block.middle}
+  - arm: {bring: block, to: [0.45, 0, 0.2]}
+"""
+DESCRIPTION = """\
+from taskbuilder.description import Above, Bonus, Description
+
+
+class Lift(Description):
+    success = Above("block", height=0.1)
+    reward = (Bonus("up", success, 1.0),)
+"""
+
+
+@pytest.mark.parametrize("hand", [fingers, turning_fingers])
+def test_the_proposal_is_a_robot_that_grasps(hand, urdf, run, tmp_path):
+    file = urdf(arm() + hand())
+    data = run("robots", "check", str(file), "--json").data
+    assert data["ok"], data["findings"]
+    (file.parent / "robot.yaml").write_text(data["proposal"])
+    assert run("robots", "check", "mine/robot.yaml", "--json").data["ok"]
+    (tmp_path / "lift.yaml").write_text(TASK)
+    (tmp_path / "lift.py").write_text(DESCRIPTION)
+    with closing(parallel_env("lift.yaml")) as env, closing(Expert(env)) as expert:
+        played = play(env, expert, 0)
+    assert played.success, played.trouble
+
+
+def test_what_is_printed_is_what_is_to_be_pasted(urdf, run):
+    file = urdf(arm() + fingers())
+    ran = run("robots", "check", str(file), "--out", "arm.png")
+    proposal = run("robots", "check", str(file), "--json").data["proposal"]
+    assert proposal in ran.out
+    assert "proposal for mine/robot.yaml" in ran.out
+    written = yaml.safe_load(proposal)
+    assert written["arm"] == [f"j{number}" for number in range(1, 7)]
+    assert written["gripper"]["joints"] == {
+        "slide_a": {"open": 0.04, "closed": 0},
+        "slide_b": {"open": -0.04, "closed": 0},
+    }
+    assert written["gripper"]["stroke"] == pytest.approx(0.08, abs=1e-3)
+    assert ran.out.splitlines()[-3:] == ["ok", "arm.png", "arm-reach.png"]
+
+
+def test_the_reach_is_a_figure_of_its_own(urdf, run):
+    file = urdf(arm() + fingers())
+    data = run("robots", "check", str(file), "--json").data
+    picture, reach = cv2.imread(data["picture"]), cv2.imread(data["reach"])
+    assert picture.shape == reach.shape == (480, 480, 3)
+    assert (picture != reach).any()
+
+
+def test_a_robot_without_a_gripper_is_said_to_have_none(urdf, run):
+    file = urdf(
+        arm() + link("tool0", 0.02) + joint("fix", "l6", "tool0", "0 0 0.06", "0 0 1", "fixed", "")
+    )
+    ran = run("robots", "check", str(file))
+    assert ran.status == 0
+    assert "no gripper was found" in ran.out
+    assert "tcp: {link: tool0}" in ran.out
+    assert "gripper:" not in ran.out
+
+
+def test_two_arms_are_no_robot(urdf, run):
+    second = (
+        arm().replace('name="j', 'name="k').replace('"l', '"m').replace('name="m0"', 'name="x"')
+    )
+    both = link("root", 0.1)
+    both += arm() + joint("left", "root", "l0", "0 0.5 0", "0 0 1", "fixed", "")
+    both += second.replace('name="x"', 'name="m0"')
+    both += joint("right", "root", "m0", "0 -0.5 0", "0 0 1", "fixed", "")
+    ran = run("robots", "check", str(urdf(both)))
+    assert "no arm was found" in ran.out
+    assert "robot:" not in ran.out
+
+
+@pytest.mark.parametrize("name", sorted(Catalogue.discover().robots))
+def test_the_robots_of_the_library_are_found_out(name):
+    robot = load_robot(Catalogue.discover().robots[name])
+    proposal = propose(robot.urdf)
+    assert tuple(joint.name for joint in proposal.arm) == robot.spec.arm
+    assert proposal.tcp_link == robot.spec.tcp.link
+    assert {*proposal.fingers} == {link for finger in robot.spec.gripper.fingers for link in finger}
+    for key, ends in robot.spec.gripper.joints.items():
+        assert proposal.gripper[key] == pytest.approx((ends.open, ends.closed), abs=1e-3)
+    assert proposal.stroke == pytest.approx(robot.spec.gripper.stroke, abs=5e-3)
