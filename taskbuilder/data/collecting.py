@@ -13,7 +13,6 @@ import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,7 +21,6 @@ from taskbuilder.data import layout
 from taskbuilder.data.card import card_text
 from taskbuilder.data.index import make_index
 from taskbuilder.data.plan import (
-    Attempt,
     CollectPlan,
     attempt_of,
     changes,
@@ -30,13 +28,11 @@ from taskbuilder.data.plan import (
     describe,
     trained_policies,
 )
-from taskbuilder.data.policies import MakeOther, make_policy
-from taskbuilder.data.recording import EpisodeData, record_episode
+from taskbuilder.data.playing import AttemptResult, CollectJob, EpisodePlayer, play_elsewhere
+from taskbuilder.data.policies import MakeOther
 from taskbuilder.data.videos import require_video
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import (
-    ExplosionError,
-    PlacementError,
     TaskbuilderError,
     UsageError,
     display_path,
@@ -45,6 +41,9 @@ from taskbuilder.files import write_whole
 from taskbuilder.jobs import LostError, workers
 from taskbuilder.rollout.play import Policy
 from taskbuilder.task import Task
+
+_ASIDE = tuple(f".{name}." for name in layout.OWN)
+"""How files are called while they are written; a process that was killed may have left some."""
 
 HOPELESS = 20
 """Attempts without a single success after which collecting stops."""
@@ -74,35 +73,6 @@ class CollectProgress(NamedTuple):
 
 
 Report = Callable[[CollectProgress], None]
-
-
-@dataclass(frozen=True, eq=False)
-class CollectJob:
-    """What a process needs to play attempts.
-
-    Attributes:
-        plan: The plan.
-        folder: Of the data set.
-        other: Makes policies of other kinds.
-    """
-
-    plan: CollectPlan
-    folder: Path
-    other: MakeOther
-
-
-class AttemptResult(NamedTuple):
-    """What came of an attempt.
-
-    Attributes:
-        name: Name of the episode.
-        kept: Whether it is an episode of the data set.
-        reason: Why it did not succeed, or "".
-    """
-
-    name: str
-    kept: bool
-    reason: str
 
 
 def no_other(name: str, env: TaskEnv) -> Policy:
@@ -172,7 +142,7 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
     strange = sorted(
         file.name
         for file in folder.iterdir()
-        if file.name not in layout.OWN and not file.name.startswith(f".{layout.ABOUT}.")
+        if file.name not in layout.OWN and not file.name.startswith(_ASIDE)
     )
     if not (folder / layout.ABOUT).exists():
         others = sorted({*strange, *(f.name for f in folder.iterdir() if f.name in layout.OWN)})
@@ -188,6 +158,11 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
         raise UsageError(
             f"{where} holds a data set that was begun in another way; name another folder\n"
             + "\n".join(f"  {line}" for line in differs)
+        )
+    if strange and not layout.is_finished(folder):
+        raise UsageError(
+            f"{where} holds other files beside the data set ({', '.join(strange[:3])}); move them "
+            "away"
         )
 
 
@@ -206,17 +181,17 @@ def _play_all(
         for reference, task in tasks.items():
             own: list[AttemptResult] = []
             while (missing := job.plan.episodes - sum(done.kept for done in own)) > 0:
-                _check_hope(job.plan, task, own)
                 numbers = range(len(own), len(own) + missing)
                 attempts = [attempt_of(job.plan, reference, task, n) for n in numbers]
                 found = (
-                    spread(partial(_play_elsewhere, job), attempts)
+                    spread(partial(play_elsewhere, job), attempts)
                     if spread
                     else map(player.play, attempts)  # type: ignore[union-attr]
                 )
                 for done in found:
                     own.append(done)
                     counter.count(done)
+                    _check_hope(job.plan, task, own)
             every += own
     return every
 
@@ -245,7 +220,7 @@ def _check_hope(plan: CollectPlan, task: Task, played: Sequence[AttemptResult]) 
     """
     kept = sum(done.kept for done in played)
     limit = HOPELESS if not kept else HOPELESS + MOST_ATTEMPTS * plan.episodes
-    if len(played) < limit:
+    if kept == plan.episodes or len(played) < limit:
         return
     reason = next(done.reason for done in played if not done.kept)
     raise CollectingError(
@@ -301,100 +276,3 @@ def _disk_words(error: OSError, folder: Path) -> str:
     if error.errno in (errno.ENOTDIR, errno.EEXIST):
         return f"{where} is no folder; name another to write to"
     return f"{where}: {said}\n{_there(folder)}; run the same command again to continue"
-
-
-# --- the player's side
-
-
-def _play_elsewhere(job: CollectJob, attempt: Attempt) -> AttemptResult:
-    global _player
-    if _player is None or _player.job.plan.token != job.plan.token:
-        _player = EpisodePlayer(job)
-    return _player.play(attempt)
-
-
-_player: EpisodePlayer | None = None
-
-
-class EpisodePlayer:
-    """Plays attempts in this process, and reuses environments and experts.
-
-    Attributes:
-        job: What it plays.
-    """
-
-    def __init__(self, job: CollectJob) -> None:
-        self.job = job
-        self._tasks: dict[str, Task] = {}
-        self._made: dict[tuple[str, int, str], tuple[TaskEnv, Policy, ExitStack]] = {}
-
-    def close(self) -> None:
-        """Close all environments."""
-        for *_, stack in self._made.values():
-            stack.close()
-        self._made.clear()
-
-    def play(self, attempt: Attempt) -> AttemptResult:
-        """Play an attempt and write it, unless that has been done."""
-        folder = self.job.folder
-        place = folder / layout.EPISODES / attempt.name
-        failure = folder / layout.FAILURES / f"{attempt.name}.json"
-        if place.exists():
-            if layout.is_whole(place):
-                return AttemptResult(attempt.name, True, _reason(layout.read_episode(place)))
-            shutil.rmtree(place)
-        if failure.exists():
-            try:
-                return AttemptResult(attempt.name, False, _reason(layout.read_json(failure)))
-            except TaskbuilderError:
-                failure.unlink()
-        data = self._recorded(attempt)
-        about = {"policy": attempt.policy, **data.about}
-        if data.arrays and (about["success"] or self.job.plan.keep_failures):
-            whole = EpisodeData(about, data.arrays, data.images, data.depths)
-            layout.write_episode(folder, attempt.name, whole)
-            return AttemptResult(attempt.name, True, _reason(about))
-        failure.parent.mkdir(exist_ok=True)
-        layout.write_json(failure, {"name": attempt.name, **about})
-        return AttemptResult(attempt.name, False, _reason(about))
-
-    def _recorded(self, attempt: Attempt) -> EpisodeData:
-        env, policy = self._player_of(attempt)
-        try:
-            return record_episode(env, policy, attempt.seed, self.job.plan.cameras)
-        except (PlacementError, ExplosionError) as error:
-            told = {"task": attempt.task, "seed": attempt.seed, "variation": attempt.variation}
-            why = [{"of": "reset", "part": "", "says": str(error), "since": 0}]
-            return EpisodeData({**told, "success": False, "trouble": None, "why": why}, {})
-
-    def _player_of(self, attempt: Attempt) -> tuple[TaskEnv, Policy]:
-        key = (attempt.reference, attempt.variation, attempt.policy)
-        if key not in self._made:
-            if len(self._made) >= _MOST_ENVIRONMENTS:
-                *_, oldest = self._made.pop(next(iter(self._made)))
-                oldest.close()
-            if attempt.reference not in self._tasks:
-                self._tasks[attempt.reference] = self.job.plan.load(attempt.reference)
-            stack = ExitStack()
-            task = self._tasks[attempt.reference]
-            env = stack.enter_context(closing(self.job.plan.make_env(task, attempt.variation)))
-            made = make_policy(attempt.policy, env, stack, self.job.other)
-            self._made[key] = env, made, stack
-        env, policy, _ = self._made[key]
-        return env, policy
-
-
-_MOST_ENVIRONMENTS = 6
-"""Environments that a process keeps at the same time."""
-
-
-def _reason(about: Mapping[str, Any]) -> str:
-    """Why an episode did not succeed, in a sentence, or ""."""
-    if about["success"]:
-        return ""
-    trouble = about.get("trouble")
-    if trouble:
-        return f"in stage {trouble['stage']} ({trouble['order']}): {trouble['message']}"
-    for reason in about.get("why", ()):
-        return f"{reason['part']}: {reason['says']}".removeprefix(": ")
-    return "success never held"

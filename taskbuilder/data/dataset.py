@@ -281,7 +281,8 @@ def make_from(
         task: Which of its tasks, if it has several; or the file of the task, if it is not in the
             catalogue.
         variation: The variation; by default the first that was collected.
-        cameras: Whether agents observe the recorded cameras, in the recorded size.
+        cameras: Whether agents observe the recorded cameras, in the recorded size and drawn by
+            the recorded renderer.
         catalogue: The catalogue that the task is looked up in; by default that of this
             installation.
 
@@ -289,6 +290,7 @@ def make_from(
         UsageError: The folder is no data set, or it has several tasks and none is named.
         UnknownNameError: The task is not in the catalogue.
         FileError: The task has errors.
+        SimulationError: The renderer is not installed.
     """
     about = layout.read_about(Path(folder))
     loaded = _task_of(about, Path(folder), task, catalogue)
@@ -316,6 +318,7 @@ def options_of_dataset(about: Mapping[str, Any], *, cameras: bool) -> dict[str, 
     if cameras and collected["cameras"]:
         options["cameras"] = tuple(collected["cameras"])
         options["camera_size"] = tuple(collected["size"]) if collected["size"] else None
+        options["renderer"] = about["renderer"]
     return options
 
 

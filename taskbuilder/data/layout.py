@@ -190,6 +190,8 @@ def write_manifest(folder: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
+    for left in folder.glob(f".{MANIFEST}.*"):  # by one that was killed while it wrote this
+        left.unlink()
     files = {name: digest((folder / name).read_bytes()) for name in files_of(folder)}
     write_json(folder / MANIFEST, sealed(files))
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import asdict, dataclass, field
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from secrets import token_hex
 from typing import Any
 
@@ -154,7 +154,7 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
     drawn = {about.pop("renderer") for about in told.values()}
     used = versions()
     if plan.cameras.names:
-        used["av"] = version("av")
+        used |= _picture_versions()
     return {
         "kind": KIND,
         "format": FORMAT,
@@ -178,6 +178,18 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
         "processor": processor(),
         "system": system(),
     }
+
+
+PICTURE_PACKAGES = ("av", "numba", "fast-simplification")
+"""Packages that make pictures and videos, and no other numbers."""
+
+
+def _picture_versions() -> dict[str, str]:
+    found = {}
+    for name in PICTURE_PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
 
 
 def _listed(options: Mapping[str, Any]) -> dict[str, Any]:

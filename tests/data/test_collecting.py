@@ -114,6 +114,24 @@ def test_half_an_episode_is_played_again(damage, whole, tmp_path):
     assert bytes_of(out) == bytes_of(whole)
 
 
+@pytest.mark.parametrize("name", [layout.MANIFEST, layout.INDEX, layout.CARD])
+def test_a_file_that_was_being_written_is_swept_up(name, whole, tmp_path):
+    out = shutil.copytree(whole, tmp_path / "half")
+    (out / layout.MANIFEST).unlink()
+    (out / f".{name}.0123abcd").write_text("half")
+    collect(REACH, out)
+    assert bytes_of(out) == bytes_of(whole)
+
+
+def test_other_files_beside_half_a_data_set_are_left_alone(whole, tmp_path):
+    out = shutil.copytree(whole, tmp_path / "half")
+    (out / layout.MANIFEST).unlink()
+    (out / "notes.txt").write_text("mine")
+    with pytest.raises(UsageError, match=r"other files beside the data set \(notes.txt\)"):
+        collect(REACH, out)
+    assert (out / "notes.txt").read_text() == "mine"
+
+
 # --- disks
 
 
@@ -227,7 +245,7 @@ def test_a_task_whose_expert_fails_stops_and_says_why(good, tmp_path):
     text = good.read_text() + "expert:\n  - arm: {reach: cube, above: 3.0}\n"
     good.write_text(text.replace("scene:", "timing: {episode_steps: 10}\nscene:"))
     with pytest.raises(CollectingError, match=r"0 of 20 attempts at good succeeded") as caught:
-        collect(CollectPlan((str(good),), 1), tmp_path / "out")
+        collect(CollectPlan((str(good),), 1000), tmp_path / "out")
     assert "in stage 1 (arm: reach cube)" in str(caught.value)
     assert "--keep-failures" in str(caught.value)
     kept = tmp_path / "kept"

@@ -21,6 +21,7 @@ from taskbuilder.data.videos import VideoError, decoded
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.rollout import RecordedActions, play
 from taskbuilder.sim.cameras import capture
+from taskbuilder.sim.renderers import choose
 
 
 def test_an_episode_is_what_was_played(pictured):
@@ -221,11 +222,13 @@ assert "taskbuilder" not in sys.modules
 
 def test_the_card_tells_licence_task_and_figures(pictured):
     card = (pictured / layout.CARD).read_text()
+    renderer = load_dataset(pictured).about["renderer"]
+    assert renderer == choose("auto")
     assert card.startswith("---\nlicense: mit\n")
     assert "A data set of 3 episodes" in card
     assert "The left arm picks up a stick" in card
     assert "| expert | 2 | 2 |" in card
-    assert "Cameras: front, left_wrist (renderer tiny)." in card
+    assert f"Cameras: front, left_wrist (renderer {renderer})." in card
 
 
 def test_the_summary_has_what_is_in_it(mixed):

@@ -1,0 +1,143 @@
+"""Playing attempts at episodes of a data set, and writing each of them whole or not at all."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from taskbuilder.data import layout
+from taskbuilder.data.plan import Attempt, CollectPlan
+from taskbuilder.data.policies import MakeOther, make_policy
+from taskbuilder.data.recording import EpisodeData, record_episode
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import ExplosionError, PlacementError, TaskbuilderError
+from taskbuilder.rollout.play import Policy
+from taskbuilder.task import Task
+
+
+@dataclass(frozen=True, eq=False)
+class CollectJob:
+    """What a process needs to play attempts.
+
+    Attributes:
+        plan: The plan.
+        folder: Of the data set.
+        other: Makes policies of other kinds.
+    """
+
+    plan: CollectPlan
+    folder: Path
+    other: MakeOther
+
+
+class AttemptResult(NamedTuple):
+    """What came of an attempt.
+
+    Attributes:
+        name: Name of the episode.
+        kept: Whether it is an episode of the data set.
+        reason: Why it did not succeed, or "".
+    """
+
+    name: str
+    kept: bool
+    reason: str
+
+
+def play_elsewhere(job: CollectJob, attempt: Attempt) -> AttemptResult:
+    """Play an attempt in this process, which keeps its environments for the next."""
+    global _player
+    if _player is None or _player.job.plan.token != job.plan.token:
+        _player = EpisodePlayer(job)
+    return _player.play(attempt)
+
+
+_player: EpisodePlayer | None = None
+
+
+class EpisodePlayer:
+    """Plays attempts in this process, and reuses environments and experts.
+
+    Attributes:
+        job: What it plays.
+    """
+
+    def __init__(self, job: CollectJob) -> None:
+        self.job = job
+        self._tasks: dict[str, Task] = {}
+        self._made: dict[tuple[str, int, str], tuple[TaskEnv, Policy, ExitStack]] = {}
+
+    def close(self) -> None:
+        """Close all environments."""
+        for *_, stack in self._made.values():
+            stack.close()
+        self._made.clear()
+
+    def play(self, attempt: Attempt) -> AttemptResult:
+        """Play an attempt and write it, unless that has been done."""
+        folder = self.job.folder
+        place = folder / layout.EPISODES / attempt.name
+        failure = folder / layout.FAILURES / f"{attempt.name}.json"
+        if place.exists():
+            if layout.is_whole(place):
+                return AttemptResult(attempt.name, True, _reason(layout.read_episode(place)))
+            shutil.rmtree(place)
+        if failure.exists():
+            try:
+                return AttemptResult(attempt.name, False, _reason(layout.read_json(failure)))
+            except TaskbuilderError:
+                failure.unlink()
+        data = self._recorded(attempt)
+        about = {"policy": attempt.policy, **data.about}
+        if data.arrays and (about["success"] or self.job.plan.keep_failures):
+            whole = EpisodeData(about, data.arrays, data.images, data.depths)
+            layout.write_episode(folder, attempt.name, whole)
+            return AttemptResult(attempt.name, True, _reason(about))
+        failure.parent.mkdir(exist_ok=True)
+        layout.write_json(failure, {"name": attempt.name, **about})
+        return AttemptResult(attempt.name, False, _reason(about))
+
+    def _recorded(self, attempt: Attempt) -> EpisodeData:
+        env, policy = self._player_of(attempt)
+        try:
+            return record_episode(env, policy, attempt.seed, self.job.plan.cameras)
+        except (PlacementError, ExplosionError) as error:
+            told = {"task": attempt.task, "seed": attempt.seed, "variation": attempt.variation}
+            why = [{"of": "reset", "part": "", "says": str(error), "since": 0}]
+            return EpisodeData({**told, "success": False, "trouble": None, "why": why}, {})
+
+    def _player_of(self, attempt: Attempt) -> tuple[TaskEnv, Policy]:
+        key = (attempt.reference, attempt.variation, attempt.policy)
+        if key not in self._made:
+            if len(self._made) >= _MOST_ENVIRONMENTS:
+                *_, oldest = self._made.pop(next(iter(self._made)))
+                oldest.close()
+            if attempt.reference not in self._tasks:
+                self._tasks[attempt.reference] = self.job.plan.load(attempt.reference)
+            stack = ExitStack()
+            task = self._tasks[attempt.reference]
+            env = stack.enter_context(closing(self.job.plan.make_env(task, attempt.variation)))
+            made = make_policy(attempt.policy, env, stack, self.job.other)
+            self._made[key] = env, made, stack
+        env, policy, _ = self._made[key]
+        return env, policy
+
+
+_MOST_ENVIRONMENTS = 6
+"""Environments that a process keeps at the same time."""
+
+
+def _reason(about: Mapping[str, Any]) -> str:
+    """Why an episode did not succeed, in a sentence, or ""."""
+    if about["success"]:
+        return ""
+    trouble = about.get("trouble")
+    if trouble:
+        return f"in stage {trouble['stage']} ({trouble['order']}): {trouble['message']}"
+    for reason in about.get("why", ()):
+        return f"{reason['part']}: {reason['says']}".removeprefix(": ")
+    return "success never held"
