@@ -70,7 +70,9 @@ def propose(urdf: Urdf) -> Proposal | None:
     if fingers:
         link, tcp = _tool(urdf, hand, gripper, fingers)
     else:
-        remarks.append("no gripper was found: no link has two or more fingers that move")
+        remarks.append(
+            "no gripper was found: no link has two or more fingers that move; as it is, the robot pushes"
+        )
         link, tcp = _last_frame(urdf, hand), Pose()
     home, pointing = _home(urdf, arm, link, tcp)
     if not pointing:
@@ -173,8 +175,7 @@ def _tool(
 
 def _last_frame(urdf: Urdf, hand: str) -> str:
     """The outermost frame that is fixed to the last link, or the link."""
-    named = [link for link in _frames_on(urdf, hand) if _OF_A_TOOL.search(link)]
-    return named[-1] if named else hand
+    return [hand, *_frames_on(urdf, hand)][-1]
 
 
 def _frames_on(urdf: Urdf, hand: str) -> Iterator[str]:
@@ -216,7 +217,8 @@ def _corners(urdf: Urdf, hand: str, link: str, joints: Mapping[str, float]) -> l
 
 
 def _middle(urdf: Urdf, hand: str, link: str, joints: Mapping[str, float]) -> NDArray[np.float64]:
-    return np.mean(_corners(urdf, hand, link, joints), axis=0)
+    middle: NDArray[np.float64] = np.mean(_corners(urdf, hand, link, joints), axis=0)
+    return middle
 
 
 def _pose(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) -> Pose:
