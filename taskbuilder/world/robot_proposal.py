@@ -71,7 +71,8 @@ def propose(urdf: Urdf) -> Proposal | None:
         link, tcp = _tool(urdf, hand, gripper, fingers)
     else:
         remarks.append(
-            "no gripper was found: no link has two or more fingers that move; as it is, the robot pushes"
+            "no gripper was found: no link has two or more fingers that move; as it is, the robot "
+            "pushes"
         )
         link, tcp = _last_frame(urdf, hand), Pose()
     home, pointing = _home(urdf, arm, link, tcp)
