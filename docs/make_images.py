@@ -12,15 +12,18 @@ import contextlib
 import io
 import sys
 import tempfile
+from contextlib import closing
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from taskbuilder import load_task
+from taskbuilder import load_task, parallel_env
 from taskbuilder.cli import main as taskbuilder
+from taskbuilder.expert import Expert
 from taskbuilder.learn.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
 
 IMAGES = Path(__file__).parent / "images"
@@ -32,9 +35,12 @@ SHOWN = {
 }
 SIZE = (800, 600)
 THUMBNAIL = (480, 360)
-FILM_SIZES = ("480x360", "400x300", "360x270", "320x240", "280x210", "240x180")
+FILMS = (
+    *(((480, 360), 12), ((400, 300), 12), ((360, 270), 12), ((320, 240), 12)),
+    *(((320, 240), 8), ((280, 210), 8), ((240, 180), 8), ((240, 180), 6)),
+)
+"""Size and frames a second of a film of the gallery: the first that is no larger than allowed."""
 FILM_BYTES = 300_000
-"""A film of the gallery is made in the first of these sizes in which it is no larger."""
 
 _PAPER, _INK = (255, 255, 255), (58, 62, 66)
 _GAP, _CAPTION = 16, 40
@@ -46,13 +52,25 @@ def make_task(name: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         _call("render", name, "--camera", camera, "--out", folder, *_options())
         _keep(Path(folder, f"{name}-{camera}.png"), f"{name}.png")
-        for size in FILM_SIZES:
-            film = ("--video", "--camera", camera, "--size", size, "--out", folder)
-            _call("demo", name, *film, *_drawn())
-            if Path(folder, f"{name}.gif").stat().st_size <= FILM_BYTES:
-                break
+        _call("demo", name, "--camera", camera, "--out", folder, *_drawn())
+        _film(name, camera, Path(folder, name))
         for ending in (".gif", "-strip.png", "-rewards.png"):
             _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
+
+
+def _film(name: str, camera: str, stem: Path) -> None:
+    """Film a task's expert as large as a film of the gallery may be."""
+    with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
+        played = expert.play(0)
+        density = 0.0  # bytes a pixel of the last film; a smaller one has as many, or more
+        for (width, height), fps in FILMS:
+            pixels = width * height * fps
+            if density * pixels > FILM_BYTES and ((width, height), fps) != FILMS[-1]:
+                continue
+            _, film = save_film(env, played, [camera], stem, size=(width, height), fps=fps)
+            density = film.stat().st_size / pixels
+            if film.stat().st_size <= FILM_BYTES:
+                return
 
 
 def make_all() -> None:

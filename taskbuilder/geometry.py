@@ -229,6 +229,15 @@ class Box:
         return all(abs(point[i] - self.center[i]) <= self.half[i] - margin for i in range(3))
 
 
+@dataclass(frozen=True, slots=True)
+class Ball(Box):
+    """The box around a sphere, which is as large in every frame, however the sphere has rolled."""
+
+    def seen_from(self, frame_from_box: Pose) -> Box:
+        """The box around the same sphere, along the axes of another frame."""
+        return Ball(frame_from_box.apply(self.center), self.half)
+
+
 def bounding_box(points: list[Vec3]) -> Box:
     """The smallest axis-aligned box around points.
 

@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
+from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_jobs,
@@ -242,6 +243,13 @@ def _add_render(adder: Adder) -> None:
     )
     add_show(parser)
     _add_episode(parser, "seed of the episode (default 0)")
+    parser.add_argument(
+        "--randomize",
+        type=whole(1, 100),
+        metavar="N",
+        help="instead, one sheet of N episodes, in which light, colours of furniture and "
+        "background, cameras, and what the task lists under randomize are drawn",
+    )
     add_json(parser)
 
 
@@ -303,6 +311,12 @@ def _add_demo(adder: Adder) -> None:
     )
     add_picture(parser, cameras="its first", of="a picture")
     _add_episode(parser, "seed of the first episode (default 0); others follow")
+    parser.add_argument(
+        "--randomize",
+        choices=("quantities", "looks", "all"),
+        help="quantities: draw what the task lists under randomize; looks: draw light, colours of "
+        "furniture and background, and cameras; all: both",
+    )
     add_json(parser)
 
 
@@ -320,63 +334,6 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
     add_renderer(parser)
 
 
-def _add_robots(adder: Adder) -> None:
-    parser = adder.command(
-        "list the robots, or check one: its files and joints, with a picture",
-        "check path/to/robot.yaml",
-    )
-    parser.add_argument(
-        "action", nargs="?", choices=("check",), metavar="check", help="check one robot"
-    )
-    parser.add_argument(
-        "robot", nargs="?", metavar="ROBOT", help="name, or path of a robot.yaml or of any URDF"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="picture (default renders/ROBOT.png)"
-    )
-    add_json(parser)
-
-
-def _add_bench(adder: Adder) -> None:
-    parser = adder.command(
-        "measure the speed of a task's environment, beside that of its physics alone", "handover"
-    )
-    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
-    parser.add_argument(
-        "--episodes",
-        type=whole(1, 1000),
-        default=10,
-        metavar="N",
-        help="number of episodes (default 10)",
-    )
-    parser.add_argument(
-        "--workers",
-        type=whole(0, 64),
-        default=2,
-        metavar="N",
-        help="measure scaling up to N processes (default 2)",
-    )
-    add_json(parser)
-
-
-def _add_explain(adder: Adder) -> None:
-    parser = adder.command(
-        "print the reference entry of a code, a condition, a verb, a channel or a key",
-        "objects.place",
-    )
-    parser.add_argument("name", metavar="NAME", help="such as TB511, Held, grasp or objects.place")
-    add_json(parser)
-
-
-def _add_schema(adder: Adder) -> None:
-    parser = adder.command(
-        "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
-    )
-    parser.add_argument(
-        "sort", choices=("task", "robot"), metavar="SORT", help="kind of file: task or robot"
-    )
-
-
 _ADDERS = {
     "list": _add_list,
     "show": _add_show,
@@ -390,8 +347,8 @@ _ADDERS = {
     "train": add_train,
     "evaluate": add_evaluate,
     "plot": add_plot,
-    "bench": _add_bench,
-    "robots": _add_robots,
-    "explain": _add_explain,
-    "schema": _add_schema,
+    "bench": add_bench,
+    "robots": add_robots,
+    "explain": add_explain,
+    "schema": add_schema,
 }

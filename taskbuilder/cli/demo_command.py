@@ -78,6 +78,8 @@ def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFacto
     trained = is_trained(arguments.policy)
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
+    if arguments.randomize:
+        options["randomize"] = arguments.randomize == "quantities" or arguments.randomize
     if arguments.robot:  # else those of training
         options["robots"] = asked_robots(arguments)
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))

@@ -10,8 +10,16 @@ from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, check
 from taskbuilder.errors import display_path
 from taskbuilder.task import Task, load_task
 from taskbuilder.visual.annotations import Annotator, check_words
-from taskbuilder.visual.still import contact_sheet, save_image, save_still, take_still
+from taskbuilder.visual.still import (
+    Still,
+    contact_sheet,
+    save_image,
+    save_still,
+    seeds_sheet,
+    take_still,
+)
 from taskbuilder.world.building import build_world
+from taskbuilder.world.world import World
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -24,8 +32,9 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.show = check_words([word for listed in arguments.show for word in listed.split(",")])
     make_folder(arguments.out)
     listed = []
+    draw = _render_randomized if arguments.randomize else _render
     for task in tasks:
-        files = _render(task, arguments)
+        files = draw(task, arguments)
         listed.append({"task": task.name, "files": [display_path(file) for file in files]})
         if not arguments.json:
             print("\n".join(display_path(file) for file in files))
@@ -39,11 +48,7 @@ def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
     try:
         world.reset(arguments.seed)
         cameras = list(dict.fromkeys(arguments.camera or world.scene.cameras))
-        annotator = Annotator(world, arguments.show)
-        stills = [
-            annotator.annotated(take_still(world, camera, arguments.size), arguments.size)
-            for camera in cameras
-        ]
+        stills = _stills(world, cameras, arguments)
     finally:
         world.close()
     modalities = list(dict.fromkeys(arguments.modality))
@@ -54,3 +59,30 @@ def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
     sheet = contact_sheet(task.name, task.file.spec.summary, stills, modalities)
     save_image(arguments.out / f"{name}-sheet.png", sheet)
     return [*files, arguments.out / f"{name}-sheet.png"]
+
+
+def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
+    """One sheet of episodes in which all is drawn that may be."""
+    world = build_world(task.file, variation=arguments.variation, renderer=arguments.renderer)
+    stills = []
+    try:
+        cameras = list(dict.fromkeys(arguments.camera or [next(iter(world.scene.cameras))]))
+        for seed in range(arguments.seed, arguments.seed + arguments.randomize):
+            world.reset(seed, randomized=True, looks=True)
+            stills += [(seed, still) for still in _stills(world, cameras, arguments)]
+    finally:
+        world.close()
+    modalities = list(dict.fromkeys(arguments.modality))
+    sheet = seeds_sheet(task.name, task.file.spec.summary, stills, modalities)
+    file = arguments.out / f"{task.name.replace('/', '-')}-randomized.png"
+    save_image(file, sheet)
+    return [file]
+
+
+def _stills(world: World, cameras: list[str], arguments: argparse.Namespace) -> list[Still]:
+    """Pictures of a world as it stands, with what is to be shown over them."""
+    annotator = Annotator(world, arguments.show)
+    return [
+        annotator.annotated(take_still(world, camera, arguments.size), arguments.size)
+        for camera in cameras
+    ]

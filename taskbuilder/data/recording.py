@@ -137,7 +137,8 @@ class StepRecorder:
             world.move_markers()
         for name in self._cameras.names:
             view = world.camera(name, self._cameras.size)
-            image = capture(world.client, view)
+            look = world.look
+            image = capture(world.client, view, light=look.light, backdrop=look.backdrop)
             self.images[name].append(image.rgb)
             if self._cameras.depth:
                 self.depths[name].append(image.depth)

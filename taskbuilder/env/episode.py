@@ -24,7 +24,8 @@ from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
 from taskbuilder.world.randomness import EpisodeRandomness, delay_of
-from taskbuilder.world.world import World, WorldState
+from taskbuilder.world.state import WorldState
+from taskbuilder.world.world import World
 
 Actions = Mapping[str, NDArray[np.float64]]
 
@@ -201,7 +202,11 @@ class Episode(Single):
         self.noise_rng = randomness.noise()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         try:
-            self.world.reset(seed, randomized=self.options.randomize)
+            self.world.reset(
+                seed,
+                randomized=self.options.randomize in (True, "all"),
+                looks=self.options.randomize in ("looks", "all"),
+            )
         except ExplosionError:
             self._give_up()
             raise

@@ -15,6 +15,7 @@ from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from taskbuilder.env.errors import ActionError
+from taskbuilder.env.joint_observation import JointObservation, Pixels, check_pixels, joined_boxes
 from taskbuilder.env.options import EnvOptions, RenderMode
 from taskbuilder.env.parallel import EnvState, TaskEnv, parallel_env
 from taskbuilder.env.spaces import read_action
@@ -25,10 +26,13 @@ class JointEnv(gymnasium.Env[Any, Any]):
     """A task as a single-agent environment with the team reward, or the sparse one.
 
     Flat observations and actions are those of the robots in file order, concatenated in one box
-    each. Otherwise they are dictionaries by robot.
+    each. Flat observations with images are a dictionary of ``agent_pos``, the numbers, and
+    ``pixels/CAMERA``, the images, each of which is there once. With ``flat=False`` observations
+    and actions are dictionaries by robot.
 
     Attributes:
-        observation_names: Name of each number of a flat observation: the observer and what it
+        observation_names: Name of each number of a flat observation, or of its ``agent_pos``
+            where it has images: the observer and what it
             observes, such as ``left/stick.pose.x``.
         action_names: Name of each number of a flat action, such as ``left.dx``.
         render_mode: "rgb_array" or None.
@@ -36,6 +40,8 @@ class JointEnv(gymnasium.Env[Any, Any]):
     Args:
         task: Name or path of the task, or the task itself.
         render_mode: "rgb_array" if `render` should return pictures.
+        pixels: ``flat``: keys such as ``pixels/front``, which Stable-Baselines3 reads; ``nested``:
+            a dictionary by camera under ``pixels``, as in LeRobot's environments.
         options: See `taskbuilder.env.options.Options`; a ``local`` reward is the ``team``'s.
 
     Raises:
@@ -52,19 +58,20 @@ class JointEnv(gymnasium.Env[Any, Any]):
         task: str | Path | Task,
         *,
         render_mode: RenderMode | None = None,
+        pixels: Pixels = "flat",
         **options: Unpack[EnvOptions],
     ) -> None:
+        check_pixels(pixels, flat=options.get("flat", True))
         self.parallel: TaskEnv = parallel_env(task, render_mode=render_mode, **options)
         self.metadata = {**self.metadata, "render_fps": self.parallel.metadata["render_fps"]}
         self.render_mode = render_mode
         self._agents = self.parallel.possible_agents
         observed = {agent: self.parallel.observation_space(agent) for agent in self._agents}
         acted = {agent: self.parallel.action_space(agent) for agent in self._agents}
-        self._flat = all(
-            isinstance(space, spaces.Box) for space in (*observed.values(), *acted.values())
-        )
-        self.observation_space = _joined(observed) if self._flat else spaces.Dict(observed)
-        self.action_space = _joined(acted) if self._flat else spaces.Dict(acted)
+        self._flat = self.parallel.options.flat
+        self._joint = JointObservation(observed, pixels) if self._flat else None
+        self.observation_space = self._joint.space if self._joint else spaces.Dict(observed)
+        self.action_space = joined_boxes(acted) if self._flat else spaces.Dict(acted)
         self.observation_names = _joined_names(self.parallel.observation_names)
         self.action_names = tuple(
             name for names in self.parallel.action_names.values() for name in names
@@ -143,9 +150,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         self.parallel.close()
 
     def _observation(self, observations: dict[str, Any]) -> Any:
-        if not self._flat:
-            return dict(observations)
-        return np.concatenate([observations[agent] for agent in self._agents])
+        return self._joint.join(observations) if self._joint else dict(observations)
 
     def _split(self, action: Any) -> dict[str, Any]:
         if not self._flat:
@@ -155,14 +160,6 @@ class JointEnv(gymnasium.Env[Any, Any]):
             return dict(action)
         values = read_action("all robots", action, self.action_space)
         return dict(zip(self._agents, np.split(values, self._cuts), strict=True))
-
-
-def _joined(boxes: dict[str, spaces.Space[Any]]) -> spaces.Box:
-    """Concatenate boxes in order."""
-    parts = [box for box in boxes.values() if isinstance(box, spaces.Box)]
-    low = np.concatenate([box.low for box in parts])
-    high = np.concatenate([box.high for box in parts])
-    return spaces.Box(low, high, dtype=np.float32)
 
 
 def _joined_names(names: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:

@@ -122,4 +122,8 @@ class Observer:
         world.move_markers()
         wanted = dict.fromkeys(camera.subject for camera in cameras)
         views = {name: world.camera(name, self._sizes[name]) for name in wanted}
-        return {name: (capture(world.client, view), view) for name, view in views.items()}
+        light, backdrop = world.look.light, world.look.backdrop
+        return {
+            name: (capture(world.client, view, light=light, backdrop=backdrop), view)
+            for name, view in views.items()
+        }

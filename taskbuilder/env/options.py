@@ -21,6 +21,7 @@ Renderer = Literal["auto", "raster", "tiny", "egl"]
 RenderMode = Literal["rgb_array"]
 Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
+Randomize = bool | Literal["looks", "all"]
 Rotation = Literal["quaternion", "matrix"]
 
 
@@ -48,7 +49,8 @@ class Options:
             action are scaled, so that tools and joints keep their speed.
         variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
             episode.
-        randomize: Draw the quantities that the task lists under ``randomize``.
+        randomize: True: draw the quantities that the task lists under ``randomize``; ``looks``:
+            draw light, background, colours of furniture and cameras instead; ``all``: both.
         observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,
             the other robots' tools and grippers, all moving objects, all sites and the time left.
         frame: ``task``: observed poses and commanded motions are in the frames of the task file;
@@ -71,7 +73,7 @@ class Options:
     horizon: int | None = None
     control_hz: int | None = None
     variation: Variation = 0
-    randomize: bool = False
+    randomize: Randomize = False
     observe: Seen = "task"
     frame: Frame = "task"
     rotation: Rotation = "quaternion"
@@ -117,6 +119,8 @@ class Options:
             raise UsageError(
                 f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
             )
+        if not isinstance(self.randomize, bool):
+            _choice("randomize", self.randomize, ("looks", "all"))
         _choice("observe", self.observe, ("task", "scene"))
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
@@ -157,7 +161,7 @@ class EnvOptions(TypedDict, total=False):
     horizon: int | None
     control_hz: int | None
     variation: Variation
-    randomize: bool
+    randomize: Randomize
     observe: Seen
     frame: Frame
     rotation: Rotation

@@ -24,9 +24,10 @@ from taskbuilder.env.observing import Observer
 from taskbuilder.env.options import EnvOptions, Options, RenderMode, make_options
 from taskbuilder.env.spaces import action_space, read_action
 from taskbuilder.errors import SimulationError, UsageError
-from taskbuilder.sim.cameras import STUDIO, capture
+from taskbuilder.sim.cameras import capture
 from taskbuilder.task import Task, load_task
-from taskbuilder.world.world import World, WorldState
+from taskbuilder.world.state import WorldState
+from taskbuilder.world.world import World
 
 Observations = dict[str, Any]
 Infos = dict[str, dict[str, float]]
@@ -245,7 +246,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         world = self.episode.world
         camera = self.options.render_camera or next(iter(world.scene.cameras))
         world.move_markers()
-        return capture(world.client, world.camera(camera), shadow=True, backdrop=STUDIO).rgb
+        view, look = world.camera(camera), world.look
+        return capture(world.client, view, light=look.light, shadow=True, backdrop=look.studio).rgb
 
     # --- saving and restoring
 

@@ -13,7 +13,7 @@ from taskbuilder.description.description import Outcome
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.rollout.record import BY_STATE, BY_STEP, Rollout, ScriptLog
-from taskbuilder.sim.cameras import STUDIO, capture
+from taskbuilder.sim.cameras import capture
 
 
 class Recorder:
@@ -101,7 +101,8 @@ class Recorder:
         world = self.env.episode.world
         world.move_markers()
         view = world.camera(camera, self._size)
-        return capture(world.client, view, shadow=True, backdrop=STUDIO).rgb
+        look = world.look
+        return capture(world.client, view, light=look.light, shadow=True, backdrop=look.studio).rgb
 
     def rollout(self, log: ScriptLog | None = None) -> Rollout:
         """The record of the episode so far.

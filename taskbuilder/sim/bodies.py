@@ -216,9 +216,9 @@ def _multibody(
 
 
 def _around(boxes: Sequence[Box]) -> Box | None:
-    return (
-        bounding_box([corner for box in boxes for corner in (box.low, box.high)]) if boxes else None
-    )
+    if len(boxes) <= 1:
+        return boxes[0] if boxes else None  # a ball's as it is, for a ball that has rolled
+    return bounding_box([corner for box in boxes for corner in (box.low, box.high)])
 
 
 def _link_bounds(client: Client, body_id: int, index: int) -> Iterator[Box]:

@@ -257,6 +257,10 @@ class Body:
         mass, moments = _inertia(self.client, self.id, index)
         set_inertia(self.client, self.id, index, mass, [max(least, m) for m in moments])
 
+    def colors(self) -> dict[int, RGBA]:
+        """The colour of every link that has a look, by index; that of its last shape."""
+        return {data[1]: data[7] for data in self._bullet.getVisualShapeData(self.id)}
+
     def set_color(self, color: RGBA, index: int | None = None) -> None:
         """Paint one link, or all."""
         for link in self.indices if index is None else (index,):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import SimulationError
-from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, bounding_box, from_axes
+from taskbuilder.geometry import ORIGIN, Ball, Box, Pose, Vec3, bounding_box, from_axes
 
 RGBA = tuple[float, float, float, float]
 
@@ -135,7 +135,7 @@ def bounds(shape: Shape) -> Box:
         case BoxShape((x, y, z)):
             return Box(ORIGIN, (x / 2, y / 2, z / 2))
         case SphereShape(r):
-            return Box(ORIGIN, (r, r, r))
+            return Ball(ORIGIN, (r, r, r))
         case CylinderShape(r, h):
             return Box(ORIGIN, (r, r, h / 2))
         case CapsuleShape(r, h):
@@ -150,7 +150,7 @@ def placed_bounds(shape: Shape, pose: Pose) -> Box:
         case BoxShape():
             return bounds(shape).seen_from(pose)
         case SphereShape(r):
-            return Box(pose.position, (r, r, r))
+            return Ball(pose.position, (r, r, r))
         case CylinderShape(r, h):
             axis = pose.axis(2)
             # A disc of radius r reaches r·sin(angle between its axis and the direction).

@@ -12,7 +12,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.rollout.play import replaying
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.sim.cameras import STUDIO, capture
+from taskbuilder.sim.cameras import capture
 from taskbuilder.visual.still import SUPERSAMPLE, Pixels
 from taskbuilder.world.world import World
 
@@ -117,7 +117,8 @@ def take_picture(world: World, camera: str, size: tuple[int, int] | None = None)
         world.camera(camera, size),
         supersample=SUPERSAMPLE if fast else 1,
         shadow=world.scene.cameras[camera].mount is None,
-        backdrop=STUDIO,
+        light=world.look.light,
+        backdrop=world.look.studio,
     )
     return image.rgb if fast else _smoothed(image.rgb)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.files import write_whole
-from taskbuilder.sim.cameras import LARGEST_SIDE, STUDIO, Image, capture
+from taskbuilder.sim.cameras import LARGEST_SIDE, Image, capture
 from taskbuilder.world.world import World
 
 if TYPE_CHECKING:
@@ -110,7 +110,8 @@ def take_still(world: World, camera: str, size: tuple[int, int] | None = None) -
         view,
         supersample=SUPERSAMPLE if roomy else 1,
         shadow=world.scene.cameras[camera].mount is None,  # coarse when seen from near
-        backdrop=STUDIO,
+        light=world.look.light,
+        backdrop=world.look.studio,
     )
     labels = {robot.body.id: name for name, robot in world.robots.items()}
     labels |= {thing.body.id: name for name, thing in world.objects.items()}
@@ -132,6 +133,31 @@ def contact_sheet(
     return page(title, subtitle, rows, width)
 
 
+def seeds_sheet(
+    title: str,
+    subtitle: str,
+    stills: Sequence[tuple[int, Still]],
+    modalities: Sequence[Modality] = ("rgb",),
+) -> Pixels:
+    """Pictures of several episodes on one page, up to four in a row.
+
+    Args:
+        title: In large letters.
+        subtitle: Below it.
+        stills: Each with the seed of its episode.
+        modalities: Kinds of image.
+    """
+    cells = [
+        (still, modality, f"{still.camera} · seed {seed}")
+        for seed, still in stills
+        for modality in modalities
+    ]
+    columns, width = min(len(cells), 4), 400
+    tiles = [_tile(still, modality, width, caption) for still, modality, caption in cells]
+    rows = [tiles[start : start + columns] for start in range(0, len(tiles), columns)]
+    return page(title, subtitle, rows, width)
+
+
 def page(title: str, subtitle: str, rows: Sequence[Sequence[Pixels]], width: int) -> Pixels:
     """Tiles on paper, below a heading.
 
@@ -149,12 +175,13 @@ def page(title: str, subtitle: str, rows: Sequence[Sequence[Pixels]], width: int
     return np.vstack([header, *(_row(row, columns, width) for row in rows)])
 
 
-def _tile(still: Still, modality: Modality, width: int) -> Pixels:
+def _tile(still: Still, modality: Modality, width: int, words: str = "") -> Pixels:
     picture = still.colored(modality)
     height = round(picture.shape[0] * width / picture.shape[1])
     small = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
     caption = np.full((_CAPTION, width, 3), PAPER, dtype=np.uint8)
-    write_text(caption, f"{still.camera} · {modality}", (0, 20), 14, GRAY, 400)
+    words = words or f"{still.camera} · {modality}"
+    write_text(caption, words, (0, 20), 14, GRAY, 400)
     return np.vstack([small, caption]).astype(np.uint8)
 
 

@@ -51,6 +51,10 @@ class EpisodeRandomness:
         """For which of the task's instructions an episode has."""
         return self._generator(6)
 
+    def looks(self) -> np.random.Generator:
+        """For light, colours of furniture and cameras, where looks vary."""
+        return self._generator(7)
+
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
 

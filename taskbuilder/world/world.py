@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,47 +15,27 @@ from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import ContactPoint
 from taskbuilder.sim.single import Single
-from taskbuilder.sim.snapshots import Commanded, Snapshot, release, restore, save
-from taskbuilder.world.forces import ForceMeter, ForceReading, Pair
+from taskbuilder.sim.snapshots import Commanded, release, restore, save
+from taskbuilder.world.cameras import camera_view
+from taskbuilder.world.forces import ForceMeter, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
+from taskbuilder.world.looks import AS_WRITTEN, Look, Painter, draw_look, furniture
 from taskbuilder.world.piles import PILES, Piles
 from taskbuilder.world.placement import PlacementPlan, place_all
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.restored_contacts import part, press, touches_to_restore
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
+from taskbuilder.world.state import WorldState
 from taskbuilder.world.touch import Touch
-from taskbuilder.world.views import view_of
 
 MANY = 50
 """Members of groups from which on a reset settles for `MANY_SETTLE_S` only, to stay fast."""
 
 MANY_SETTLE_S = 1 / 60
 """Enough to come down on a surface; a hundred things take 2 ms for every physics step."""
-
-
-@dataclass(frozen=True)
-class WorldState:
-    """A saved state of a world, to restore in the same world.
-
-    Attributes:
-        snapshot: The physics and the motors' targets.
-        time: Seconds since the episode began.
-        sites: Pose of each site, in the world or in the frame that it moves with.
-        quantities: Values of the quantities that the task can randomise.
-        touches: A contact of each pair of touching links.
-        forces: Forces between the watched pairs of bodies.
-    """
-
-    snapshot: Snapshot
-    time: float
-    sites: Mapping[str, Pose]
-    quantities: Mapping[str, Any]
-    touches: tuple[ContactPoint, ...]
-    forces: Mapping[Pair, ForceReading]
 
 
 class World(Single):
@@ -77,6 +56,7 @@ class World(Single):
         warnings: Warnings of the engine while it loaded assets.
         time: Seconds since the episode began.
         quantities: Values of the quantities that the task can randomise, in this episode.
+        look: How this episode looks.
         piled: Where the members of piles lie at the start of this episode, in the frames of their
             arrangements.
         onlooker: An iterator, advanced before each physics step, to read the state between control
@@ -106,6 +86,8 @@ class World(Single):
         self.warnings = warnings
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
+        self.look = AS_WRITTEN
+        self._painter = Painter(objects, floor, furniture(task.spec, scene))
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
         self._springs = tuple(
@@ -128,13 +110,14 @@ class World(Single):
         self._built = self.save()
         return self._built
 
-    def reset(self, seed: int, *, randomized: bool = False) -> None:
+    def reset(self, seed: int, *, randomized: bool = False, looks: bool = False) -> None:
         """Begin an episode: reset the robots, place the objects, and settle for one control step.
 
         Args:
             seed: Seed for placement and for randomisation; each has its own random-number
                 generator.
             randomized: Draw the quantities that the task file lists under ``randomize``.
+            looks: Draw light, background, colours of furniture and cameras.
 
         Raises:
             PlacementError: The objects do not fit.
@@ -146,6 +129,8 @@ class World(Single):
         self.restore(self._built or self.keep_as_built())
         if randomized:
             self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
+        if looks:
+            self._set_look(draw_look(self.spec, self.scene, randomness.looks()))
         place_all(self, randomness.placement())
         self._run({}, self._settling_steps)
         self.time = 0.0
@@ -232,7 +217,8 @@ class World(Single):
         touches = touches_to_restore(self.client)
         snapshot = save(self.client, motors)
         return WorldState(
-            snapshot, self.time, sites, self.quantities, touches, self._forces.readings
+            *(snapshot, self.time, sites, self.quantities, touches),
+            *(self._forces.readings, self.look),
         )
 
     def restore(self, state: WorldState) -> None:
@@ -247,6 +233,7 @@ class World(Single):
         for name, pose in state.sites.items():
             self.sites[name].pose = pose
         self._set_quantities(state.quantities)
+        self._set_look(state.look)
         self._forces.restore(state.forces)
         self.refresh()
 
@@ -268,6 +255,11 @@ class World(Single):
         changed = {k: value for k, value in values.items() if value != self.quantities[k]}
         apply(self.robots, self.objects, self.sites, changed, self.task.names.groups)
         self.quantities = values
+
+    def _set_look(self, look: Look) -> None:
+        if look is not self.look:
+            self._painter.paint(look)
+        self.look = look
 
     def _check(self) -> None:
         for name, thing in self.objects.items():
@@ -374,12 +366,12 @@ class World(Single):
     # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
-        """The current view of a named camera, fixed or on its mount.
+        """The current view of a named camera, fixed or on its mount, in the look of the episode.
 
         Raises:
             UnknownNameError: The scene has no such camera.
         """
-        return view_of(self.scene.cameras, name, self.pose, size)
+        return camera_view(self.scene.cameras, name, self.pose, self.look, size)
 
     def move_markers(self) -> None:
         """Move the markers of moving sites to their sites; needed for pictures only."""

@@ -68,6 +68,20 @@ def test_nothing_is_written_where_one_task_cannot_be_rendered(run, good):
     assert not Path("renders").exists()
 
 
+def test_randomized_episodes_are_on_one_sheet(run):
+    ran = run("render", "handover", *SMALL, "--randomize", "3")
+    assert (ran.status, ran.out) == (0, "renders/handover-randomized.png\n")
+    height, width, _ = cv2.imread("renders/handover-randomized.png").shape
+    assert width > 3 * 400 > height
+
+
+@pytest.mark.parametrize("count", ["0", "100000", "many"])
+def test_a_number_of_episodes_that_makes_no_sense_is_refused(run, count):
+    ran = run("render", "handover", "--randomize", count)
+    assert ran.status == 2
+    assert ran.err.startswith("taskbuilder render: --randomize: ")
+
+
 def test_another_robot_is_drawn(run):
     words = ("--size", "80x60", "--camera", "front", "--json")
     plain, other = (

@@ -28,7 +28,7 @@ from taskbuilder.description import (
     Turned,
     Upright,
 )
-from taskbuilder.geometry import Box, Pose
+from taskbuilder.geometry import Ball, Box, Pose
 
 
 @pytest.mark.parametrize("facts", ["", "a", "b", "ab"])
@@ -121,6 +121,14 @@ def tray(world):
 def test_inside_an_object_is_within_its_walls_and_below_its_rim(tray, now, in_tray, value):
     tray(*in_tray)
     assert now(Inside("cube", "tray")) is value
+
+
+def test_a_ball_that_has_rolled_takes_no_more_room_than_before(world, tray, now):
+    world.boxes["cube"] = Ball((0.0, 0.0, 0.0), (0.02, 0.02, 0.02))
+    for in_tray, inside in (((0.17, 0.07, 0.021), True), ((0.181, 0.0, 0.021), False)):
+        tray(*in_tray)
+        world.poses["cube"] = world.poses["cube"] @ Pose.from_rpy_deg((0.0, 0.0, 0.0), (45, 30, 0))
+        assert now(Inside("cube", "tray")) is inside
 
 
 def test_a_margin_keeps_what_is_inside_off_the_walls(tray, now):

@@ -53,3 +53,14 @@ def test_a_model_is_the_same_when_learnt_again():
         ends.append([value.numpy().tobytes() for value in model.policy.state_dict().values()])
         env.close()
     assert ends[0] == ends[1]
+
+
+def test_ppo_learns_from_pictures_and_numbers():
+    env = gymnasium.make(
+        "taskbuilder/Handover-v0", cameras=("front", "left_wrist"), camera_size=(48, 48)
+    )
+    check_env(env.unwrapped)
+    model = PPO("MultiInputPolicy", env, n_steps=32, batch_size=16, n_epochs=1, device="cpu")
+    model.learn(32)
+    assert model.num_timesteps == 32
+    env.close()

@@ -174,6 +174,11 @@ def test_bounds_enclose_all_shapes_in_the_base_frame(client, door_file, tray):
     assert tray.bounds().high == pytest.approx((0.17, 0.1, 0.1))
 
 
+def test_bounds_of_a_ball_are_the_same_however_it_is_turned(client):
+    ball = create_body(client, {"ball": Part(SphereShape(0.03))}, mass=0.1)
+    assert ball.bounds().seen_from(TILTED).half == pytest.approx((0.03, 0.03, 0.03))
+
+
 def test_scale_applies_to_bounds_and_joints(client, door_file):
     door = load_urdf(client, door_file, fixed_base=True, scale=2.0)
     assert door.bounds().high == pytest.approx((1.4, 0.4, 2.2), abs=1e-6)

@@ -22,11 +22,13 @@ taskbuilder.paralel_env("handover")  # type: ignore[attr-defined]
 
 vec = taskbuilder.make_vec("handover", 4, workers=2, observe="scene", autoreset="NextStep")
 assert_type(vec, taskbuilder.TaskVectorEnv)
+taskbuilder.parallel_env("handover", randomize="look")  # type: ignore[arg-type]
 taskbuilder.make_vec("handover", 4, observe="scenes")  # type: ignore[arg-type]
 
-joint = taskbuilder.JointEnv("handover", frame="base", camera_size=(64, 48))
+joint = taskbuilder.JointEnv("handover", frame="base", camera_size=(64, 48), pixels="nested")
 taskbuilder.JointEnv("handover", frame="tool")  # type: ignore[arg-type]
 taskbuilder.JointEnv("handover", camera_size=64)  # type: ignore[arg-type]
+taskbuilder.JointEnv("handover", pixels="nest")  # type: ignore[arg-type]
 
 assert_type(taskbuilder.load_dataset("data"), taskbuilder.Dataset)
 assert_type(taskbuilder.load_dataset("data")[0], taskbuilder.RecordedEpisode)

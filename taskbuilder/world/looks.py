@@ -1,0 +1,191 @@
+"""How an episode looks where looks vary: light, background, furniture and cameras.
+
+Nothing of it is felt by the physics. A look is drawn from a random-number generator of its own, so
+that episodes with the same seed happen alike with it and without.
+"""
+
+from __future__ import annotations
+
+import colorsys
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from taskbuilder.geometry import Vec3
+from taskbuilder.schema.scene import CameraSpec, SceneSpec
+from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.values import frozen
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.cameras import DAYLIGHT, STUDIO, Backdrop, Light
+from taskbuilder.sim.shapes import RGBA
+from taskbuilder.world.scene_objects import SceneObject
+
+PAINT_SHARE = 0.7
+"""Of a drawn colour, in what is painted; the rest is its own, so that parts stay apart."""
+
+ELEVATION_DEG = (40.0, 80.0)
+WARMTH = 0.1
+"""How much of its red or blue a lamp may lack."""
+
+SHIFT_M = 0.06
+"""How far a camera that stands may be, along each axis, from where the task puts it; it looks past
+its point by half of that."""
+
+MOUNTED_SHIFT_M = 0.006
+"""The same for one on a robot, as mounts are stiff."""
+
+ZOOM = (0.97, 1.1)
+"""Opening angles are rather wider than narrower, so that nothing leaves the picture."""
+
+
+@dataclass(frozen=True)
+class CameraChange:
+    """What differs in a camera.
+
+    Attributes:
+        eye: Added to its position, in its frame, m.
+        aim: Added to the point that it looks at, in its frame, m.
+        zoom: Factor of its opening angle.
+    """
+
+    eye: Vec3 = (0.0, 0.0, 0.0)
+    aim: Vec3 = (0.0, 0.0, 0.0)
+    zoom: float = 1.0
+
+
+@dataclass(frozen=True)
+class Look:
+    """The look of an episode.
+
+    Attributes:
+        light: The lamp.
+        backdrop: Behind everything; None where the look does not vary.
+        paints: Colours of furniture, by object.
+        floor: Colour of the floor, or None.
+        cameras: What differs in each camera.
+    """
+
+    light: Light = DAYLIGHT
+    backdrop: Backdrop | None = None
+    paints: Mapping[str, Vec3] = field(default_factory=lambda: frozen({}))
+    floor: Vec3 | None = None
+    cameras: Mapping[str, CameraChange] = field(default_factory=lambda: frozen({}))
+
+    @property
+    def studio(self) -> Backdrop:
+        """What is behind everything in pictures for people."""
+        return self.backdrop or STUDIO
+
+
+AS_WRITTEN = Look()
+"""The look of the task file."""
+
+
+def draw_look(task: TaskSpec, scene: SceneSpec, rng: np.random.Generator) -> Look:
+    """A look, from the generator of an episode's looks.
+
+    Args:
+        task: The task.
+        scene: The scene that was built.
+        rng: Random numbers.
+    """
+    light = _light(rng)
+    backdrop = Backdrop(_eight_bit(_pale(rng)), _eight_bit(_pale(rng)))
+    floor = _pale(rng)
+    paints = {name: _paint(rng) for name in furniture(task, scene)}
+    cameras = {name: _camera(camera, rng) for name, camera in scene.cameras.items()}
+    return Look(light, backdrop, frozen(paints), floor, frozen(cameras))
+
+
+def furniture(task: TaskSpec, scene: SceneSpec) -> list[str]:
+    """Objects that may have any colour: those that are fixed, and whose colour says nothing.
+
+    A colour says something if the task's instructions, variations or randomised quantities name
+    it. URDFs stay as they are, because their colours tell their parts.
+    """
+    told = {key for change in (*task.variations, task.randomize) for key in change}
+    return [
+        name
+        for name, spec in scene.objects.items()
+        if spec.fixed
+        and spec.urdf is None
+        and f"{name}.color" not in told
+        and not any(f"{{{name}.color}}" in text for text in task.instructions)
+    ]
+
+
+class Painter:
+    """Paints the floor and furniture, and knows what they looked like before.
+
+    Args:
+        objects: The objects of the scene.
+        floor: The floor, if there is one.
+        names: Objects that may be painted.
+    """
+
+    def __init__(
+        self, objects: Mapping[str, SceneObject], floor: Body | None, names: Collection[str]
+    ) -> None:
+        self._bodies = {name: objects[name].body for name in names if name in objects}
+        self._floor = floor
+        self._own: dict[int, Mapping[int, RGBA]] = {}  # by body, when it is first painted
+
+    def paint(self, look: Look) -> None:
+        """Give everything its colours in a look."""
+        for body, color in self._painted(look):
+            own = self._own.setdefault(body.id, body.colors())
+            for link, rgba in own.items():
+                body.set_color(rgba if color is None else _mixed(color, rgba), link)
+
+    def _painted(self, look: Look) -> Iterator[tuple[Body, Vec3 | None]]:
+        for name, body in self._bodies.items():
+            yield body, look.paints.get(name)
+        if self._floor is not None:
+            yield self._floor, look.floor
+
+
+def _mixed(paint: Vec3, own: RGBA) -> RGBA:
+    red, green, blue = (
+        PAINT_SHARE * new + (1.0 - PAINT_SHARE) * old
+        for new, old in zip(paint, own[:3], strict=True)
+    )
+    return (red, green, blue, own[3])
+
+
+def _light(rng: np.random.Generator) -> Light:
+    azimuth = float(rng.uniform(0.0, 2.0 * math.pi))
+    elevation = math.radians(float(rng.uniform(*ELEVATION_DEG)))
+    flat = math.cos(elevation)
+    warm = float(rng.uniform(-WARMTH, WARMTH))
+    return Light(
+        direction=(flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)),
+        color=(1.0 + min(warm, 0.0), 1.0 - abs(warm) / 2.0, 1.0 - max(warm, 0.0)),
+        ambient=float(rng.uniform(0.4, 0.6)),
+        diffuse=float(rng.uniform(0.3, 0.55)),
+    )
+
+
+def _camera(camera: CameraSpec, rng: np.random.Generator) -> CameraChange:
+    reach = SHIFT_M if camera.mount is None else MOUNTED_SHIFT_M
+    x, y, z = rng.uniform(-reach, reach, 3).tolist()
+    u, v, w = rng.uniform(-reach / 2.0, reach / 2.0, 3).tolist()
+    return CameraChange((x, y, z), (u, v, w), float(rng.uniform(*ZOOM)))
+
+
+def _paint(rng: np.random.Generator) -> Vec3:
+    """The colour of furniture: any hue, neither glaring nor black."""
+    hue, saturation, value = rng.uniform((0.0, 0.0, 0.35), (1.0, 0.55, 0.95)).tolist()
+    return colorsys.hsv_to_rgb(hue, saturation, value)
+
+
+def _pale(rng: np.random.Generator) -> Vec3:
+    """The colour of a floor or wall."""
+    hue, saturation, value = rng.uniform((0.0, 0.0, 0.45), (1.0, 0.3, 1.0)).tolist()
+    return colorsys.hsv_to_rgb(hue, saturation, value)
+
+
+def _eight_bit(color: Vec3) -> tuple[int, int, int]:
+    red, green, blue = (round(255.0 * share) for share in color)
+    return (red, green, blue)

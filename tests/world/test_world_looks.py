@@ -1,0 +1,161 @@
+"""Looks that vary from episode to episode, and change nothing but pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from taskbuilder import load_task, parallel_env
+from taskbuilder.errors import UsageError
+from taskbuilder.sim.cameras import capture
+from taskbuilder.world.looks import AS_WRITTEN, SHIFT_M
+
+SCENE = """
+scene:
+  robots:
+    arm: {model: ur5e, base: {position: [0, 0, 0]}}
+  objects:
+    table:
+      parts:
+        top: {box: [0.4, 0.6, 0.04], at: [0, 0, 0.18]}
+        foot: {box: [0.1, 0.1, 0.16], at: [0, 0, 0.08], color: black}
+      fixed: true
+      position: [0.6, 0, 0]
+      color: wood
+    shelf: {shape: {box: [0.1, 0.5, 0.4]}, fixed: true, position: [0.9, 0, 0.4], color: blue}
+    cube: {shape: {box: [0.05, 0.05, 0.05]}, mass: 0.1, position: [0.6, 0, 0.226], color: red}
+  cameras:
+    front: {position: [0.6, -1.2, 0.9], look_at: [0.6, 0, 0.2], size: [64, 48]}
+    wrist: {mount: arm.tcp, size: [48, 36]}
+randomize:
+  cube.mass: {uniform: [0.05, 0.2]}
+"""
+
+
+def colors(world, name):
+    return world.objects[name].body.colors()
+
+
+def picture(world, camera="front"):
+    view, look = world.camera(camera), world.look
+    return capture(world.client, view, light=look.light, backdrop=look.backdrop).rgb.tobytes()
+
+
+def test_the_seed_decides_the_look(build):
+    world = build(SCENE)
+    looks, pictures = [], []
+    for seed in (1, 2, 1):
+        world.reset(seed, looks=True)
+        looks.append(world.look)
+        pictures.append(picture(world))
+    assert looks[0] == looks[2] != looks[1]
+    assert pictures[0] == pictures[2] != pictures[1]
+
+
+def test_without_looks_everything_is_as_written_again(build):
+    world = build(SCENE)
+    world.reset(1)
+    table, floor, seen = colors(world, "table"), world.floor.colors(), picture(world)
+    world.reset(1, looks=True)
+    assert colors(world, "table") != table
+    assert world.floor.colors() != floor
+    world.reset(1)
+    assert world.look == AS_WRITTEN
+    assert (colors(world, "table"), world.floor.colors()) == (table, floor)
+    assert picture(world) == seen
+
+
+def test_parts_of_furniture_stay_apart_and_what_is_handled_keeps_its_colour(build):
+    world = build(SCENE)
+    world.reset(1)
+    cube, arm = colors(world, "cube"), world.robots["arm"].body.colors()
+    for seed in range(5):
+        world.reset(seed, looks=True)
+        top, foot = colors(world, "table").values()
+        assert np.abs(np.subtract(top, foot)).max() > 0.1
+        assert colors(world, "cube") == cube
+        assert world.robots["arm"].body.colors() == arm
+
+
+@pytest.mark.parametrize(
+    "telling",
+    [
+        "instructions: ['touch the {shelf.color} shelf']\n",
+        "variations: [{shelf.color: green}]\n",
+    ],
+)
+def test_a_colour_that_says_something_stays(build, telling):
+    world = build(SCENE + telling)
+    world.reset(0)
+    written = colors(world, "shelf")
+    world.reset(3, looks=True)
+    assert colors(world, "shelf") == written
+    assert set(world.look.paints) == {"table"}
+
+
+def test_cameras_move_a_little_and_those_on_robots_less(build):
+    world = build(SCENE)
+    world.reset(0)
+    written = {name: world.camera(name) for name in world.scene.cameras}
+    for seed in range(5):
+        world.reset(seed, looks=True)
+        for name, most in (("front", SHIFT_M), ("wrist", 0.0061)):
+            moved = np.subtract(world.camera(name).eye, written[name].eye)
+            assert 0.0 < np.linalg.norm(moved) <= most * np.sqrt(3) + 1e-4
+            assert world.camera(name).fov_deg != written[name].fov_deg
+
+
+def test_a_saved_state_keeps_its_look(build):
+    world = build(SCENE)
+    world.reset(1, looks=True)
+    state, seen = world.save(), picture(world)
+    world.reset(2, looks=True)
+    assert picture(world) != seen
+    world.restore(state)
+    assert picture(world) == seen
+
+
+def test_looks_change_nothing_in_what_happens():
+    plain, varied = (parallel_env("handover", randomize=value) for value in (False, "looks"))
+    try:
+        for env in (plain, varied):
+            env.reset(seed=4)
+        generator = np.random.default_rng(0)
+        for _ in range(5):
+            action = {a: generator.uniform(-1, 1, 5).astype(np.float32) for a in plain.agents}
+            one, other = plain.step(action), varied.step(action)
+            assert plain.state().tobytes() == varied.state().tobytes()
+            assert one[1] == other[1]
+    finally:
+        plain.close()
+        varied.close()
+
+
+def test_observed_pictures_vary_and_a_copy_sees_the_same():
+    from copy import deepcopy
+
+    env = parallel_env("handover", cameras=("front",), camera_size=(32, 24), randomize="looks")
+    try:
+        first = env.reset(seed=1)[0]["left"]["front.rgb"]
+        copied = deepcopy(env)
+        np.testing.assert_array_equal(copied.observe()["left"]["front.rgb"], first)
+        copied.close()
+        second = env.reset(seed=2)[0]["left"]["front.rgb"]
+        assert (np.abs(first.astype(int) - second).max(axis=2) > 8).mean() > 0.5
+    finally:
+        env.close()
+
+
+def test_quantities_and_looks_are_drawn_apart(build):
+    world = build(SCENE)
+    world.reset(5, randomized=True)
+    alone = world.quantities
+    world.reset(5, randomized=True, looks=True)
+    assert world.quantities == alone
+    world.reset(5, looks=True)
+    assert world.quantities["cube.mass"] == 0.1
+
+
+def test_an_unknown_kind_is_refused():
+    with pytest.raises(UsageError, match=r'randomize "lookz": did you mean "looks"'):
+        parallel_env(load_task("handover"), randomize="lookz")
