@@ -70,7 +70,10 @@ def propose(urdf: Urdf) -> Proposal | None:
     if fingers:
         link, tcp = _tool(urdf, hand, gripper, fingers)
     else:
-        remarks.append("no gripper was found: no link has two or more fingers that move")
+        remarks.append(
+            "no gripper was found: no link has two or more fingers that move; as it is, the robot "
+            "pushes"
+        )
         link, tcp = _last_frame(urdf, hand), Pose()
     home, pointing = _home(urdf, arm, link, tcp)
     if not pointing:
@@ -173,8 +176,7 @@ def _tool(
 
 def _last_frame(urdf: Urdf, hand: str) -> str:
     """The outermost frame that is fixed to the last link, or the link."""
-    named = [link for link in _frames_on(urdf, hand) if _OF_A_TOOL.search(link)]
-    return named[-1] if named else hand
+    return [hand, *_frames_on(urdf, hand)][-1]
 
 
 def _frames_on(urdf: Urdf, hand: str) -> Iterator[str]:

@@ -189,6 +189,9 @@ def test_the_robots_of_the_library_are_found_out(name):
     proposal = propose(robot.urdf)
     assert tuple(joint.name for joint in proposal.arm) == robot.spec.arm
     assert proposal.tcp_link == robot.spec.tcp.link
+    if robot.spec.gripper is None:
+        assert not proposal.gripper
+        return
     assert {*proposal.fingers} == {link for finger in robot.spec.gripper.fingers for link in finger}
     for key, ends in robot.spec.gripper.joints.items():
         assert proposal.gripper[key] == pytest.approx((ends.open, ends.closed), abs=1e-3)
