@@ -162,7 +162,7 @@ def test_the_region_is_tinted_where_the_thing_is_placed(world):
     still = take_still(world, "front")
     drawn = Annotator(world, ["regions"]).annotated(still).image.rgb.astype(int)
     view = world.camera("front")
-    for x, inside in ((-0.22, True), (0.25, False)):  # beside the cube; beside the region
+    for x, inside in ((-0.22, True), (0.6, False)):  # beside the cube; beside the region
         point = view.extrinsics @ np.array([x, -0.08, 0.4, 1.0])
         column, row, depth = still.image.intrinsics @ point[:3]
         at = round(row / depth), round(column / depth)
