@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import faulthandler
 import fcntl
+import logging
 import os
 import resource
 import signal
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 from typing import IO, BinaryIO, NoReturn
 
 from taskbuilder.interpreters import interpreter
+from taskbuilder.quiet import HINTS
 
 _FAREWELL_S = 0.2  # for a child that hangs to say where
 _LONGEST = 20_000  # bytes of last words
@@ -206,6 +208,7 @@ def become_child(lifeline: int, last_words: BinaryIO) -> None:
     _last_words = last_words
     _die_with_owner(lifeline)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner decides
+    logging.getLogger(HINTS).setLevel(logging.ERROR)  # the owner gives them, once
     faulthandler.enable(last_words)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

@@ -17,6 +17,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
 
+HINTS = "taskbuilder.hints"
+"""Name of the logger for hints to people, which child processes leave to their owner."""
+
 _STDOUT, _STDERR = 1, 2
 _MOST_BYTES = 2**20
 # Two threads that redirected the same descriptors would restore each other's.

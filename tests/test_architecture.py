@@ -70,7 +70,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "assets": FOUNDATION,
     "cluster": ("jobs", "processes", "machine", "digests", "_library", "errors"),
     "jobs": ("processes", "errors"),
-    "processes": ("interpreters",),
+    "processes": ("interpreters", "quiet"),
     "machine": ("digests",),
     "digests": (),
     "arrays": ("files", *FOUNDATION),

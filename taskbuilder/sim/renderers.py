@@ -16,7 +16,7 @@ from typing import Literal
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.interpreters import interpreter
-from taskbuilder.quiet import captured
+from taskbuilder.quiet import HINTS, captured
 from taskbuilder.sim.bullet import Calls
 
 Renderer = Literal["raster", "tiny", "egl"]
@@ -25,7 +25,7 @@ Request = Literal["auto", "raster", "tiny", "egl"]
 RASTER_PACKAGES = ("numba", "fast_simplification")
 HOW_TO_GET_RASTER = 'pip install "taskbuilder[render]"'
 
-_log = logging.getLogger(__name__)
+_log = logging.getLogger(HINTS)
 
 PROBE_SECONDS = 30.0
 # OpenGL on the CPU: slower than Bullet's own renderer for all but large images.
