@@ -23,7 +23,6 @@ from taskbuilder._library import folder
 from taskbuilder.digests import digest_of, digests_of_folder
 from taskbuilder.errors import UsageError
 from taskbuilder.jobs import DONE, LostError, Map, carry_out, packed
-from taskbuilder.machine import processor, system, versions
 from taskbuilder.processes import Fault
 
 LOCAL = "local"
@@ -190,6 +189,8 @@ def _carry_out_here(asker: _Asker, work: bytes) -> tuple[str, bytes]:
 @lru_cache(maxsize=1)
 def machine_kind() -> str:
     """A digest of all but the kernel that bits may depend on: processor, C library, versions."""
+    from taskbuilder.machine import processor, system, versions  # loads NumPy
+
     told = {name: value for name, value in system().items() if name != "kernel"}
     return digest_of([processor(), told, versions()])
 

@@ -19,7 +19,7 @@ def robot_file(urdf: Urdf, proposal: Proposal) -> str:
     lines = [
         *(f"# {remark}" for remark in proposal.remarks),
         f"robot: {name}",
-        f"summary: {name}, {len(proposal.arm)} joints",
+        f"summary: {name}, {len(proposal.arm)} joint{'s' * (len(proposal.arm) > 1)}",
         f"urdf: {urdf.path.name}",
         f"arm: [{joints}]",
         f"tcp: {_tcp(proposal.tcp_link, proposal.tcp)}",

@@ -195,7 +195,7 @@ def _pictures(
         findings += [Finding("TB407", text, "", place, "warning") for text in told]
     make_folder(file.parent)
     save_image(file, pixels)
-    if arm is None:
+    if arm is None or room <= 0.0:  # joints that all turn about the tool itself
         return [file]
     reach = arm_reach(arm.chain, arm.home, room)
     pixels, _ = take_robot_picture(urdf, joints, trusted=True, marks=reach, room_m=room)

@@ -16,7 +16,7 @@ from taskbuilder.errors import FileError, UnknownNameError, display_path, in_rea
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
 from taskbuilder.schema.used_files import used_files
-from taskbuilder.validate.looking import Look, Looker, Seen
+from taskbuilder.validate.looking import Looker, LookOrder, Seen
 from taskbuilder.validate.polling import Polled
 from taskbuilder.visual.annotations import check_words
 from taskbuilder.wording import suggestion
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     name = entry.name.replace("/", "-")
     file: Path = arguments.out or Path("renders", f"{name}-watch.png")
     make_folder(file.parent)
-    order = Look(
+    order = LookOrder(
         arguments.task,
         catalogue,
         file.absolute(),
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _check_camera(order: Look) -> None:
+def _check_camera(order: LookOrder) -> None:
     """Refuse a camera that the scene lacks, as far as the task can be read.
 
     Raises:
@@ -67,7 +67,7 @@ def _check_camera(order: Look) -> None:
             raise UnknownNameError(f'{file.spec.task} has no camera "{order.camera}"; {help_}')
 
 
-def _watch(looker: Looker, order: Look, entry: CatalogueEntry) -> None:
+def _watch(looker: Looker, order: LookOrder, entry: CatalogueEntry) -> None:
     """Look, wait for a change, and look again."""
     polled = Polled()
     polled.watch(used_files(entry, order.catalogue))

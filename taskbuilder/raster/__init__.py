@@ -15,14 +15,14 @@ from taskbuilder.raster.meshes import (
     simplified,
     sphere,
 )
-from taskbuilder.raster.scene import Camera, Drawing, Lamp, Scene, Shape
+from taskbuilder.raster.scene import Camera, Drawing, Lamp, MeshInstance, Scene
 
 __all__ = [
     "Camera",
     "Drawing",
     "Lamp",
+    "MeshInstance",
     "Scene",
-    "Shape",
     "TriangleMesh",
     "box",
     "capsule",

@@ -25,7 +25,7 @@ SHADOW_BIAS_M = 0.006
 
 
 @dataclass(frozen=True)
-class Shape:
+class MeshInstance:
     """A mesh in a link.
 
     Attributes:
@@ -105,7 +105,7 @@ class Scene:
         shapes: In any order; their places are their numbers.
     """
 
-    def __init__(self, shapes: Sequence[Shape]) -> None:
+    def __init__(self, shapes: Sequence[MeshInstance]) -> None:
         meshes = list(dict.fromkeys(shape.mesh for shape in shapes))
         starts, vertex, triangle = {}, 0, 0
         for mesh in meshes:

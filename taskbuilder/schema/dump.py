@@ -25,8 +25,11 @@ def as_yaml(task: TaskFile) -> str:
     observe = spec.observe or {
         robot: default_channels(task.names, robot) for robot in spec.scene.robots
     }
-    full = spec.model_copy(update={"observe": observe})
-    node = yaml.SafeDumper(io.StringIO(), sort_keys=False).represent_data(_data(full))
+    full = _data(spec.model_copy(update={"observe": observe}))
+    for robot, model in task.robots.items():
+        if not model.takes_hold and robot in full["scene"]["robots"]:
+            full["scene"]["robots"][robot]["action"].pop("gripper", None)
+    node = yaml.SafeDumper(io.StringIO(), sort_keys=False).represent_data(full)
     _choose_styles(node)
     text: str = yaml.serialize(node, Dumper=yaml.SafeDumper, width=_WIDTH, allow_unicode=True)
     return text

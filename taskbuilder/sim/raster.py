@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.geometry import Pose, Quat, Vec3
 from taskbuilder.raster import (
+    MeshInstance,
     Scene,
-    Shape,
     TriangleMesh,
     box,
     capsule,
@@ -61,7 +61,7 @@ class RasterWorld:
         self.state = state
         self._bullet = client.bullet
         self._bodies: list[tuple[int, Pose | None, list[int]]] = []
-        shapes: list[Shape] = []
+        shapes: list[MeshInstance] = []
         owners: list[tuple[int, int]] = []
         rows = 0
         for number in range(self._bullet.getNumBodies()):
@@ -103,7 +103,7 @@ def _shapes(
     position: Vec3,
     quaternion: Quat,
     color: tuple[float, float, float, float],
-) -> list[Shape]:
+) -> list[MeshInstance]:
     """What Bullet's account of a shape looks like; nothing for one that cannot be drawn."""
     in_link = Pose(position, quaternion)
     columns = [in_link.axis(0), in_link.axis(1), in_link.axis(2), position]
@@ -113,7 +113,7 @@ def _shapes(
     for mesh, (r, g, b) in _meshes(kind, tuple(sizes), file):
         wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
         tinted = (red * r, green * g, blue * b, opacity)
-        shapes.append(Shape(mesh, row, pose, tinted, casts_shadow=not wide))
+        shapes.append(MeshInstance(mesh, row, pose, tinted, casts_shadow=not wide))
     return shapes
 
 

@@ -39,7 +39,7 @@ _BUILD = "build"
 
 
 @dataclass(frozen=True)
-class Look:
+class LookOrder:
     """What to look at.
 
     Attributes:
@@ -90,7 +90,7 @@ class Looker:
 
     def look(
         self,
-        order: Look,
+        order: LookOrder,
         seen: Callable[[Seen], None],
         interrupted: Callable[[], bool] = lambda: False,
     ) -> None:
@@ -134,7 +134,7 @@ def _said(error: Exception) -> str:
     return f"a defect of taskbuilder itself: {type(error).__name__}: {error}"
 
 
-def _lost(order: Look, begun: Begun, report: TaskReport | None, lost: LostError) -> TaskReport:
+def _lost(order: LookOrder, begun: Begun, report: TaskReport | None, lost: LostError) -> TaskReport:
     """The report where the child process was lost."""
     entry = order.catalogue.task(order.task)
     if report is None:
@@ -147,7 +147,7 @@ def _lost(order: Look, begun: Begun, report: TaskReport | None, lost: LostError)
 # --- in the child process
 
 
-def take_look(order: Look) -> Seen:
+def take_look(order: LookOrder) -> Seen:
     """Check a task, take its picture and build all of its variations.
 
     The owner is told of each step. The picture comes before the last, which takes longer.
@@ -164,7 +164,7 @@ def take_look(order: Look) -> Seen:
     return replace(pictured, report=report, done=True)
 
 
-def _pictured(order: Look, report: TaskReport) -> Seen:
+def _pictured(order: LookOrder, report: TaskReport) -> Seen:
     """Take the picture; what keeps the scene from being built is found with the build."""
     task = load_task(order.task, catalogue=order.catalogue)
     try:

@@ -37,7 +37,7 @@ class Label:
 
 
 @dataclass(frozen=True)
-class Box:
+class LabelBox:
     """The pixels of a label."""
 
     left: int
@@ -45,7 +45,7 @@ class Box:
     width: int
     height: int
 
-    def overlap(self, other: Box) -> int:
+    def overlap(self, other: LabelBox) -> int:
         """How many pixels two boxes share, with a gap around them."""
         across = min(self.left + self.width, other.left + other.width) - max(self.left, other.left)
         down = min(self.top + self.height, other.top + other.height) - max(self.top, other.top)
@@ -62,7 +62,7 @@ def letter_size(shape: Sequence[int]) -> int:
     return max(9, min(26, round(min(shape[0], shape[1] * 0.75) / 40)))
 
 
-def place_labels(labels: Sequence[Label], shape: Sequence[int]) -> list[Box]:
+def place_labels(labels: Sequence[Label], shape: Sequence[int]) -> list[LabelBox]:
     """A place for each label near its point, inside the picture, over no other where there is room.
 
     Args:
@@ -71,7 +71,7 @@ def place_labels(labels: Sequence[Label], shape: Sequence[int]) -> list[Box]:
     """
     size = letter_size(shape)
     points = [label.point for label in labels]
-    boxes: dict[int, Box] = {}
+    boxes: dict[int, LabelBox] = {}
     # From the top down: labels of crowded points then fan out instead of leaping over each other.
     for index in sorted(range(len(labels)), key=lambda i: (points[i][1], points[i][0])):
         others = points[:index] + points[index + 1 :]
@@ -84,10 +84,10 @@ def place_labels(labels: Sequence[Label], shape: Sequence[int]) -> list[Box]:
 
 
 def _cost(
-    box: Box,
+    box: LabelBox,
     point: tuple[float, float],
     others: Iterable[tuple[float, float]],
-    placed: Iterable[Box],
+    placed: Iterable[LabelBox],
 ) -> float:
     """How bad a place is: over other labels, over other points, or far from its own."""
     clash = sum(box.overlap(other) for other in placed)
@@ -114,7 +114,7 @@ def _bar(size: int) -> int:
     return max(2, round(size / 4))
 
 
-def _candidates(label: Label, size: int, shape: Sequence[int]) -> Iterator[Box]:
+def _candidates(label: Label, size: int, shape: Sequence[int]) -> Iterator[LabelBox]:
     width = text_width(label.text, size, 400) + 3 * _bar(size) + 3
     height = round(1.45 * size)
     column, row = label.point
@@ -125,7 +125,7 @@ def _candidates(label: Label, size: int, shape: Sequence[int]) -> Iterator[Box]:
             x, y = column + away * math.cos(angle), row + away * math.sin(angle)
             left = x - (0.5 - 0.5 * math.cos(angle)) * width
             top = y - (0.5 - 0.5 * math.sin(angle)) * height
-            yield Box(
+            yield LabelBox(
                 round(min(max(left, 2), max(2, shape[1] - width - 2))),
                 round(min(max(top, 2), max(2, shape[0] - height - 2))),
                 width,
@@ -133,7 +133,7 @@ def _candidates(label: Label, size: int, shape: Sequence[int]) -> Iterator[Box]:
             )
 
 
-def _reach(box: Box, point: tuple[float, float]) -> float:
+def _reach(box: LabelBox, point: tuple[float, float]) -> float:
     """Distance from a point to a box; less for a box above and to the right, where eyes look."""
     x, y = _nearest(box, point)
     side = 2.0 * (x < point[0]) + 2.0 * (y > point[1])
@@ -141,14 +141,14 @@ def _reach(box: Box, point: tuple[float, float]) -> float:
     return math.hypot(x - point[0], y - point[1]) + side + inside
 
 
-def _nearest(box: Box, point: tuple[float, float]) -> tuple[float, float]:
+def _nearest(box: LabelBox, point: tuple[float, float]) -> tuple[float, float]:
     return (
         min(max(point[0], box.left), box.left + box.width - 1),
         min(max(point[1], box.top), box.top + box.height - 1),
     )
 
 
-def _lead(picture: Pixels, label: Label, box: Box) -> None:
+def _lead(picture: Pixels, label: Label, box: LabelBox) -> None:
     """A thin line from a label to its point, and a dot there."""
     target = _nearest(box, label.point)
     ends = np.array([target, label.point])
@@ -160,7 +160,7 @@ def _lead(picture: Pixels, label: Label, box: Box) -> None:
     _blend(picture, ends, draw, label.color, 0.5 if label.faded else 0.9)
 
 
-def _plate(picture: Pixels, box: Box, label: Label) -> None:
+def _plate(picture: Pixels, box: LabelBox, label: Label) -> None:
     """A rounded plate of paper with a coloured bar."""
     corners = np.array([(box.left, box.top), (box.left + box.width, box.top + box.height)])
     radius = 3 * _FINE

@@ -277,7 +277,7 @@ def test_an_explosion_during_reset_leaves_an_environment_that_can_be_reset(make,
     env.reset(seed=0)
     world = env.episode.world
 
-    def diverge(seed, *, randomized=False):
+    def diverge(seed, **_):
         raise ExplosionError("block is at nowhere")
 
     monkeypatch.setattr(world, "reset", diverge)

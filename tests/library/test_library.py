@@ -69,6 +69,8 @@ def test_it_has_been_proved_as_it_is(name):
     assert measured["checksum"] == proof.checksum
     assert measured["making"]["level"] == "full"
     assert measured["making"]["seeds"] == proof.seeds >= 40
+    (succeeded,) = (check for check in measured["checks"] if check["code"] == "TB531")
+    assert succeeded["value"] >= 0.98
 
 
 @pytest.mark.parametrize("suite", sorted(SUITES))

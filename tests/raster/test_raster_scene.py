@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taskbuilder.raster import Camera, Drawing, Lamp, Scene, Shape, box, sphere
+from taskbuilder.raster import Camera, Drawing, Lamp, MeshInstance, Scene, box, sphere
 
 NOWHERE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 IN_LINK = np.eye(3, 4)
@@ -25,14 +25,14 @@ def at(x: float, y: float, z: float) -> tuple[float, ...]:
     return (x, y, z, 0.0, 0.0, 0.0, 1.0)
 
 
-def drawn(shapes: list[Shape], links: list[tuple[float, ...]], lamp: Lamp = EVEN) -> Drawing:
+def drawn(shapes: list[MeshInstance], links: list[tuple[float, ...]], lamp: Lamp = EVEN) -> Drawing:
     scene = Scene(shapes)
     scene.place(np.array(links))
     return scene.draw(CAMERA, lamp, backdrop=np.full((60, 3), 255, np.uint8))
 
 
 def test_a_box_covers_the_pixels_whose_centres_it_covers():
-    seen = drawn([Shape(box((0.5, 0.25, 0.1)), 0, IN_LINK, RED)], [at(0, 0, 1.05)])
+    seen = drawn([MeshInstance(box((0.5, 0.25, 0.1)), 0, IN_LINK, RED)], [at(0, 0, 1.05)])
     # Its near side is 1 m away, 30 by 15 pixels around the middle of the picture.
     expected = np.full((60, 80), -1)
     expected[22:38, 25:55] = 0
@@ -48,7 +48,7 @@ def test_a_box_covers_the_pixels_whose_centres_it_covers():
 @given(st.floats(-0.3, 0.3), st.floats(-0.2, 0.2), st.floats(0.4, 5.0), st.floats(0.02, 0.15))
 @settings(max_examples=50, deadline=None)
 def test_a_ball_is_seen_where_the_rays_meet_it(x, y, z, radius):
-    seen = drawn([Shape(sphere(radius), 0, IN_LINK, RED)], [at(x, y, z)])
+    seen = drawn([MeshInstance(sphere(radius), 0, IN_LINK, RED)], [at(x, y, z)])
     rows, columns = np.mgrid[0:60, 0:80]
     rays = np.stack([(columns + 0.5 - 40) / 60, (rows + 0.5 - 30) / 60, np.ones((60, 80))], -1)
     along = rays @ (x, y, z) / (rays**2).sum(-1)
@@ -61,8 +61,8 @@ def test_a_ball_is_seen_where_the_rays_meet_it(x, y, z, radius):
 
 
 def test_what_is_nearer_hides_what_is_behind_in_whatever_order_it_is_drawn():
-    near = Shape(box((0.2, 0.2, 0.1)), 0, IN_LINK, RED)
-    behind = Shape(box((1.0, 1.0, 0.1)), 1, IN_LINK, GREEN)
+    near = MeshInstance(box((0.2, 0.2, 0.1)), 0, IN_LINK, RED)
+    behind = MeshInstance(box((1.0, 1.0, 0.1)), 1, IN_LINK, GREEN)
     links = [at(0, 0, 1), at(0, 0, 2)]
     one, two = drawn([near, behind], links), drawn([behind, near], links)
     np.testing.assert_array_equal(one.rgb, two.rgb)
@@ -72,7 +72,7 @@ def test_what_is_nearer_hides_what_is_behind_in_whatever_order_it_is_drawn():
 
 def test_neighbouring_faces_leave_no_pixel_between_them():
     turned = (0.01, -0.02, 2.0, *(np.array([0.2, 0.4, 0.1, 0.9]) / math.sqrt(1.02)))
-    seen = drawn([Shape(sphere(1.0), 0, IN_LINK, RED)], [turned])
+    seen = drawn([MeshInstance(sphere(1.0), 0, IN_LINK, RED)], [turned])
     rows, columns = np.nonzero(seen.shapes == 0)
     for row in np.unique(rows):
         listed = columns[rows == row]
@@ -80,7 +80,7 @@ def test_neighbouring_faces_leave_no_pixel_between_them():
 
 
 def test_a_wall_that_passes_the_camera_is_cut_at_the_near_plane():
-    floor = Shape(box((4.0, 0.1, 8.0)), 0, IN_LINK, RED)
+    floor = MeshInstance(box((4.0, 0.1, 8.0)), 0, IN_LINK, RED)
     seen = drawn([floor], [at(0, 0.3, 3.0)])  # from 1 m behind the camera to 7 m in front
     assert (seen.shapes[59] == 0).all()
     rows = np.arange(36, 60)
@@ -88,15 +88,15 @@ def test_a_wall_that_passes_the_camera_is_cut_at_the_near_plane():
 
 
 def test_light_falls_off_where_a_surface_turns_away():
-    seen = drawn([Shape(sphere(0.4), 0, IN_LINK, RED)], [at(0, 0, 1.5)], LAMP)
+    seen = drawn([MeshInstance(sphere(0.4), 0, IN_LINK, RED)], [at(0, 0, 1.5)], LAMP)
     middle, edge = int(seen.rgb[30, 40, 0]), int(seen.rgb[30, 40 + 15, 0])
     assert middle >= 253
     assert 102 <= edge < 230
 
 
 def test_translucent_shapes_are_painted_over_the_rest_and_leave_depth_and_segmentation():
-    glass = Shape(box((0.2, 0.2, 0.1)), 0, IN_LINK, (0.0, 0.0, 1.0, 0.25))
-    wall = Shape(box((3.0, 3.0, 0.1)), 1, IN_LINK, RED)
+    glass = MeshInstance(box((0.2, 0.2, 0.1)), 0, IN_LINK, (0.0, 0.0, 1.0, 0.25))
+    wall = MeshInstance(box((3.0, 3.0, 0.1)), 1, IN_LINK, RED)
     seen = drawn([glass, wall], [at(0, 0, 1), at(0, 0, 2)])
     alone = drawn([wall], [NOWHERE, at(0, 0, 2)])
     assert (seen.rgb[30, 40] == (191, 0, 64)).all()
@@ -109,8 +109,8 @@ def test_translucent_shapes_are_painted_over_the_rest_and_leave_depth_and_segmen
 @pytest.mark.parametrize("shadow", [False, True])
 def test_shapes_shade_what_is_behind_them_only_if_asked(shadow):
     shapes = [
-        Shape(box((0.3, 0.3, 0.05)), 0, IN_LINK, RED),
-        Shape(box((3.0, 3.0, 0.05)), 1, IN_LINK, GREEN, casts_shadow=False),
+        MeshInstance(box((0.3, 0.3, 0.05)), 0, IN_LINK, RED),
+        MeshInstance(box((3.0, 3.0, 0.05)), 1, IN_LINK, GREEN, casts_shadow=False),
     ]
     scene = Scene(shapes)
     scene.place(np.array([at(-0.4, 0, 1.5), at(0, 0, 2.0)]))
@@ -124,7 +124,7 @@ def test_shapes_shade_what_is_behind_them_only_if_asked(shadow):
 
 def test_the_same_scene_gives_the_same_picture_to_the_bit():
     def picture() -> Drawing:
-        shapes = [Shape(sphere(0.1 + 0.01 * n), n, IN_LINK, RED) for n in range(20)]
+        shapes = [MeshInstance(sphere(0.1 + 0.01 * n), n, IN_LINK, RED) for n in range(20)]
         return drawn(shapes, [at(0.03 * n - 0.3, 0.01 * n, 1 + 0.1 * n) for n in range(20)], LAMP)
 
     one, two = picture(), picture()

@@ -157,6 +157,7 @@ scene:
   sites:
     goal:
       marker: {box: [0.1, 0.1, 0.1]}
+      opacity: 0.5
       color: green
       place: {center: [0, 0, 1], size: [0, 0, 0]}
     slot:

@@ -174,7 +174,7 @@ class Pair"""
 def test_processes_of_the_process_are_replaced_too(family, write_pair, tmp_path, caplog):
     """Repeated is in fresh processes, and the expert plays in several."""
     mark = tmp_path / "mark"
-    elsewhere = "any(f.name == '_answer' for f in __import__('traceback').extract_stack())"
+    elsewhere = "any(f.name == 'carry_out' for f in __import__('traceback').extract_stack())"
     kills = once("SIGKILL", mark, elsewhere)
     file = write_pair(
         ("import random\n", "import os, signal\n"),

@@ -24,7 +24,7 @@ scene:
   sites:
     first: {position: [0.45, 0.08, 0.4]}
     second: {position: [0.45, 0.16, 0.4], marker: {sphere: 0.03}, color: green}
-    flag: {position: [0, 0, 0.05], in: arm.tcp, marker: {sphere: 0.04}, color: yellow}
+    flag: {position: [0, 0, 0.05], in: arm.tcp, marker: {sphere: 0.04}, color: yellow, opacity: 1}
   cameras:
     front: {position: [1.6, 0.1, 0.5], look_at: [0.45, 0.1, 0.4], size: [64, 48]}
     wrist: {mount: arm.tcp, size: [64, 48]}

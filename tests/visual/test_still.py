@@ -39,7 +39,7 @@ scene:
     wall: {shape: {box: [4, 0.2, 4]}, fixed: true, position: [0, 0, 2], color: blue}
     block: {shape: {box: [0.2, 0.2, 0.2]}, fixed: true, position: [0, -0.5, 1], color: red}
   sites:
-    goal: {position: [0.6, -0.5, 1], marker: {sphere: 0.1}, color: green}
+    goal: {position: [0.6, -0.5, 1], marker: {sphere: 0.1}, color: green, opacity: 1}
     flag: {position: [0, 0, 0.1], in: block, marker: {box: [0.02, 0.02, 0.4]}, color: yellow}
   cameras:
     front: {position: [0, -2.1, 1], look_at: [0, 0, 1], size: [160, 120]}

@@ -20,7 +20,7 @@ from taskbuilder.world.suction import FARTHEST_M, Suction
 from taskbuilder.world.world import World
 
 
-class Gap(NamedTuple):
+class CupGap(NamedTuple):
     """What a cup finds at a grasp point.
 
     Attributes:
@@ -78,14 +78,14 @@ def check_suction(context: Context) -> Result:
 # --- in each process
 
 
-def find_gaps(cache: EnvCache, start: Start) -> list[Gap]:
+def find_gaps(cache: EnvCache, start: Start) -> list[CupGap]:
     """The gaps at all grasp points that the expert takes by suction."""
     env = cache.env(start.variation)
     env.reset(seed=start.seed)
     return list(_gaps(env.episode.world))
 
 
-def _gaps(world: World) -> Iterator[Gap]:
+def _gaps(world: World) -> Iterator[CupGap]:
     for path, robot, order in each_order(world.spec.expert):
         cup = world.robots[robot].gripper
         grasp = grasp_of(world.scene, order.grasp) if order.grasp else None
@@ -94,4 +94,4 @@ def _gaps(world: World) -> Iterator[Gap]:
         at = world.pose(order.grasp)
         tool = Pose(at.position, grasp_turn(grasp, at))
         body = world.objects[carrier_of(world.scene, order.grasp).partition(".")[0]].body
-        yield Gap((*path, "grasp"), robot, order.grasp, cup.gap(body, tool), cup.reach)
+        yield CupGap((*path, "grasp"), robot, order.grasp, cup.gap(body, tool), cup.reach)
