@@ -30,7 +30,7 @@ from taskbuilder.sim.mesh_colors import WHITE, Color, face_colors
 FLOOR_REACH_M = 1.5
 """What is wider than this, from its middle, casts no shadow that anybody would see."""
 
-MOST_TRIANGLES = 3_000
+MOST_TRIANGLES = 2_400
 """Meshes with more are simplified."""
 
 
