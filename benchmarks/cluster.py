@@ -12,6 +12,8 @@ from __future__ import annotations
 import argparse
 import json
 import pickle
+import shlex
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -97,7 +99,7 @@ def main() -> None:
                 raise SystemExit(f"{name}: other episodes than the first time")
     seconds = {name: median(listed) for name, listed in rounds.items()}
     data = {
-        "command": "python benchmarks/cluster.py",
+        "command": shlex.join(["python", "benchmarks/cluster.py", *sys.argv[1:]]),
         "machine": describe_machine(),
         "task": TASK,
         "episodes": arguments.episodes,
