@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +99,26 @@ class Drawing:
     shapes: NDArray[np.int32]
 
 
+class _Buffer(NamedTuple):
+    """A z-buffer; see `filling`.
+
+    Attributes:
+        keys: (h, w) key of the nearest shape.
+        ids: (h, w) its number; -1 where there is none.
+        shades: (h, w) the share of light that it reflects.
+    """
+
+    keys: NDArray[np.float32]
+    ids: NDArray[np.int32]
+    shades: NDArray[np.float32]
+
+    @classmethod
+    def empty(cls, size: tuple[int, int], furthest: float) -> _Buffer:
+        """A buffer with nothing in it but the key of what is too far."""
+        ids = np.full(size, -1, np.int32)
+        return cls(np.full(size, furthest, np.float32), ids, np.empty(size, np.float32))
+
+
 class Scene:
     """Shapes, packed for drawing.
 
@@ -161,18 +182,16 @@ class Scene:
         direction = np.array(lamp.direction) / np.linalg.norm(lamp.direction)
         light = np.array((*direction, lamp.ambient, lamp.diffuse))
         view = np.ascontiguousarray(camera.view)
-        keys = np.full(size, 1.0 / camera.far, np.float32)
-        ids = np.full(size, -1, np.int32)
-        shades = np.empty(size, np.float32)
-        self._fill(self._solid, view, lens, light, keys, ids, shades)
+        buffer = _Buffer.empty(size, 1.0 / camera.far)
+        self._fill(self._solid, view, lens, light, buffer)
         if shadow and len(self._casting):
-            self._shade(view, lens, direction, lamp.ambient, keys, ids, shades)
+            self._shade(view, lens, direction, lamp.ambient, buffer)
         rgb, depth = np.empty((*size, 3), np.uint8), np.empty(size, np.float32)
         colors = self._colors * np.array(lamp.color, np.float32)
-        finishing.resolve(keys, ids, shades, colors, backdrop, camera.far, rgb, depth)
+        finishing.resolve(*buffer, colors, backdrop, camera.far, rgb, depth)
         if len(self._glass):
-            self._glaze(view, lens, light, keys, colors, rgb)
-        return Drawing(rgb, depth, ids)
+            self._glaze(view, lens, light, buffer, colors, rgb)
+        return Drawing(rgb, depth, buffer.ids)
 
     def _fill(
         self,
@@ -180,9 +199,7 @@ class Scene:
         view: Array,
         lens: Array,
         light: Array,
-        keys: NDArray[np.float32],
-        ids: NDArray[np.int32],
-        shades: NDArray[np.float32],
+        buffer: _Buffer,
         *,
         flat: bool = False,
     ) -> None:
@@ -199,9 +216,7 @@ class Scene:
             light,
             flat,
             self._scratch,
-            keys,
-            ids,
-            shades,
+            *buffer,
         )
 
     def _glaze(
@@ -209,19 +224,17 @@ class Scene:
         view: Array,
         lens: Array,
         light: Array,
-        keys: NDArray[np.float32],
+        buffer: _Buffer,
         colors: NDArray[np.float32],
         rgb: NDArray[np.uint8],
     ) -> None:
         """Paint translucent shapes over the picture, the furthest first."""
         depths = self._poses[self._glass, :, 3] @ view[2, :3]
         for shape in self._glass[np.argsort(-depths, kind="stable")]:
-            over_keys = np.full_like(keys, 1.0 / lens[4])
-            shades = np.empty_like(keys)
-            ids = np.empty(keys.shape, np.int32)
-            self._fill(np.array([shape]), view, lens, light, over_keys, ids, shades)
+            over = _Buffer.empty(rgb.shape[:2], 1.0 / lens[4])
+            self._fill(np.array([shape]), view, lens, light, over)
             opacity = float(self._opacity[shape])
-            finishing.blend(keys, over_keys, shades, colors[shape], opacity, rgb)
+            finishing.blend(buffer.keys, over.keys, over.shades, colors[shape], opacity, rgb)
 
     def _shade(
         self,
@@ -229,20 +242,16 @@ class Scene:
         lens: Array,
         direction: Array,
         ambient: float,
-        keys: NDArray[np.float32],
-        ids: NDArray[np.int32],
-        shades: NDArray[np.float32],
+        buffer: _Buffer,
     ) -> None:
         """Take light from what the lamp does not reach."""
         lamp_view, lamp_lens = self._seen_by_lamp(direction)
-        side = (SHADOW_SIDE, SHADOW_SIDE)
-        lamp_keys = np.full(side, -np.inf, np.float32)
-        unused = np.empty(side, np.int32), np.empty(side, np.float32)
+        lamp = _Buffer.empty((SHADOW_SIDE, SHADOW_SIDE), -math.inf)
         light = np.array((*direction, 1.0, 0.0))
-        self._fill(self._casting, lamp_view, lamp_lens, light, lamp_keys, *unused, flat=True)
+        self._fill(self._casting, lamp_view, lamp_lens, light, lamp, flat=True)
         world = np.concatenate([view[:, :3].T, -(view[:, :3].T @ view[:, 3:])], axis=1)
         finishing.darken(
-            *(keys, ids, shades, world, lens, lamp_view, lamp_lens, lamp_keys),
+            *(*buffer, world, lens, lamp_view, lamp_lens, lamp.keys),
             *(ambient, SHADOW_BIAS_M, SHADOW_DEPTH),
         )
 
