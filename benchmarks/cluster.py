@@ -69,6 +69,7 @@ def play(config: TrialConfig, count: int, episodes: int, *, kill: bool = False) 
             if kill and number == episodes // 2:
                 made.remove_node(next(n for n in made.worker_nodes))
         seconds = time.perf_counter() - begun
+    # Ray sends results as pickles, so that is what their size is measured by.
     return {
         "seconds": seconds,
         "digests": [digest_of_rollout(rollout) for rollout in played],

@@ -198,7 +198,7 @@ def pusher() -> str:
 
 
 def suction() -> str:
-    """A cup on a tube; its lip is soft: what is seen of it reaches 2 mm beyond what collides."""
+    """A cup on a tube; its soft lip, as drawn, is 2 mm longer than its collision shape."""
     body = [
         Solid((0.037, 0.012), (0.0, 0.0, 0.006), "metal", 0.12),
         Solid((0.031, 0.055), (0.0, 0.0, 0.0395), "body", 0.4),

@@ -159,7 +159,7 @@ class _Cluster:
             fault = Fault(f"of the Ray cluster was lost: {first}", "", outside=True)
             raise LostError(fault, item) from None
         self._tell_of(other)
-        kind, value = pickle.loads(answer)  # noqa: S301  # our own node wrote it
+        kind, value = pickle.loads(answer)  # noqa: S301  # a node that runs our code; see docs/clusters.md
         if kind == DONE:
             return value
         raise value

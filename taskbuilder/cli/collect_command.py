@@ -32,7 +32,7 @@ from taskbuilder.rollout.play import Policy, as_policy
 from taskbuilder.schema.catalogue import Catalogue
 
 SAY_EVERY_S = 30.0
-"""How often progress is told where nobody watches a terminal."""
+"""Seconds between lines of progress when standard error is not a terminal."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -108,7 +108,7 @@ def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> di
         if is_named(share.name):
             continue
         if not is_trained(share.name):
-            policy_named(share.name)  # raises, with the names that there are
+            policy_named(share.name)  # raises, and lists the known names
         trained = options_of(load_policy(share.name))
         trained.pop("variation", None)
         for name, value in trained.items():

@@ -101,7 +101,7 @@ def _say_why(entry: CatalogueEntry, changed: Iterable[Path], count: int, *, firs
 
 
 class _Printer:
-    """Prints what is seen of a task, as soon as it is known."""
+    """Prints the findings on a task as soon as they are known."""
 
     def __init__(self) -> None:
         self._started = time.perf_counter()

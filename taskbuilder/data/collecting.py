@@ -186,7 +186,7 @@ def _play_all(
                 found = (
                     spread(partial(play_elsewhere, job), attempts)
                     if spread
-                    else map(player.play, attempts)  # type: ignore[union-attr]
+                    else map(player.play, attempts)  # type: ignore[union-attr]  # one of both is set
                 )
                 for done in found:
                     own.append(done)

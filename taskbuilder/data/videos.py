@@ -41,7 +41,7 @@ def require_video() -> None:
         UsageError: PyAV is not installed.
     """
     with extra_needed("recording cameras"):
-        import av  # noqa: F401
+        import av  # noqa: F401  # only to see whether it is installed
 
 
 def encoded(frames: Sequence[Frames], fps: int) -> bytes:

@@ -21,7 +21,7 @@ def check_end_effectors(
     scene: SceneSpec,
     robots: Mapping[str, RobotModel],
 ) -> Iterator[Finding]:
-    """Check that only robots with a gripper are told to hold something.
+    """Check that only robots with a gripper are ordered to grasp.
 
     Args:
         source: The task file.

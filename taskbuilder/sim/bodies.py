@@ -217,7 +217,7 @@ def _multibody(
 
 def _around(boxes: Sequence[Box]) -> Box | None:
     if len(boxes) <= 1:
-        return boxes[0] if boxes else None  # a ball's as it is, for a ball that has rolled
+        return boxes[0] if boxes else None  # a ball keeps its own, which stays exact when it rolls
     return bounding_box([corner for box in boxes for corner in (box.low, box.high)])
 
 

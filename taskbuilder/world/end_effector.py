@@ -102,6 +102,7 @@ class Tool:
     def go_home(self) -> None:
         """Nothing."""
 
+    # Unused arguments are part of the `EndEffector` protocol.
     def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:  # noqa: ARG002
         """It never does."""
         return False

@@ -89,6 +89,7 @@ class Fingers:
         self._body.reset_joints(self.joints, self.positions(1.0))
         self.move(1.0)
 
+    # Unused arguments are part of the `EndEffector` protocol.
     def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:  # noqa: ARG002
         """Whether fingers press on a body, or on a link of it, from opposite sides."""
         strong = [push for push in pushes() if norm(push.force) > GRASP_FORCE_N]

@@ -80,6 +80,7 @@ class Suction:
         """Let go."""
         self.issue(SuctionState())
 
+    # Unused arguments are part of the `EndEffector` protocol.
     def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:  # noqa: ARG002
         """Whether the cup holds a body, or a link of it."""
         held = self.command.held

@@ -21,7 +21,7 @@ def require_parquet() -> None:
         UsageError: PyArrow is not installed.
     """
     with extra_needed("the format lerobot"):
-        import pyarrow.parquet  # noqa: F401
+        import pyarrow.parquet  # noqa: F401  # only to see whether it is installed
 
 
 def frame_table(features: Mapping[str, Any], columns: Mapping[str, Any]) -> Any:
