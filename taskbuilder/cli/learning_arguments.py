@@ -208,6 +208,15 @@ def add_plot(adder: CommandAdder) -> None:
     )
     parser.add_argument("runs", nargs="+", metavar="RUN", help="folders of runs of one task")
     parser.add_argument(
+        "--beside",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="CSV",
+        help="also draw curves of other software; columns: step, success_rate or team_return, "
+        "and seed if there are several",
+    )
+    parser.add_argument(
         "--out", type=Path, required=True, metavar="FILE", help="picture, .png or .svg"
     )
     parser.add_argument("--title", metavar="T", help="title of the picture (default the task)")

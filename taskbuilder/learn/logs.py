@@ -71,7 +71,7 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise _damaged(path, line, "is no text") from None
+        raise damaged(path, line, "is no text") from None
     # A line without an end is being written now, or is the last line of a killed run.
     lines = text.split("\n")[:-1]
     rows = csv.reader(lines)
@@ -80,10 +80,10 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
         missing = [name for name in needed if name not in names]
         if missing:
             has = ", ".join(names)
-            raise _damaged(path, 1, f"has no column {missing[0]}; the columns are {has}")
+            raise damaged(path, 1, f"has no column {missing[0]}; the columns are {has}")
         values = [_row(path, rows.line_num, row, names) for row in rows]
     except csv.Error as error:
-        raise _damaged(path, rows.line_num, str(error)) from None
+        raise damaged(path, rows.line_num, str(error)) from None
     array = np.array(values).reshape(-1, len(names))
     columns = dict(zip(names, array.T, strict=True))
     _check_order(path, columns["step"])
@@ -92,7 +92,7 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
 
 def _row(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
     if len(row) != len(names):
-        raise _damaged(path, line, f"has {len(row)} values for {len(names)} columns")
+        raise damaged(path, line, f"has {len(row)} values for {len(names)} columns")
     return [_number(path, line, name, word) for name, word in zip(names, row, strict=True)]
 
 
@@ -103,7 +103,7 @@ def _number(path: Path, line: int, name: str, word: str) -> float:
         value = None
     # Losses may be NaN if the learner diverged; other columns may not.
     if value is None or not (math.isfinite(value) or path.stem == "updates"):
-        raise _damaged(path, line, f'{name} is "{word}", which is no number')
+        raise damaged(path, line, f'{name} is "{word}", which is no number')
     return value
 
 
@@ -112,8 +112,9 @@ def _check_order(path: Path, steps: Column) -> None:
     if len(back):
         row = int(back[0])
         what = f"step {steps[row + 1]:g} comes after {steps[row]:g}"
-        raise _damaged(path, row + 3, what)
+        raise damaged(path, row + 3, what)
 
 
-def _damaged(path: Path, line: int, what: str) -> LogError:
+def damaged(path: Path, line: int, what: str) -> LogError:
+    """The error for a line of a table."""
     return LogError(f"{display_path(path)}:{line}: {what}")
