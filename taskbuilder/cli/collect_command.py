@@ -28,7 +28,7 @@ from taskbuilder.expert.named import policy_named
 from taskbuilder.jobs import cores
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.zoo import load_policy, policy_file
-from taskbuilder.rollout.play import Policy, as_policy
+from taskbuilder.rollout.play import Policy
 from taskbuilder.schema.catalogue import Catalogue
 
 SAY_EVERY_S = 30.0
@@ -129,7 +129,7 @@ def trained_player(name: str, env: TaskEnv) -> Policy:
     """
     trained = load_policy(name)
     check_fits(trained, env, name)
-    return as_policy(trained.act)
+    return trained.player()
 
 
 class _Progress:

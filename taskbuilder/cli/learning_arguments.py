@@ -31,7 +31,12 @@ def add_train(adder: CommandAdder) -> None:
         "train a policy for each robot of a task",
         "handover --steps 300000 --seed 1 --out runs/handover-1",
     )
-    parser.add_argument("task", nargs="?", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "task",
+        nargs="?",
+        metavar="TASK",
+        help="name, or path of a YAML file (default that of --data)",
+    )
     parser.add_argument(
         "--resume", type=Path, metavar="RUN", help="continue the run in this folder"
     )
@@ -84,6 +89,9 @@ def add_train(adder: CommandAdder) -> None:
     )
     parser.add_argument(
         "--init", metavar="POLICY", help="start from zoo:TASK/TRACK, a run, or a policy's file"
+    )
+    parser.add_argument(
+        "--data", metavar="DIR", help="data set that bc learns from; collect makes one"
     )
     parser.add_argument(
         "--device", metavar="D", help="device of the networks: cpu or cuda (default cpu)"

@@ -45,9 +45,8 @@ class CheckpointEvaluator:
 
     def __call__(self, policy: TrainedPolicy) -> Evaluation:
         """Evaluate a policy."""
-        played = summarise(
-            [play(self._env, policy.act, seed) for seed in self._seeds], self._stages
-        )
+        player = policy.player()
+        played = summarise([play(self._env, player, seed) for seed in self._seeds], self._stages)
         steps = played.steps_to_success
         row = {
             "episodes": played.episodes,

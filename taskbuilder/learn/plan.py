@@ -13,8 +13,9 @@ from typing import Any
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
-from taskbuilder.learn.learner import Preset
+from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.wording import suggestion
 
@@ -23,8 +24,8 @@ FORMAT = 1
 
 RUN_FILE = "run.json"
 
-_LATER = ("preset", "init", "device", "randomize")
-"""Fields of a plan that may be missing in files of version 0.1."""
+_LATER = ("preset", "init", "device", "randomize", "data")
+"""Fields of a plan that may be missing in files of earlier versions."""
 
 RENAMED_SETTINGS = {
     "cloning": "bc_updates",
@@ -45,13 +46,14 @@ class Plan:
         algorithm: The algorithm, one of those in `taskbuilder.learn.algorithms`.
         preset: The preset that the settings came from; "" for none.
         reward: The training reward, one of `REWARDS`.
-        steps: Control steps, summed over all environments.
+        steps: Control steps, summed over all environments; with a data set, updates.
         seed: Seed of everything random in the run.
         envs: Number of parallel environments.
         workers: Processes for the environments; 0 for this one. Results do not depend on it.
         demos: Expert episodes to learn from.
         starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name; "" for none.
+        data: The data set to learn from, for algorithms that learn from one; "" for none.
         device: Device of the networks: ``cpu`` or ``cuda``.
         observe, frame, rotation, variation, randomize: Options of the environments; see `Options`.
         evaluate_every: Control steps between evaluations.
@@ -72,6 +74,7 @@ class Plan:
     demos: int = 0
     starts: float = 0.0
     init: str = ""
+    data: str = ""
     device: str = "cpu"
     observe: str = "task"
     frame: str = "base"
@@ -93,8 +96,13 @@ class Plan:
 
     @property
     def track(self) -> str:
-        """The track: ``demos``, ``resets`` or ``finetuned``; ``scratch`` for a run without help."""
-        helped = {"demos": self.demos, "resets": self.starts, "finetuned": self.init}
+        """The track: ``cloned``, ``demos``, ``resets`` or ``finetuned``; else ``scratch``."""
+        helped = {
+            "cloned": self.data,
+            "demos": self.demos,
+            "resets": self.starts,
+            "finetuned": self.init,
+        }
         return next((name for name, value in helped.items() if value), "scratch")
 
     def check(self) -> None:
@@ -159,7 +167,12 @@ def make_plan(
             raise UsageError(f"{chosen['algorithm']} has no presets; leave --preset out")
         _choice("preset", chosen["preset"], tuple(algorithm.presets))
         preset = algorithm.presets[chosen["preset"]]
+    _check_source(chosen, algorithm)
     trained = _env_of(init) if init else {}
+    if algorithm.from_data:
+        folder = Path(chosen["data"]).resolve()
+        trained = {**recorded_options(folder, chosen), "envs": 1}
+        chosen["data"] = str(folder)
     plan = Plan(**{"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():
@@ -172,6 +185,21 @@ def make_plan(
     )
     fitting = algorithm.settings_of(init) if init else {}
     return replace(plan, settings={**preset.settings, **fitting, **own})
+
+
+def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
+    """Check that there is a data set exactly if the algorithm learns from one.
+
+    Raises:
+        UsageError: It is otherwise.
+    """
+    name = chosen.get("algorithm", Plan.algorithm)
+    if algorithm.from_data and not chosen.get("data"):
+        raise UsageError(
+            f"{name} learns from a data set; name one by --data DIR (taskbuilder collect makes one)"
+        )
+    if chosen.get("data") and not algorithm.from_data:
+        raise UsageError(f"{name} learns from no data set; --algorithm bc does")
 
 
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
