@@ -124,6 +124,12 @@ def add_train(adder: CommandAdder) -> None:
         "--evaluate-episodes", type=many, metavar="N", help="episodes per evaluation (default 20)"
     )
     parser.add_argument(
+        "--film-every",
+        type=whole(0, 1_000_000),
+        metavar="N",
+        help="film an episode of every Nth evaluation; 0: none (default 10)",
+    )
+    parser.add_argument(
         "--checkpoint-every", type=many, metavar="N", help="in control steps (default 10000)"
     )
     parser.add_argument(

@@ -24,7 +24,7 @@ FORMAT = 1
 
 RUN_FILE = "run.json"
 
-_LATER = ("preset", "init", "device", "randomize", "data")
+_LATER = ("preset", "init", "device", "randomize", "data", "film_every")
 """Fields of a plan that may be missing in files of earlier versions."""
 
 RENAMED_SETTINGS = {
@@ -58,6 +58,7 @@ class Plan:
         observe, frame, rotation, variation, randomize: Options of the environments; see `Options`.
         evaluate_every: Control steps between evaluations.
         evaluate_episodes: Episodes per evaluation.
+        film_every: Evaluations between films of an episode; 0 for no films.
         checkpoint_every: Control steps between checkpoints.
         stop_at: Stop when two evaluations in a row reach this success rate.
         settings: Settings of the algorithm that differ from its defaults, by name.
@@ -83,6 +84,7 @@ class Plan:
     randomize: bool = False
     evaluate_every: int = 10_000
     evaluate_episodes: int = 20
+    film_every: int = 10
     checkpoint_every: int = 10_000
     stop_at: float | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -105,6 +107,10 @@ class Plan:
         }
         return next((name for name, value in helped.items() if value), "scratch")
 
+    def films_at(self, step: int) -> bool:
+        """Whether the evaluation at a step is filmed."""
+        return bool(self.film_every) and step // self.evaluate_every % self.film_every == 0
+
     def check(self) -> None:
         """Check all values.
 
@@ -122,8 +128,8 @@ class Plan:
         for name in ("evaluate_every", "checkpoint_every"):
             if getattr(self, name) < self.envs:
                 raise UsageError(f"{name} is less than the {self.envs} environments' step at once")
-        if self.demos < 0 or self.seed < 0:
-            raise UsageError("demos and seed are at least 0")
+        if min(self.demos, self.seed, self.film_every) < 0:
+            raise UsageError("demos, seed and film_every are at least 0")
         for name in ("starts", "stop_at"):
             value = getattr(self, name)
             if value is not None and not 0.0 <= value <= 1.0:

@@ -304,7 +304,7 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         "command": load_plan(folder)[1]["command"],
         "taskbuilder": __version__,
     }
-    with closing(CheckpointEvaluator(task, plan.env, plan.evaluate_episodes)) as evaluator:
+    with closing(CheckpointEvaluator(task, plan, folder)) as evaluator:
         training.train(plan, task, folder, evaluator, about, watch)
 
 
