@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import math
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +53,7 @@ class RunLog:
 
 
 def read_run(folder: Path) -> RunLog:
-    """Read a training run.
+    """Read a training run; its tables may be compressed, such as ``episodes.csv.gz``.
 
     Raises:
         UsageError: There is no run, or its format is not supported.
@@ -65,13 +67,17 @@ def read_run(folder: Path) -> RunLog:
 
 def _read(path: Path, needed: tuple[str, ...]) -> Table:
     """Read a table; a table that does not exist yet has no rows."""
-    if not path.exists():
+    packed = path.with_name(f"{path.name}.gz")
+    if path.exists():
+        data = path.read_bytes()
+    elif packed.exists():
+        path, data = packed, _unpacked(packed)
+    else:
         return {name: np.zeros(0) for name in needed}
     try:
-        text = path.read_text(encoding="utf-8")
+        text = data.decode("utf-8")
     except UnicodeDecodeError as error:
-        line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise damaged(path, line, "is no text") from None
+        raise damaged(path, data[: error.start].count(b"\n") + 1, "is no text") from None
     # A line without an end is being written now, or is the last line of a killed run.
     lines = text.split("\n")[:-1]
     rows = csv.reader(lines)
@@ -88,6 +94,13 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
     columns = dict(zip(names, array.T, strict=True))
     _check_order(path, columns["step"])
     return columns
+
+
+def _unpacked(path: Path) -> bytes:
+    try:
+        return gzip.decompress(path.read_bytes())
+    except (gzip.BadGzipFile, EOFError, zlib.error):
+        raise LogError(f"{display_path(path)} is damaged, or not compressed with gzip") from None
 
 
 def _row(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
