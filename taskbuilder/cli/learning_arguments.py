@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.argument_types import share, variation, whole
+from taskbuilder.cli.argument_types import listed, share, variation, whole
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
@@ -92,6 +92,12 @@ def add_train(adder: CommandAdder) -> None:
     )
     parser.add_argument(
         "--data", metavar="DIR", help="data set that bc learns from; collect makes one"
+    )
+    parser.add_argument(
+        "--cameras",
+        type=listed,
+        metavar="C,C",
+        help="cameras of the data set that policies observe, besides numbers of their own robot",
     )
     parser.add_argument(
         "--device", metavar="D", help="device of the networks: cpu or cuda (default cpu)"

@@ -9,17 +9,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.spaces import VECTOR
+from taskbuilder.errors import UsageError
+from taskbuilder.learn.pictures import PictureEncoder, is_of_encoder, read_encoder
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.rollout.play import Policy
 
 CHUNKS = "chunks"
 """Key of a policy's file that tells how its chunks are executed."""
+
+ENCODERS = "encoders"
+"""Key of a policy's file that names the cameras whose pictures it observes."""
 
 LONGEST = 1_000
 """Maximum length of a chunk in a policy's file."""
@@ -51,16 +57,25 @@ class ChunkExecution:
 class ChunkPolicy(TrainedPolicy):
     """A policy whose networks predict chunks of actions, the first action first.
 
+    A network takes the numbers that its agent observes, and then the features of all pictures.
+
     Attributes:
         execution: How its chunks are executed.
+        encoders: The encoder of each camera that agents observe.
     """
 
     execution: ChunkExecution = ChunkExecution(1)
+    encoders: Mapping[str, PictureEncoder] = field(default_factory=dict)
 
     def predict(self, observations: Mapping[str, Any]) -> dict[str, Array]:
         """A chunk of actions for each agent: (length, n) each."""
+        inputs = {agent: observations[agent] for agent in self.networks}
+        if self.encoders:  # every agent observes the same pictures
+            shown = next(iter(inputs.values()))
+            features = [encode(shown[f"{name}.rgb"]) for name, encode in self.encoders.items()]
+            inputs = {a: np.concatenate([seen[VECTOR], *features]) for a, seen in inputs.items()}
         return {
-            agent: network(observations[agent]).reshape(self.execution.length, -1)
+            agent: network(inputs[agent]).reshape(self.execution.length, -1)
             for agent, network in self.networks.items()
         }
 
@@ -77,11 +92,47 @@ class ChunkPolicy(TrainedPolicy):
         takes, gives = super().sizes(agent)
         if gives % self.execution.length:
             raise ValueError(f"{gives} numbers are no chunk of {self.execution.length} actions")
-        return takes, gives // self.execution.length
+        return takes - self._features, gives // self.execution.length
+
+    @property
+    def _features(self) -> int:
+        """Number of features of all pictures."""
+        return sum(encoder.size for encoder in self.encoders.values())
+
+    def check_env(self, env: TaskEnv, name: str) -> None:
+        """Check that agents observe the cameras of training, in the same size and renderer.
+
+        Raises:
+            UsageError: They do not.
+        """
+        if not self.encoders:
+            return
+        trained, options = self.about["env"], env.options
+        size = options.camera_size and list(options.camera_size)
+        here = {
+            "cameras": list(options.cameras),
+            "camera_size": size,
+            "renderer": env.episode.world.client.renderer,
+        }
+        for what, value in here.items():
+            needed = trained[what]
+            needed = list(needed) if isinstance(needed, tuple) else needed
+            if value != needed:
+                raise UsageError(
+                    f"{name} was trained with {what} {needed}, and here it is {value}; make the "
+                    f"environment with {what}={needed!r}"
+                )
 
     def traits(self) -> dict[str, Any]:
         """What a file says of the policy besides its arrays."""
-        return {**super().traits(), CHUNKS: vars(self.execution)}
+        return {**super().traits(), CHUNKS: vars(self.execution), ENCODERS: list(self.encoders)}
+
+    def arrays(self) -> dict[str, Array]:
+        """Its arrays by name, for a file."""
+        arrays = super().arrays()
+        for camera, encoder in self.encoders.items():
+            arrays |= encoder.arrays(camera)
+        return arrays
 
     @classmethod
     def read(cls, arrays: Mapping[str, Array], about: Mapping[str, Any]) -> ChunkPolicy:
@@ -92,10 +143,11 @@ class ChunkPolicy(TrainedPolicy):
             TypeError: Something is of another kind.
             ValueError: Arrays do not form a network, or chunks cannot be executed like this.
         """
-        plain = TrainedPolicy.of(
-            arrays, about, squash=bool(about["squash"]), norms=bool(about["norms"])
-        )
-        return cls(plain.networks, about, ChunkExecution(**about[CHUNKS]))
+        squash, norms = bool(about["squash"]), bool(about["norms"])
+        numbers = {name: array for name, array in arrays.items() if not is_of_encoder(name)}
+        plain = TrainedPolicy.of(numbers, about, squash=squash, norms=norms)
+        encoders = {camera: read_encoder(arrays, camera) for camera in about.get(ENCODERS, ())}
+        return cls(plain.networks, about, ChunkExecution(**about[CHUNKS]), encoders)
 
 
 class ChunkPlayer:

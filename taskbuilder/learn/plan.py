@@ -24,7 +24,10 @@ FORMAT = 1
 
 RUN_FILE = "run.json"
 
-_LATER = ("preset", "init", "device", "randomize", "data", "film_every")
+_LATER = (
+    *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
+    "film_every",
+)
 """Fields of a plan that may be missing in files of earlier versions."""
 
 RENAMED_SETTINGS = {
@@ -54,6 +57,8 @@ class Plan:
         starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.
+        cameras: Cameras of the data set whose pictures the policies observe.
+        camera_size, renderer: Of these pictures; None and "" without cameras.
         device: Device of the networks: ``cpu`` or ``cuda``.
         observe, frame, rotation, variation, randomize: Options of the environments; see `Options`.
         evaluate_every: Control steps between evaluations.
@@ -76,6 +81,9 @@ class Plan:
     starts: float = 0.0
     init: str = ""
     data: str = ""
+    cameras: tuple[str, ...] = ()
+    camera_size: tuple[int, int] | None = None
+    renderer: str = ""
     device: str = "cpu"
     observe: str = "task"
     frame: str = "base"
@@ -94,7 +102,8 @@ class Plan:
         """The options of the environments that a policy of this plan needs."""
         names = ("observe", "frame", "rotation", "variation")
         randomized = {"randomize": True} if self.randomize else {}
-        return {**{name: getattr(self, name) for name in names}, **randomized}
+        pictures = ("cameras", "camera_size", "renderer") if self.cameras else ()
+        return {**{name: getattr(self, name) for name in (*names, *pictures)}, **randomized}
 
     @property
     def track(self) -> str:
@@ -178,7 +187,7 @@ def make_plan(
     if algorithm.from_data:
         folder = Path(chosen["data"]).resolve()
         trained = {**recorded_options(folder, chosen), "envs": 1}
-        chosen["data"] = str(folder)
+        chosen |= {"data": str(folder), "cameras": tuple(chosen.get("cameras", ()))}
     plan = Plan(**{"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():
@@ -204,8 +213,11 @@ def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
         raise UsageError(
             f"{name} learns from a data set; name one by --data DIR (taskbuilder collect makes one)"
         )
-    if chosen.get("data") and not algorithm.from_data:
-        raise UsageError(f"{name} learns from no data set; --algorithm bc does")
+    if algorithm.from_data and "envs" in chosen:
+        raise UsageError(f"{name} learns from the data set alone; leave --envs out")
+    for option in ("data", "cameras"):
+        if chosen.get(option) and not algorithm.from_data:
+            raise UsageError(f"{name} learns from no data set; --algorithm bc does")
 
 
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
@@ -277,6 +289,11 @@ def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
     return replace(kind(), **tuples)
 
 
+def _as_tuple(value: Any) -> Any:
+    """A list of JSON as the tuple that it was."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 def save_plan(folder: Path, plan: Plan, more: Mapping[str, Any]) -> None:
     """Write the plan and other information about the run into its folder.
 
@@ -302,7 +319,8 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
         found = about["format"]
         if found == FORMAT:
             later = {name: getattr(Plan, name) for name in _LATER if name not in about}
-            plan = Plan(**{f.name: {**later, **about}[f.name] for f in fields(Plan)})
+            found_in = {name: _as_tuple(value) for name, value in {**later, **about}.items()}
+            plan = Plan(**{f.name: found_in[f.name] for f in fields(Plan)})
             settings = {renamed(name): value for name, value in plan.settings.items()}
             plan = replace(plan, settings=settings)
     except (ValueError, KeyError, TypeError) as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +18,13 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.policy import Array
 from taskbuilder.task import Task
+from taskbuilder.wording import suggestion
 
 OPTIONS = ("observe", "frame", "rotation", "randomize")
 """Options of the environment that a data set determines."""
+
+SMALLEST_PICTURE = 24
+"""Minimum width and height of pictures; the convolutions leave two by two positions of it."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +35,16 @@ class Demonstrations:
         observations: (n, numbers) by agent.
         actions: (n, numbers) by agent; commands to binary grippers are repeated at every step.
         ends: (n,) the row after the last of each row's episode.
+        own: (numbers,) bool by agent: whether a number is of the robot itself or the time left,
+            and not of the rest of the scene.
+        pictures: (n, height, width, 3) uint8 by camera.
     """
 
     observations: Mapping[str, Array]
     actions: Mapping[str, Array]
     ends: NDArray[np.int64]
+    own: Mapping[str, NDArray[np.bool_]]
+    pictures: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -43,16 +52,21 @@ class Demonstrations:
         return tuple(self.observations)
 
 
-def read_demonstrations(folder: str | Path, task: str) -> Demonstrations:
+def read_demonstrations(
+    folder: str | Path, task: str, cameras: Sequence[str] = ()
+) -> Demonstrations:
     """Read the successful episodes of a data set.
 
     Args:
         folder: The data set.
         task: Id of the task; only its episodes are read.
+        cameras: Cameras whose pictures are read.
 
     Raises:
         UsageError: There is no such data set, or it has no such episodes.
+        UnknownNameError: A camera was not recorded.
         StoreError: It is damaged.
+        VideoError: A video is damaged.
     """
     dataset = load_dataset(folder)
     episodes = successes(dataset, task)
@@ -70,7 +84,14 @@ def read_demonstrations(folder: str | Path, task: str) -> Demonstrations:
             for agent in agents
         },
         np.repeat(ends, [episode.steps for episode in episodes]),
+        {agent: _own(agent, robots[agent]["observation_names"]) for agent in agents},
+        {c: np.concatenate([e.images(c)[:-1] for e in episodes]) for c in cameras},
     )
+
+
+def _own(agent: str, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Which of the numbers that a robot observes are its own, or the time left."""
+    return np.array([name.startswith(f"{agent}.") or name == "time_left" for name in names])
 
 
 def _has_binary_gripper(robot: Mapping[str, Any]) -> bool:
@@ -139,7 +160,35 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
             )
     variations = dataset.about["collected"]["variations"]
     recorded["variation"] = "random" if variations == "all" else variations[0]
-    return recorded
+    return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
+
+
+def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dict[str, Any]:
+    """Size and renderer of the recorded cameras that are asked for.
+
+    Raises:
+        UsageError: One was not recorded, or not all have the same size.
+    """
+    if not asked:
+        return {}
+    tasks = about["tasks"].values()
+    known = about["collected"]["cameras"]
+    for camera in asked:
+        if camera not in known:
+            help_ = suggestion(camera, known, what="it has") if known else "it has none"
+            raise UsageError(f'{where} has no pictures of "{camera}"; {help_}')
+    sizes = {(t["cameras"][c]["width"], t["cameras"][c]["height"]) for t in tasks for c in asked}
+    if len(sizes) > 1:
+        raise UsageError(
+            f"{where} has pictures of several sizes; collect them in one by --size, such as 128"
+        )
+    (size,) = sizes
+    if min(size) < SMALLEST_PICTURE:
+        raise UsageError(
+            f"{where} has pictures of {size[0]}x{size[1]} pixels; bc needs at least "
+            f"{SMALLEST_PICTURE}x{SMALLEST_PICTURE}"
+        )
+    return {"camera_size": size, "renderer": about["renderer"]}
 
 
 def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None:

@@ -301,7 +301,7 @@ def _data_set(plan: Plan, task: Task, folder: Path, stack: ExitStack) -> tuple[T
     del folder, stack
     algorithm = find_algorithm(plan.algorithm)
     learner = algorithm.learner(
-        read_demonstrations(plan.data, task.name),
+        read_demonstrations(plan.data, task.name, plan.cameras),
         make_settings(algorithm.settings, plan.settings),
         seed=plan.seed,
         device=plan.device,

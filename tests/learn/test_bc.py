@@ -8,23 +8,26 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+import torch
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset, make_from
 from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.policies import read_share
+from taskbuilder.data.recording import Cameras
 from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, resume, train
 from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
 from taskbuilder.learn.policy import Network
 from taskbuilder.learn.recordings import read_demonstrations
 from taskbuilder.learn.runs import check_task
+from taskbuilder.learn.vision import PictureEncoders
 from taskbuilder.learn.zoo import save_policy
 from taskbuilder.rollout.play import play
 from taskbuilder.task import load_task
 
-SMALL = {"hidden": [32], "chunk": 4, "batch": 64}
+SMALL = {"hidden": [32], "chunk": 4, "batch": 64, "channels": [4, 4, 8]}
 SHORT = {"steps": 60, "evaluate_every": 30, "checkpoint_every": 30, "evaluate_episodes": 1}
 BC = {"algorithm": "bc", "settings": SMALL, **SHORT}
 
@@ -35,6 +38,22 @@ def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("data") / "handover"
     collect(CollectPlan(("handover",), 4, options={"observe": "scene"}), folder)
     return folder
+
+
+@pytest.fixture(scope="module")
+def pictured(tmp_path_factory):
+    """Two episodes of the expert of handover, with small pictures of two cameras."""
+    folder = tmp_path_factory.mktemp("data") / "pictured"
+    cameras = Cameras(("front", "top"), (32, 32))
+    collect(CollectPlan(("handover",), 2, cameras=cameras, options={"observe": "scene"}), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def seeing(pictured, tmp_path_factory):
+    """A finished run on pictures."""
+    folder = tmp_path_factory.mktemp("runs") / "seeing"
+    return train(data=pictured, cameras=("front", "top"), out=folder, **BC)
 
 
 @pytest.fixture(scope="module")
@@ -98,22 +117,30 @@ def test_it_learns_what_the_expert_did(recorded, tmp_path):
         assert np.abs(later - expert[3:]).mean() < 0.05
 
 
-def test_a_stopped_run_goes_on_as_if_it_had_not_been(trained, recorded, tmp_path):
-    class StoppedError(Exception):
-        pass
+class StoppedError(Exception):
+    """Ends a run from without, as Ctrl-C does."""
+
+
+def goes_on_exactly(finished, folder, **options):
+    """Train as a finished run did, stop in the middle, resume, and compare to the bit."""
 
     def watch(status):
         if status.step == 45:
             raise StoppedError
 
     with pytest.raises(StoppedError):
-        train(data=recorded, out=tmp_path / "run", watch=watch, **BC)
-    again = resume(tmp_path / "run")
-    one, other = (weights(folder, 60) for folder in (trained.folder, again.folder))
+        train(out=folder, watch=watch, **BC, **options)
+    again = resume(folder)
+    assert again.plan.env == finished.plan.env
+    one, other = (weights(run.folder, 60) for run in (finished, again))
     assert one.keys() == other.keys()
     assert all((one[name] == other[name]).all() for name in one)
-    tables = [(f / "evaluations.csv").read_text() for f in (trained.folder, again.folder)]
+    tables = [(run.folder / "evaluations.csv").read_text() for run in (finished, again)]
     assert tables[0] == tables[1]
+
+
+def test_a_stopped_run_goes_on_as_if_it_had_not_been(trained, recorded, tmp_path):
+    goes_on_exactly(trained, tmp_path / "run", data=recorded)
 
 
 def test_robots_of_the_same_spaces_can_share_a_network(recorded, tmp_path):
@@ -130,6 +157,78 @@ def test_the_policy_is_evaluated_in_episodes_and_its_file_is_enough(trained):
     one, other = (evaluate(who, 1, jobs=1) for who in (trained.policy, loaded))
     assert one == other
     assert one.episodes == 1
+
+
+# --- pictures
+
+
+def test_policies_of_pictures_observe_them_and_the_numbers_of_their_own_robot(seeing, pictured):
+    with closing(make_from(pictured)) as env:
+        seen, _ = env.reset(seed=1)
+        names = env.observation_names["left"]
+    actions = seeing.policy.predict(seen)["left"]
+
+    def changed(**what):
+        return seeing.policy.predict({**seen, "left": {**seen["left"], **what}})["left"]
+
+    for number, name in enumerate(names):
+        vector = seen["left"]["vector"].copy()
+        vector[number] += 1.0
+        same = np.array_equal(actions, changed(vector=vector))
+        assert same != (name.startswith("left.") or name == "time_left"), name
+    for camera in ("front.rgb", "top.rgb"):
+        assert (actions != changed(**{camera: 255 - seen["left"][camera]})).any()
+
+
+def test_encoders_without_torch_are_those_that_were_trained():
+    encoders = PictureEncoders(("front",), (4, 5, 6), torch.Generator().manual_seed(0))
+    pictures = np.random.default_rng(0).integers(0, 256, (3, 30, 40, 3), dtype=np.uint8)
+    with torch.no_grad():
+        features = encoders({"front": torch.from_numpy(pictures)}).numpy()
+    frozen = encoders.frozen()["front"]
+    assert frozen.size == 12
+    assert np.allclose([frozen(picture) for picture in pictures], features, atol=1e-5)
+
+
+def test_a_feature_is_the_place_in_the_picture_where_it_is():
+    encoders = PictureEncoders(("front",), (1, 1, 1), torch.Generator().manual_seed(0))
+    with torch.no_grad():  # each convolution hands on the middle of its window
+        for parameter in encoders.parameters():
+            parameter.zero_()
+            if parameter.ndim > 1:
+                middle = parameter.shape[-1] // 2
+                parameter[:, :, middle, middle] = 10.0
+    picture = np.zeros((48, 48, 3), dtype=np.uint8)
+    picture[11:14, 27:30] = 255  # the windows' middles are 8, 12, ..., 36
+    x, y = encoders.frozen()["front"](picture)
+    assert x == pytest.approx(-1.0 + 2.0 * 5 / 7, abs=1e-3)
+    assert y == pytest.approx(-1.0 + 2.0 * 1 / 7, abs=1e-3)
+
+
+def test_a_policy_of_pictures_is_played_with_the_cameras_of_its_training(seeing, pictured):
+    loaded = load_policy(str(seeing.folder))
+    assert (seeing.plan.cameras, seeing.plan.camera_size) == (("front", "top"), (32, 32))
+    assert seeing.plan.env["renderer"] == load_dataset(pictured).about["renderer"]
+    assert evaluate(loaded, 1, jobs=1) == evaluate(seeing.policy, 1, jobs=1)
+    for options, says in (
+        ({"cameras": ()}, r"cameras \['front', 'top'\], and here it is \[\]"),
+        ({"camera_size": (64, 64)}, r"camera_size \[32, 32\], and here it is \[64, 64\]"),
+        ({"renderer": "tiny"}, "renderer raster, and here it is tiny"),
+    ):
+        with pytest.raises(UsageError, match=says):
+            evaluate(loaded, 1, jobs=1, **options)
+    with closing(make_from(pictured, cameras=False)) as env, pytest.raises(UsageError):
+        play(env, loaded.player(), 1)
+
+
+def test_a_stopped_run_with_pictures_goes_on_too(seeing, pictured, tmp_path):
+    goes_on_exactly(seeing, tmp_path / "run", data=pictured, cameras=("front", "top"))
+
+
+def test_cameras_that_were_not_recorded_are_refused(recorded, pictured):
+    assert 'has no pictures of "front"; it has none' in refused(data=recorded, cameras=("front",))
+    assert 'no pictures of "frnt"; did you mean' in refused(data=pictured, cameras=("frnt",))
+    assert "learns from no data set" in refused(task="reach", cameras=("front",), algorithm="ppo")
 
 
 # --- executing chunks
@@ -209,6 +308,7 @@ def test_there_must_be_a_data_set_with_successes(failed, tmp_path):
 def test_other_algorithms_and_other_helps_are_refused(recorded):
     assert "learns from no data set" in refused(task="reach", data=recorded, algorithm="ppo")
     assert "leave --demos out" in refused(data=recorded, demos=3)
+    assert "leave --envs out" in refused(data=recorded, envs=2)
     assert "learns from no reward" in refused(data=recorded, reward="team")
     assert "every and decay" in refused(
         data=recorded, settings={"every": 20}, out=recorded.parent / "a"

@@ -15,24 +15,25 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
+from torch import Tensor, nn
 
 from taskbuilder.errors import UsageError
+from taskbuilder.learn.chunk_data import ChunkData
 from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.networks import (
+    Linears,
     SharedNetworks,
     load_state,
     minimize,
     set_lr,
     state_arrays,
 )
-from taskbuilder.learn.policy import Array, TrainedPolicy
+from taskbuilder.learn.pictures import KERNELS
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import Demonstrations
 from taskbuilder.learn.shapes import Shapes
-
-LEAST_SCALE = 0.02
-"""Minimum scale of an observed number, so that those that hardly vary are not amplified."""
+from taskbuilder.learn.vision import PictureEncoders
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,9 @@ class BcSettings:
         lr: Learning rate of AdamW; it falls to zero along half a cosine.
         weight_decay: Weight decay of AdamW.
         noise: Standard deviation of Gaussian noise on standardised observations.
+        channels: Channels of the three convolutions of each camera.
+        scene_weight: With cameras, weight of the loss of predicting, linearly from the features of
+            the pictures, what robots observe of the rest of the scene.
     """
 
     hidden: tuple[int, ...] = (256, 256, 256)
@@ -63,6 +67,8 @@ class BcSettings:
     lr: float = 1e-3
     weight_decay: float = 1e-4
     noise: float = 0.05
+    channels: tuple[int, ...] = (16, 32, 32)
+    scene_weight: float = 1.0
 
 
 class BehaviourCloning:
@@ -90,66 +96,62 @@ class BehaviourCloning:
             self._execution = ChunkExecution(settings.chunk, settings.every, settings.decay)
         except ValueError as error:
             raise UsageError(f"{error}; set chunk, every and decay otherwise") from None
-        self._settings, self._device = settings, torch.device(device)
-        self._generator = torch.Generator().manual_seed(seed)
-        self._mean, self._scale = _statistics(demonstrations.observations)
-        self._observations = {
-            agent: self._tensor((seen - self._mean[agent]) / self._scale[agent])
-            for agent, seen in demonstrations.observations.items()
-        }
-        self._actions = {a: self._tensor(done) for a, done in demonstrations.actions.items()}
-        self._ends = torch.from_numpy(demonstrations.ends).to(self._device)
-        ins = {agent: seen.shape[1] for agent, seen in self._observations.items()}
-        outs = {agent: settings.chunk * done.shape[1] for agent, done in self._actions.items()}
+        if len(settings.channels) != len(KERNELS):
+            raise UsageError(f"channels has {len(settings.channels)} numbers; {len(KERNELS)}")
+        self._settings = settings
+        self._data = ChunkData(demonstrations, torch.device(device))
+        generator = torch.Generator().manual_seed(seed)
+        self._encoders = PictureEncoders(tuple(self._data.pictures), settings.channels, generator)
+        features = self._encoders.size
+        ins = {agent: size + features for agent, size in self._data.sizes.items()}
+        outs = {agent: settings.chunk * size for agent, size in self._data.action_sizes.items()}
         alone = tuple((agent,) for agent in demonstrations.agents)
         groups = Shapes(ins, outs, 0).same_spaces() if settings.share else alone
         self._networks = SharedNetworks(
-            groups, ins, settings.hidden, outs, self._generator, norms=settings.norms
-        ).to(self._device)
+            groups, ins, settings.hidden, outs, generator, norms=settings.norms
+        )
+        parts: dict[str, nn.Module] = {"networks": self._networks}
+        if features:
+            parts["encoders"] = self._encoders
+        self._scene_head: Linears | None = None
+        if features and self._data.scene.shape[1]:
+            self._scene_head = Linears(1, features, self._data.scene.shape[1], generator)
+            parts["scene"] = self._scene_head
+        self._modules = nn.ModuleDict(parts).to(device)
         self._adam = torch.optim.AdamW(
-            self._networks.parameters(), settings.lr, weight_decay=settings.weight_decay, fused=True
+            self._modules.parameters(), settings.lr, weight_decay=settings.weight_decay, fused=True
         )
 
     def update(self, rng: np.random.Generator, progress_fraction: float) -> dict[str, float]:
-        """Learn from a batch, and return the loss for the logs.
+        """Learn from a batch, and return the losses for the logs.
 
         Args:
             rng: Generator of the batch.
             progress_fraction: The fraction of the training that is done.
         """
-        settings = self._settings
+        settings, data = self._settings, self._data
         set_lr(self._adam, settings.lr * 0.5 * (1.0 + math.cos(math.pi * progress_fraction)))
-        drawn = rng.integers(len(self._ends), size=settings.batch)
-        rows = torch.from_numpy(drawn).to(self._device)
-        observed = {agent: seen[rows] for agent, seen in self._observations.items()}
-        if settings.noise:
-            seed = int(rng.integers(2**31))
-            observed = {a: self._noisy(x, seed + n) for n, (a, x) in enumerate(observed.items())}
-        ahead = rows[:, None] + torch.arange(settings.chunk, device=self._device)
-        ends = self._ends[rows, None]
-        ahead, inside = torch.minimum(ahead, ends - 1), ahead < ends  # (batch, chunk)
-        targets = [done[ahead].flatten(1) for done in self._actions.values()]
-        counted = [inside.repeat_interleave(done.shape[1], 1) for done in self._actions.values()]
-        errors = (self._networks(observed) - torch.cat(targets, 1)).abs()
-        loss = errors[torch.cat(counted, 1)].mean()
-        minimize(self._adam, loss)
-        return {"loss": float(loss.detach())}
-
-    def _noisy(self, observed: Tensor, seed: int) -> Tensor:
-        """Observations with noise, the same on every device."""
-        generator = torch.Generator().manual_seed(seed)
-        noise = torch.randn(observed.shape, generator=generator).to(self._device)
-        return observed + self._settings.noise * noise
-
-    def _tensor(self, array: NDArray[np.floating]) -> Tensor:
-        return torch.from_numpy(array.astype(np.float32)).to(self._device)
+        rows = data.draw(settings.batch, rng)
+        observed = data.observations(rows, settings.noise, rng)
+        losses: dict[str, Tensor] = {}
+        if data.pictures:
+            features = self._encoders({c: shown[rows] for c, shown in data.pictures.items()})
+            observed = {agent: torch.cat([seen, features], 1) for agent, seen in observed.items()}
+            if self._scene_head is not None:
+                errors = self._scene_head(features[None])[0] - data.scene[rows]
+                losses["scene"] = settings.scene_weight * errors.square().mean()
+        actions, inside = data.chunks(rows, settings.chunk)
+        losses["actions"] = (self._networks(observed) - actions).abs()[inside].mean()
+        minimize(self._adam, torch.stack(list(losses.values())).sum())
+        return {name: float(loss.detach()) for name, loss in losses.items()}
 
     # --- saving and loading
 
     def policy(self, about: Mapping[str, Any]) -> ChunkPolicy:
         """The current policy."""
-        networks = self._networks.policy(self._mean, self._scale, squash=False)
-        return ChunkPolicy(networks, about, self._execution)
+        mean, scale = self._data.statistics(self._encoders.size)
+        networks = self._networks.policy(mean, scale, squash=False)
+        return ChunkPolicy(networks, about, self._execution, self._encoders.frozen())
 
     def start_from(self, policy: TrainedPolicy) -> None:
         """Refuse to start from a trained policy."""
@@ -157,8 +159,9 @@ class BehaviourCloning:
         raise UsageError("bc starts from no policy")
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The complete state of the learner by name: networks and optimiser."""
-        return {**state_arrays({"networks": self._networks}, {"adam": self._adam})}
+        """The complete state of the learner by name: networks, encoders and optimiser."""
+        arrays: dict[str, NDArray[Any]] = {}
+        return arrays | state_arrays({"modules": self._modules}, {"adam": self._adam})
 
     def load(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Restore the state that `arrays` returned.
@@ -167,14 +170,7 @@ class BehaviourCloning:
             KeyError: Something is missing.
             RuntimeError: Something has another shape.
         """
-        load_state(arrays, {"networks": self._networks}, {"adam": self._adam})
-
-
-def _statistics(observations: Mapping[str, Array]) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Mean and scale of each agent's observed numbers."""
-    mean = {agent: seen.mean(0) for agent, seen in observations.items()}
-    scale = {agent: np.maximum(s.std(0), LEAST_SCALE) for agent, s in observations.items()}
-    return mean, scale
+        load_state(arrays, {"modules": self._modules}, {"adam": self._adam})
 
 
 _ALONE = "learns from the data set alone"
