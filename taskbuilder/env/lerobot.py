@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.joint_observation import AGENT_POS, PIXELS
+from taskbuilder.env.joint_state import JointState
 from taskbuilder.env.options import EnvOptions
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task
@@ -74,14 +75,8 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         self.render_mode = render_mode
         self.action_space = self._joint.action_space
         self.action_names = self._joint.action_names
-        self.state_names = tuple(
-            name
-            for robot, body in self._joint.parallel.episode.world.robots.items()
-            for name in (
-                *(f"{robot}.joint_{n}" for n in range(1, len(body.arm.indices) + 1)),
-                f"{robot}.gripper",
-            )
-        )
+        self._state = JointState(self._joint.parallel)
+        self.state_names = self._state.names
         shape = (len(self.state_names),)
         seen: dict[str, spaces.Space[Any]] = {
             AGENT_POS: spaces.Box(-_MOST, _MOST, shape, dtype=np.float32)
@@ -90,7 +85,6 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         if isinstance(joint_space, spaces.Dict) and PIXELS in joint_space.spaces:
             seen[PIXELS] = joint_space[PIXELS]
         self.observation_space = spaces.Dict(seen)
-        self._last = np.zeros(shape, dtype=np.float32)
 
     @property
     def task_description(self) -> str:
@@ -126,12 +120,7 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         self._joint.close()
 
     def _seen(self, observation: Any) -> dict[str, Any]:
-        episode = self._joint.parallel.episode
-        if not episode.exploded:  # else the last good numbers, as in every observation
-            robots = episode.world.robots.values()
-            parts = [(*robot.arm_state()[0], robot.opening()) for robot in robots]
-            self._last = np.concatenate(parts).astype(np.float32)
-        seen: dict[str, Any] = {AGENT_POS: self._last.copy()}
+        seen: dict[str, Any] = {AGENT_POS: self._state()}
         if PIXELS in self.observation_space.spaces:  # type: ignore[attr-defined]
             seen[PIXELS] = observation[PIXELS]
         return seen
