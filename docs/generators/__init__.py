@@ -37,6 +37,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "learning": results.learning,
     "manners": keys.manners,
     "nodes": vocabulary.nodes,
+    "phases": results.phases,
     "probes": results.probes,
     "robots": robots.library,
     "scaffold": commands.scaffold,

@@ -32,7 +32,7 @@ from taskbuilder.jobs import Map, cores
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
-from taskbuilder.rollout.play import Policy, as_policy
+from taskbuilder.rollout.play import Policy
 from taskbuilder.schema.catalogue import Catalogue
 
 SAY_EVERY_S = 30.0
@@ -151,7 +151,7 @@ class TrainedPlayers:
         """
         trained = self.policies[name]
         check_fits(trained, env, name)
-        return as_policy(trained.act)
+        return trained.player()
 
 
 def _trained_players(plan: CollectPlan) -> TrainedPlayers:

@@ -24,6 +24,7 @@ _HELPED = {
     "resets": "episodes that may begin in states of the expert, no demonstrations",
     "finetuned": "a trained policy to start from",
     "demos": "demonstrations of the expert",
+    "cloned": "recorded episodes alone",
 }
 
 
@@ -78,12 +79,19 @@ def origin(about: Mapping[str, Any]) -> list[list[str]]:
     helped = _HELPED.get(str(track), "not known what helped")
     if about.get("starts") and track != "resets":
         helped += ", episodes that may begin in its states"
-    step = about.get("step")
+    step, unit = about.get("step"), "updates" if about.get("data") else "control steps"
     trained = [
         f"track {track}: {helped}",
-        f"{about.get('algorithm')} paid {about.get('reward')}",
-        f"{step:,} control steps" if isinstance(step, int) else "unknown control steps",
+        f"{about.get('algorithm')} {_source(about)}",
+        f"{step:,} {unit}" if isinstance(step, int) else f"unknown {unit}",
         f"seed {about.get('seed')}",
     ]
     rows = [["saw", f"{saw} ({options})"], ["trained", " · ".join(trained)]]
     return [*rows, ["command", str(about["command"])]] if about.get("command") else rows
+
+
+def _source(about: Mapping[str, Any]) -> str:
+    """What a policy was trained by: a data set, or a reward."""
+    if about.get("data"):
+        return f"from the data set {about['data']}"
+    return f"paid {about.get('reward')}"

@@ -15,7 +15,7 @@ from taskbuilder.expert.named import has_expert, policy_named
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.learn.policy import TrainedPolicy
-from taskbuilder.rollout.play import Policy, as_policy, play
+from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.rollout.served import PolicyServer, ServedPolicy
 
@@ -119,7 +119,7 @@ class TrialPlayer:
 
     def _make_policy(self, player: Player, env: TaskEnv) -> Policy:
         if isinstance(player, TrainedPolicy):
-            return as_policy(player.act)
+            return player.player()
         made = policy_named(player)(env) if isinstance(player, str) else player(env)
         if isinstance(made, Expert | ServedPolicy):
             self._stack.callback(made.close)

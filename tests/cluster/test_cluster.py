@@ -67,6 +67,13 @@ def wrong(number: int) -> int:
     raise UsageError(f"{number} is wrong")
 
 
+def wrong_or_long(number: int) -> int:
+    if number == 7:
+        return wrong(number)
+    time.sleep(number)
+    return number
+
+
 def ends(_: int) -> None:
     os._exit(3)
 
@@ -88,6 +95,23 @@ def test_all_nodes_work_in_the_callers_directory(
 def test_errors_come_back_as_they_were_raised(nodes: Cluster) -> None:
     with cluster(nodes.address) as spread, pytest.raises(UsageError, match="7 is wrong"):
         list(spread(wrong, [7]))
+
+
+def test_many_errors_leave_a_cluster_as_it_was(nodes: Cluster) -> None:
+    with cluster(nodes.address) as spread:
+        for _ in range(100):
+            with pytest.raises(UsageError, match="7 is wrong"):
+                list(spread(wrong, [7, 8]))
+        assert list(spread(double, range(4))) == [0, 2, 4, 6]
+
+
+def test_work_that_nobody_waits_for_ends_with_the_cluster(nodes: Cluster) -> None:
+    begun = time.monotonic()
+    with cluster(nodes.address) as spread, pytest.raises(UsageError, match="7 is wrong"):
+        list(spread(wrong_or_long, [7, 600]))
+    assert time.monotonic() - begun < 60
+    with cluster(nodes.address) as spread:
+        assert list(spread(double, range(4))) == [0, 2, 4, 6]
 
 
 def test_work_that_ends_its_process_is_given_up(nodes: Cluster) -> None:
