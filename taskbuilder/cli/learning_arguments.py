@@ -159,8 +159,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "policy",
         nargs="?",
         metavar="POLICY",
-        help="zoo:TASK/TRACK, the folder of a run, a policy's file; or expert:TASK, random:TASK, "
-        "nothing:TASK",
+        help="zoo:TASK/TRACK, the folder of a run, a policy's file; expert:TASK, random:TASK, "
+        "nothing:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N",
     )
     parser.add_argument(
         "--episodes",
