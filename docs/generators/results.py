@@ -180,7 +180,7 @@ def zoo(_: str) -> str:
     head = ["policy", "control steps", "success (95 % interval)", "at the last step"]
     head += ["force between robots, median peak", "success under the earlier definition"]
     made = "\n".join(["These commands trained them:", "", "```text", *commands, "```"])
-    asked = f"Measured by `{measured['command']}`, with the number of episodes in the table."
+    asked = f"Measured by `{measured['command']}`."
     return f"{table(head, rows)}\n\n{asked}\n\n{made}"
 
 
