@@ -28,6 +28,11 @@ def variation(text: str) -> int | str:
     return number
 
 
+def any_variation(text: str) -> int | str:
+    """A converter for the number of a variation, "random" or "all"."""
+    return text if text == "all" else variation(text)
+
+
 def size(text: str) -> tuple[int, int]:
     """A converter for WIDTHxHEIGHT."""
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)

@@ -20,6 +20,7 @@ from taskbuilder.cli.shared_options import (
     add_json,
     add_other_robots,
     add_picture,
+    add_randomize,
     add_ray,
     add_renderer,
     add_show,
@@ -311,12 +312,7 @@ def _add_demo(adder: Adder) -> None:
     )
     add_picture(parser, cameras="its first", of="a picture")
     _add_episode(parser, "seed of the first episode (default 0); others follow")
-    parser.add_argument(
-        "--randomize",
-        choices=("quantities", "looks", "all"),
-        help="quantities: draw what the task lists under randomize; looks: draw light, colours of "
-        "furniture and background, and cameras; all: both",
-    )
+    add_randomize(parser)
     add_json(parser)
 
 

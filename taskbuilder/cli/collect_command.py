@@ -13,6 +13,7 @@ from typing import Any
 
 from taskbuilder.cli.dataset_command import print_summary
 from taskbuilder.cli.output import print_json
+from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
 from taskbuilder.cli.trained import is_trained
@@ -115,7 +116,7 @@ def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> di
     if arguments.observe != "task":
         asked["observe"] = arguments.observe
     if arguments.randomize:
-        asked["randomize"] = True
+        asked["randomize"] = randomized(arguments.randomize)
     for share in shares:
         if is_named(share.name):
             continue

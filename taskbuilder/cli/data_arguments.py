@@ -7,7 +7,14 @@ from pathlib import Path
 
 from taskbuilder.cli.argument_types import listed, share, side_or_size, variation_or_all, whole
 from taskbuilder.cli.learning_arguments import CommandAdder
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_ray, add_renderer, add_suite
+from taskbuilder.cli.shared_options import (
+    add_jobs,
+    add_json,
+    add_randomize,
+    add_ray,
+    add_renderer,
+    add_suite,
+)
 from taskbuilder.data.names import FORMAT_NAMES
 
 ACTIONS = ("info", "check", "film", "export")
@@ -67,9 +74,7 @@ def add_collect(adder: CommandAdder) -> None:
         default="task",
         help="what robots observe: what the task file lists, or the whole scene (default task)",
     )
-    parser.add_argument(
-        "--randomize", action="store_true", help="draw what the task lists under randomize"
-    )
+    add_randomize(parser)
     parser.add_argument(
         "--keep-failures", action="store_true", help="keep episodes without success, too"
     )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, progress, say
+from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import EnvFactory, is_trained
 from taskbuilder.cli.why import ASIDE, reasons_of
@@ -79,7 +80,7 @@ def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFacto
     options = options_of(load_policy(arguments.policy)) if trained else {}
     options["variation"] = arguments.variation
     if arguments.randomize:
-        options["randomize"] = arguments.randomize == "quantities" or arguments.randomize
+        options["randomize"] = randomized(arguments.randomize)
     if arguments.robot:  # else those of training
         options["robots"] = asked_robots(arguments)
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))

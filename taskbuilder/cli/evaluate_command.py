@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
+from taskbuilder.cli.evaluated import DISTURBANCES, Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
+from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin
 from taskbuilder.cli.trials import play_arms, trial_of
@@ -39,30 +40,19 @@ def run(arguments: argparse.Namespace) -> int:
         return verify(arguments)
     if not arguments.policy:
         raise UsageError("which policy? name one, such as zoo:handover/demos or expert:handover")
-    found = evaluated(
-        arguments.policy,
-        catalogue_of(arguments),
-        variation=arguments.variation,
-        robots=asked_robots(arguments),
-    )
-    _check(found, arguments)
-    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
-    if not arguments.json:
-        print(paint(f"{found.task.name} · {found.name}", "bold"))
-        told = origin(found.about) if found.about else []
-        print_table([*told, ["plays", _episodes(seeds)]], indent="  ")
-        print(flush=True)
-    compared = _compared(arguments)
-    arms = play_arms(found.config, jobs_of(seeds, compared), arguments)
-    played = arms[SUBJECT]
-    stages = ("", *found.task.description.stages)
-    summary = summarise(played, len(stages) - 1)
+    if arguments.variation == "all":
+        return _run_variations(arguments)
+    found = _found(arguments, arguments.variation)
+    seeds = _begun(found, arguments)
+    arms = _played(found, seeds, arguments)
+    summary, stages = _summary(found, arms), _stages(found)
     data = _as_data(found, arms, stages)
     if not arguments.json:
-        print_result(played, summary, compare(arms), stages)
+        print_result(arms[SUBJECT], summary, compare(arms), stages)
     files = _write(found, data, arms, summary, arguments)
     if arguments.certificate:
-        trial = trial_of(found, arguments.certificate, seeds, min(compared, len(seeds)))
+        compared = min(_compared(arguments), len(seeds))
+        trial = trial_of(found, arguments.certificate, seeds, compared)
         command = shlex.join(["taskbuilder", *arguments.words])
         write_certificate(arguments.certificate, certificate(trial, arms, command))
         files.append(arguments.certificate)
@@ -72,6 +62,81 @@ def run(arguments: argparse.Namespace) -> int:
     elif named:
         print("\n".join(["", *named]))
     return 0
+
+
+def _run_variations(arguments: argparse.Namespace) -> int:
+    """Evaluate in every variation, and say which is the worst."""
+    for name, value in (("video", arguments.video), ("certificate", arguments.certificate)):
+        if value:
+            raise UsageError(f"--{name} is of one variation; name it by its number")
+    first = _found(arguments, 0)
+    each = [first, *(_found(arguments, k) for k in range(1, len(first.task.file.scenes)))]
+    seeds = _begun(first, arguments)
+    results, lines = [], [["variation", "succeeded", "95% interval", "at the last step"]]
+    for number, found in enumerate(each):
+        arms = _played(found, seeds, arguments)
+        summary = _summary(found, arms)
+        results.append({"variation": number, **_as_data(found, arms, _stages(found))})
+        low, high = summary.interval
+        count = f"{summary.successes} of {summary.episodes} ({summary.success_rate:.1%})"
+        bounds = f"{low:.1%} to {high:.1%}"
+        lines.append([str(number), count, bounds, f"{summary.success_at_end_rate:.1%}"])
+    worst = min(results, key=lambda result: float(result["success_rate"]))
+    data = {"variations": results, "worst": worst["variation"]}
+    file = _result_file(first, arguments)
+    if arguments.out:
+        write_whole(file, _as_bytes(data))
+    if arguments.json:
+        print_json({**data, "files": [display_path(file)] if arguments.out else []})
+        return 0
+    print_table(lines)
+    print(f"\nworst: variation {worst['variation']}, {worst['success_rate']:.1%}")
+    if arguments.out:
+        print(f"\n{display_path(file)}")
+    return 0
+
+
+def _found(arguments: argparse.Namespace, variation: int | str | None) -> Evaluated:
+    """Who is evaluated where, checked."""
+    asked = (arguments.noise, randomized(arguments.randomize))
+    disturbances = {n: value for n, value in zip(DISTURBANCES, asked, strict=True) if value}
+    found = evaluated(
+        arguments.policy,
+        catalogue_of(arguments),
+        variation=variation,
+        disturbances=disturbances,
+        robots=asked_robots(arguments),
+    )
+    _check(found, arguments)
+    return found
+
+
+def _begun(found: Evaluated, arguments: argparse.Namespace) -> range:
+    """The seeds of all episodes; says what will be played."""
+    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    if not arguments.json:
+        print(paint(f"{found.task.name} · {found.name}", "bold"))
+        rows = [*(origin(found.about) if found.about else []), ["plays", _episodes(seeds)]]
+        disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if n in found.options]
+        if disturbed:
+            rows.append(["disturbed", ", ".join(disturbed)])
+        print_table(rows, indent="  ")
+        print(flush=True)
+    return seeds
+
+
+def _played(found: Evaluated, seeds: range, arguments: argparse.Namespace) -> Arms:
+    """The episodes of the policy and of its baselines."""
+    return play_arms(found.config, jobs_of(seeds, _compared(arguments)), arguments)
+
+
+def _stages(found: Evaluated) -> tuple[str, ...]:
+    """The names of the task's stages, "" for none first."""
+    return ("", *found.task.description.stages)
+
+
+def _summary(found: Evaluated, arms: Arms) -> EvaluationSummary:
+    return summarise(arms[SUBJECT], len(found.task.description.stages))
 
 
 def _check(found: Evaluated, arguments: argparse.Namespace) -> None:
@@ -136,14 +201,8 @@ def _write(
     files: list[Path] = []
     stem = _folder(arguments) / _stem(found)
     if arguments.out:
-        result = stem.with_name(f"{stem.name}.json")
-        write_whole(
-            result,
-            (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode(
-                errors="backslashreplace"
-            ),
-        )
-        files.append(result)
+        files.append(_result_file(found, arguments))
+        write_whole(files[0], _as_bytes(data))
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
         with closing(found.make_env(renderer=arguments.renderer)) as env:
@@ -158,6 +217,15 @@ def _write(
                     progress=partial(_filming, role),
                 )
     return files
+
+
+def _result_file(found: Evaluated, arguments: argparse.Namespace) -> Path:
+    return _folder(arguments) / f"{_stem(found)}.json"
+
+
+def _as_bytes(data: Mapping[str, Any]) -> bytes:
+    text = json.dumps(data, indent=2, ensure_ascii=False) + "\n"
+    return text.encode(errors="backslashreplace")
 
 
 def _filming(role: str, frames: Iterable[Frame], count: int) -> Iterable[Frame]:

@@ -21,6 +21,9 @@ from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.task import Task, load_task
 from taskbuilder.trial.arms import Player, TrialConfig
 
+DISTURBANCES = ("position_noise", "randomize")
+"""Options of environments that policies are tested with, whatever they were trained with."""
+
 
 @dataclass(frozen=True)
 class Evaluated:
@@ -45,8 +48,8 @@ class Evaluated:
     @property
     def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
-        robots = tuple((name, value) for name, value in self.make_env.options if name == "robots")
-        plain = EnvFactory(self.make_env.task, self.make_env.catalogue, robots)
+        shared = [pair for pair in self.make_env.options if pair[0] in ("robots", "randomize")]
+        plain = EnvFactory(self.make_env.task, self.make_env.catalogue, tuple(shared))
         return TrialConfig(self.player, self.make_env, plain)
 
     @property
@@ -65,9 +68,10 @@ def evaluated(
     name: str,
     catalogue: Catalogue,
     *,
-    variation: int | None = None,
+    variation: int | str | None = None,
     task: str | None = None,
     options: Mapping[str, Any] | None = None,
+    disturbances: Mapping[str, Any] | None = None,
     robots: OtherRobots = (),
 ) -> Evaluated:
     """Find who is evaluated and where; refuses what cannot play before anything is played.
@@ -79,6 +83,7 @@ def evaluated(
         variation: Which is played; by default that of training, or the plain one.
         task: What to play in place of the task that the name leads to.
         options: Of the environment, in place of those of training.
+        disturbances: Other options of the environment, which training does not decide.
         robots: Other models for robots of the scene, in place of those in ``options``.
 
     Raises:
@@ -101,7 +106,7 @@ def evaluated(
         player, file = load_policy(name), policy_file(name)
         reference = task or str(task_of(name, player, catalogue))
         chosen = options_of(player)
-    chosen = dict(options) if options is not None else chosen
+    chosen = {**(options if options is not None else chosen), **(disturbances or {})}
     if variation is not None:
         chosen["variation"] = variation
     chosen_robots = other_robots(robots or chosen.pop("robots", ()))

@@ -6,12 +6,13 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.argument_types import listed, share, variation, whole
+from taskbuilder.cli.argument_types import any_variation, listed, share, variation, whole
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
     add_other_robots,
     add_picture,
+    add_randomize,
     add_ray,
     add_renderer,
 )
@@ -178,10 +179,18 @@ def add_evaluate(adder: CommandAdder) -> None:
     )
     parser.add_argument(
         "--variation",
-        type=whole(0, 10_000),
+        type=any_variation,
         metavar="K",
-        help="number of the variation (default that of training)",
+        help="number of the variation, random, or all: each in turn (default that of training)",
     )
+    parser.add_argument(
+        "--noise",
+        type=share,
+        default=0.0,
+        metavar="M",
+        help="standard deviation in metres of Gaussian noise on all observed positions (default 0)",
+    )
+    add_randomize(parser)
     add_other_robots(parser)
     parser.add_argument(
         "--controls",

@@ -34,6 +34,23 @@ def add_ray(parser: ArgumentParser, pieces: str) -> None:
     )
 
 
+def add_randomize(parser: ArgumentParser) -> None:
+    """``--randomize``: what is drawn in each episode besides placements; see `randomized`."""
+    parser.add_argument(
+        "--randomize",
+        nargs="?",
+        const="quantities",
+        choices=("quantities", "looks", "all"),
+        help="quantities (the default of the option): draw what the task lists under randomize; "
+        "looks: draw light, colours of furniture and background, and cameras; all: both",
+    )
+
+
+def randomized(choice: str | None) -> bool | str:
+    """The option ``randomize`` of environments for a choice of ``--randomize``."""
+    return choice == "quantities" or choice or False
+
+
 def add_json(parser: ArgumentParser) -> None:
     """``--json``: the result as JSON instead of text."""
     parser.add_argument("--json", action="store_true", help="JSON on standard output")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from taskbuilder.cli.evaluated import Evaluated, check_plays, evaluated, named_player
+from taskbuilder.cli.evaluated import DISTURBANCES, Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.output import paint, print_json, print_table
 from taskbuilder.cli.tasks import asked_robots, catalogue_of
 from taskbuilder.cli.trials import play_arms, trial_of
@@ -138,8 +138,15 @@ def _found(
         except UnknownNameError as error:
             hint = "name the folder of its files by --task-path"
             raise UsageError(f"its task is not here ({error}); {hint}") from None
-    options = env_options(data["options"])
-    return evaluated(name, catalogue, task=task, options=options, robots=robots)
+    told = data["options"]
+    return evaluated(
+        name,
+        catalogue,
+        task=task,
+        options=env_options(told),
+        disturbances={key: told[key] for key in DISTURBANCES if key in told},
+        robots=robots,
+    )
 
 
 def _verdict(wrong: list[str], points: list[Point], data: Mapping[str, Any]) -> str:

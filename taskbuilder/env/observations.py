@@ -25,6 +25,9 @@ Read = Callable[["Episode"], Sequence[float]]
 
 _FORCE_LIMIT = 1e4  # newtons
 
+POSITIONS = ("pose", "position", "tcp")
+"""Quantities of channels that have a position."""
+
 
 @dataclass(frozen=True)
 class ObservedValue:
@@ -199,6 +202,18 @@ def _reading(name: str, channel: Channel, world: World, noise: Noise | None) -> 
 def is_camera(channel: Channel, world: World) -> bool:
     """Whether a channel is an image of a camera."""
     return channel.subject in world.scene.cameras and channel.quantity in CAMERA_QUANTITIES
+
+
+def with_position_noise(noise: Noise | None, std: float) -> Noise:
+    """The noise of a channel of positions, with independent noise of a standard deviation added.
+
+    Args:
+        noise: Its noise in the task file, or None.
+        std: In metres.
+    """
+    own = noise or Noise()
+    total = math.hypot(own.std or own.position_std or 0.0, std)
+    return own.model_copy(update={"std": None, "position_std": total})
 
 
 _Parts = tuple[Read, tuple[float, ...], tuple[float, ...], int | None]

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
+    POSITIONS,
     Reading,
     View,
     everything,
     is_camera,
     make_reading,
     surroundings,
+    with_position_noise,
 )
 from taskbuilder.env.options import Options
 from taskbuilder.env.spaces import VECTOR, image_values, observation_space
@@ -43,6 +45,7 @@ class Observer:
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
         self._task, self._world = task, world
         self._own_frames, self._matrices = options.frame == "base", options.rotation == "matrix"
+        self._position_noise = options.position_noise
         self._views = {
             agent: self._view((*listed[agent], *extra), agent, spec.observation_noise.get(agent))
             for agent in task.agents
@@ -103,6 +106,8 @@ class Observer:
     ) -> Reading:
         if agent and self._own_frames and channel.frame == "world":
             channel = replace(channel, frame=f"{agent}.base")
+        if agent and self._position_noise and channel.quantity in POSITIONS:
+            noise = with_position_noise(noise, self._position_noise)
         reading = make_reading(text, channel, self._world, noise)
         return reading.with_matrix() if self._matrices else reading
 

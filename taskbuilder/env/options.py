@@ -51,6 +51,8 @@ class Options:
             episode.
         randomize: True: draw the quantities that the task lists under ``randomize``; ``looks``:
             draw light, background, colours of furniture and cameras instead; ``all``: both.
+        position_noise: Standard deviation in metres of Gaussian noise on every number of an
+            observed position, besides the noise of the task file; the state has none.
         observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,
             the other robots' tools and grippers, all moving objects, all sites and the time left.
         frame: ``task``: observed poses and commanded motions are in the frames of the task file;
@@ -74,6 +76,7 @@ class Options:
     control_hz: int | None = None
     variation: Variation = 0
     randomize: Randomize = False
+    position_noise: float = 0.0
     observe: Seen = "task"
     frame: Frame = "task"
     rotation: Rotation = "quaternion"
@@ -121,6 +124,8 @@ class Options:
             )
         if not isinstance(self.randomize, bool):
             _choice("randomize", self.randomize, ("looks", "all"))
+        if not 0.0 <= self.position_noise <= 1.0:
+            raise UsageError(f"position_noise is {self.position_noise!r}; 0 to 1, in metres")
         _choice("observe", self.observe, ("task", "scene"))
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, ("quaternion", "matrix"))
@@ -162,6 +167,7 @@ class EnvOptions(TypedDict, total=False):
     control_hz: int | None
     variation: Variation
     randomize: Randomize
+    position_noise: float
     observe: Seen
     frame: Frame
     rotation: Rotation

@@ -89,7 +89,7 @@ class Plan:
     frame: str = "base"
     rotation: str = "matrix"
     variation: int | str = 0
-    randomize: bool = False
+    randomize: bool | str = False
     evaluate_every: int = 10_000
     evaluate_episodes: int = 20
     film_every: int = 10
@@ -101,7 +101,7 @@ class Plan:
     def env(self) -> dict[str, Any]:
         """The options of the environments that a policy of this plan needs."""
         names = ("observe", "frame", "rotation", "variation")
-        randomized = {"randomize": True} if self.randomize else {}
+        randomized = {"randomize": self.randomize} if self.randomize else {}
         pictures = ("cameras", "camera_size", "renderer") if self.cameras else ()
         return {**{name: getattr(self, name) for name in (*names, *pictures)}, **randomized}
 

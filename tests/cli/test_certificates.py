@@ -292,3 +292,14 @@ def test_other_robots_are_part_of_a_certificate(run):
     ran = run("evaluate", "--verify", "c.json", "--jobs", "1")
     assert ran.status == 2
     assert "where is the robot /somewhere/robot.yaml? Name its file: --robot arm=FILE" in ran.err
+
+
+def test_disturbances_are_played_again(run, verify, tmp_path):
+    write_task(tmp_path)
+    save_policy(tmp_path / "pushing.npz", sideways())
+    words = ("--task-path", ".", "--noise", "0.05", "--certificate", "c.json")
+    assert run("evaluate", "pushing.npz", *SHORT, *words).status == 0
+    assert json.loads(Path("c.json").read_text())["options"]["position_noise"] == 0.05
+    ran = verify(tmp_path / "c.json")
+    assert ran.status == 0, ran.out
+    assert "verified" in ran.out

@@ -274,3 +274,64 @@ def test_demo_refuses_a_policy_of_another_task(run, policy, good):
     assert (ran.status, ran.out) == (2, "")
     assert ran.err == "taskbuilder: pushing.npz was trained on sideways, not on good\n"
     assert not Path("demos").exists()
+
+
+def test_all_variations_are_evaluated_and_the_worst_is_named(run, policy):
+    words = ("evaluate", "pushing.npz", "--episodes", "6", "--seed", "0", *HERE)
+    ran = run(*words, "--variation", "all", "--controls", "0", "--out", "o")
+    assert (ran.status, ran.err) == (0, "")
+    *_, head, first, second, _, worst, _, file = ran.out.splitlines()
+    assert head.split() == [
+        "variation",
+        "succeeded",
+        "95%",
+        "interval",
+        "at",
+        "the",
+        "last",
+        "step",
+    ]
+    kept = json.loads(Path(file).read_text())
+    assert [result["variation"] for result in kept["variations"]] == [0, 1]
+    for line, result in zip((first, second), kept["variations"], strict=True):
+        number = str(result["variation"])
+        alone = run(*words, "--variation", number, "--controls", "0", "--json").data
+        assert {k: result[k] for k in ("success_rate", "return")} == {
+            k: alone[k] for k in ("success_rate", "return")
+        }
+        assert line.split()[:4] == [
+            number,
+            str(round(6 * alone["success_rate"])),
+            "of",
+            "6",
+        ]
+    rates = [result["success_rate"] for result in kept["variations"]]
+    assert rates[kept["worst"]] == min(rates)
+    assert worst == f"worst: variation {kept['worst']}, {min(rates):.1%}"
+    told = run(*words, "--variation", "all", "--controls", "0", "--json")
+    assert told.data["variations"] == kept["variations"]
+
+
+@pytest.mark.parametrize("option", ["--video", "--certificate"])
+def test_what_is_of_one_variation_is_refused_for_all(run, policy, option):
+    value = ("c.json",) if option == "--certificate" else ()
+    ran = run("evaluate", "pushing.npz", *HERE, "--variation", "all", option, *value)
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == (f"taskbuilder: {option} is of one variation; name it by its number\n")
+
+
+def test_observations_are_disturbed_where_asked(run):
+    words = ("evaluate", "zoo:handover/demos", "--episodes", "1", "--jobs", "1", "--json")
+    plain, disturbed = (
+        run(*words, "--noise", noise, "--controls", "1").data for noise in ("0", "0.02")
+    )
+    assert disturbed["return"] != plain["return"]
+    for name, control in plain["controls"].items():  # the baselines are not disturbed
+        assert disturbed["controls"][name]["return"] == control["return"]
+
+
+def test_what_disturbs_is_told(run, policy):
+    words = ("evaluate", "pushing.npz", "--episodes", "1", "--controls", "0", *HERE)
+    ran = run(*words, "--noise", "0.2", "--randomize", "quantities")
+    assert "  disturbed  position_noise: 0.2, randomize: True\n" in ran.out
+    assert "disturbed" not in run(*words).out

@@ -15,7 +15,10 @@ from tree import bytes_of
 import taskbuilder
 from taskbuilder.arrays import StoreError
 from taskbuilder.data import layout
+from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset, make_from
+from taskbuilder.data.plan import CollectPlan
+from taskbuilder.data.recording import Cameras
 from taskbuilder.data.summary import summarize_dataset
 from taskbuilder.data.videos import VideoError, decoded
 from taskbuilder.errors import UnknownNameError, UsageError
@@ -254,3 +257,22 @@ def test_where_the_extra_is_missing_it_is_said_what_to_install(pictured, monkeyp
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(UsageError, match=r'pip install "taskbuilder\[data\]"'):
         decoded(load_dataset(pictured)[0].video("front"))
+
+
+def test_looks_are_drawn_where_asked(tmp_path):
+    plan = CollectPlan(
+        ("reach",), 3, cameras=Cameras(("front",), (48, 32)), options={"randomize": "looks"}
+    )
+    collect(plan, tmp_path / "looks")
+    data = load_dataset(tmp_path / "looks")
+    first = [episode.images("front")[0].astype(float) for episode in data]
+    assert np.abs(first[0] - first[1]).mean() > 2.0  # and not only the target elsewhere
+    again = collect_look(tmp_path / "looks", data[1].seed)
+    assert np.abs(again.astype(float) - first[1]).mean() < 8.0  # video is lossy
+
+
+def collect_look(folder, seed):
+    """The first picture of an episode in the environment of a data set."""
+    with closing(make_from(folder)) as env:
+        observations, _ = env.reset(seed=seed)
+    return next(iter(observations.values()))["front.rgb"]

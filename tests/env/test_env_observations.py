@@ -24,7 +24,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.errors import FileError
+from taskbuilder.errors import FileError, UsageError
 
 EVERYTHING = facing(
     "left:",
@@ -573,6 +573,34 @@ def test_noise_moves_nothing_and_reaches_only_whom_it_is_meant_for(noisy_and_pla
         assert views[0]["right"].tobytes() == views[1]["right"].tobytes()
         assert digest(physical(noisy)) == digest(physical(plain))
         assert noisy.state().tobytes() == plain.state().tobytes()
+
+
+def test_noise_on_positions_may_be_added_to_that_of_the_task(make):
+    noisy, plain = (
+        make(facing(*SEEN, extra=NOISE), horizon=400, position_noise=std) for std in (0.003, 0.0)
+    )
+    offs = []
+    for env in (noisy, plain):
+        env.reset(seed=0)
+    exact = make(facing(*SEEN), horizon=400)
+    exact.reset(seed=0)
+    while exact.agents:
+        action = still(exact)
+        truth = exact.step(action)[0]["left"]
+        offs.append([env.step(action)[0]["left"] - truth for env in (noisy, plain)])
+        assert digest(physical(noisy)) == digest(physical(exact))
+    with_more, with_own = np.array(offs, dtype=np.float64).transpose(1, 0, 2)
+    for part, own in ((slice(6, 9), 0.004), (slice(13, 16), 0.01), (slice(16, 19), 0.0)):
+        assert with_more[:, part].std() == pytest.approx(np.hypot(own, 0.003), rel=0.1)
+        assert with_own[:, part].std() == pytest.approx(own, rel=0.1)
+    assert with_more[:, :6].std() == pytest.approx(0.02, rel=0.1)  # joints have the task's alone
+    assert noisy.state().tobytes() == exact.state().tobytes()
+
+
+@pytest.mark.parametrize("std", [-0.1, 1.5, float("nan")])
+def test_noise_on_positions_has_a_size(make, std):
+    with pytest.raises(UsageError, match=r"position_noise is .*; 0 to 1, in metres"):
+        make("handover", position_noise=std)
 
 
 def test_noise_does_not_leave_the_space(make):
