@@ -27,7 +27,9 @@ from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
 
 IMAGES = Path(__file__).parent / "images"
-RUNS = Path(__file__).parents[1] / "benchmarks" / "results" / "learning"
+RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
+RUNS = RESULTS / "learning"
+PAPER = {"pick_push_place-1": "Pick-Push-Place, the paper's learner"}
 SHOWN = {
     "pick_push_place": "Pick-Push-Place",
     "collaborative_lift": "Collaborative Lift",
@@ -93,6 +95,9 @@ def make_all() -> None:
                 if runs:
                     curves = IMAGES / f"{task}-{track}-curves.png"
                     _call("plot", *map(str, runs), "--out", str(curves))
+        for run, title in PAPER.items():
+            curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
+            _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))
         for name, entry in catalogue.robots.items():
             if entry.module:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))

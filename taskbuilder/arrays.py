@@ -50,6 +50,11 @@ def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], about: Mapping[
     Raises:
         OSError: It cannot be written.
     """
+    write_whole(path, packed_arrays(arrays, about), sync=True)
+
+
+def packed_arrays(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> bytes:
+    """The content of a file; see `write_arrays`."""
     words = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
     content = io.BytesIO()
     # As numpy.savez, which has no place for arrays with the names of its own parameters.
@@ -57,7 +62,7 @@ def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], about: Mapping[
         for name, array in {_ABOUT: words, **arrays}.items():
             with file.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as part:
                 np.lib.format.write_array(part, np.asanyarray(array), allow_pickle=False)
-    write_whole(path, content.getvalue(), sync=True)
+    return content.getvalue()
 
 
 def read_arrays(

@@ -127,19 +127,19 @@ class _Cluster:
         self._remote = ray.remote(num_cpus=1)(_carry_out_here)
 
     def spread(self, function: Callable[[Any], Any], items: Iterable[Any]) -> Iterator[Any]:
-        """Have work done; results come in the order of the items."""
+        """Have work done; results come in the order of the items.
+
+        Work that nobody waits for any more goes on until the cluster is left. It is not cancelled:
+        Ray ends the whole process if a piece of work is cancelled in the moment it is done.
+        """
         waiting = deque(items)
         begun: deque[tuple[Any, Any]] = deque()
-        try:
-            while waiting or begun:
-                while waiting and len(begun) < self._most():
-                    item = waiting.popleft()
-                    begun.append((self._remote.remote(self._asker, packed(function, item)), item))
-                yield self._result(*begun[0])
-                begun.popleft()
-        finally:  # who does not want the rest does not wait for it
-            for reference, _ in begun:
-                self._ray.cancel(reference, force=True)
+        while waiting or begun:
+            while waiting and len(begun) < self._most():
+                item = waiting.popleft()
+                begun.append((self._remote.remote(self._asker, packed(function, item)), item))
+            yield self._result(*begun[0])
+            begun.popleft()
 
     def _most(self) -> int:
         """How many pieces may be under way; nodes may join and leave."""

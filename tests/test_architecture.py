@@ -50,7 +50,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("learn", "expert", "rollout", "env", "sources", "machine", "digests", "files"),
         *SIMULATED,
     ),
-    "learn": ("data", "expert", "rollout", "env", "jobs", "arrays", "files", *SIMULATED),
+    "learn": (
+        *("data", "visual", "expert", "rollout", "env", "jobs", "arrays", "files"),
+        *SIMULATED,
+    ),
     "data": (
         *("expert", "rollout", "env", "sources", "jobs", "machine", "digests", "arrays", "files"),
         *SIMULATED,

@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from generators import api, commands, results, robots, tasks
+from generators import api, commands, leaderboard, results, robots, tasks
 from taskbuilder.reference import codes, keys, vocabulary
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -33,9 +33,11 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "holding": results.holding,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
+    "leaderboard": leaderboard.rows,
     "learning": results.learning,
     "manners": keys.manners,
     "nodes": vocabulary.nodes,
+    "phases": results.phases,
     "probes": results.probes,
     "robots": robots.library,
     "scaffold": commands.scaffold,

@@ -6,10 +6,16 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from taskbuilder.learn.logs import read_run
 from taskbuilder.learn.zoo import load_policy, zoo_names
 from taskbuilder.reference.markdown import table
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
+
+PHASE = 5_000
+"""Training episodes in a row of the tables on the paper's learner."""
 
 
 def proof(task: str) -> str:
@@ -120,6 +126,28 @@ def learning(_: str) -> str:
     return table([*head, "furthest stage", "minutes"], rows)
 
 
+def phases(run: str) -> str:
+    """The training episodes of a run of the paper's learner, 5,000 at a time."""
+    table_of = read_run(RESULTS / "paper" / run).episodes
+    terms = [name for name in table_of if name.startswith("term/")]
+    bonuses = [name for name in terms if table_of[name].min() >= 0.0]
+    distances = [name for name in terms if name not in bonuses]
+    rows = []
+    for first in range(0, len(table_of["episode"]), PHASE):
+        part = {name: column[first : first + PHASE] for name, column in table_of.items()}
+        rows.append(
+            [
+                f"{first + 1:,}–{first + len(part['episode']):,}",
+                _signed(part["team_return"].mean()),
+                *(_signed(part[name].mean()) for name in distances),
+                *(f"{np.count_nonzero(part[name]):,}" for name in bonuses),
+                f"{np.count_nonzero(part['success']):,}",
+            ]
+        )
+    labels = [name.removeprefix("term/") for name in (*distances, *bonuses)]
+    return table(["episodes", "return", *(f"`{label}`" for label in labels), "success"], rows)
+
+
 def _stages(stages: dict[str, int]) -> str:
     """The number of episodes by the last stage that they reached, the furthest first."""
     reached = [f"{name or 'none'} {count}" for name, count in stages.items() if count]
@@ -152,7 +180,7 @@ def zoo(_: str) -> str:
     head = ["policy", "control steps", "success (95 % interval)", "at the last step"]
     head += ["force between robots, median peak", "success under the earlier definition"]
     made = "\n".join(["These commands trained them:", "", "```text", *commands, "```"])
-    asked = f"Measured by `{measured['command']}`, with the number of episodes in the table."
+    asked = f"Measured by `{measured['command']}`."
     return f"{table(head, rows)}\n\n{asked}\n\n{made}"
 
 

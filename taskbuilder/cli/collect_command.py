@@ -5,19 +5,22 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.dataset_command import print_summary
 from taskbuilder.cli.output import print_json
+from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
 from taskbuilder.cli.trained import is_trained
+from taskbuilder.cluster import cluster
 from taskbuilder.data.collecting import CollectProgress, Report, collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.formats import export_dataset
-from taskbuilder.data.plan import CollectPlan
+from taskbuilder.data.plan import CollectPlan, trained_policies
 from taskbuilder.data.policies import PolicyShare, is_named, read_share
 from taskbuilder.data.recording import Cameras
 from taskbuilder.data.summary import summarize_dataset
@@ -25,10 +28,11 @@ from taskbuilder.digests import digest
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
-from taskbuilder.jobs import cores
+from taskbuilder.jobs import Map, cores
 from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
-from taskbuilder.rollout.play import Policy, as_policy
+from taskbuilder.rollout.play import Policy
 from taskbuilder.schema.catalogue import Catalogue
 
 SAY_EVERY_S = 30.0
@@ -41,9 +45,11 @@ def run(arguments: argparse.Namespace) -> int:
     exported = Path(f"{arguments.out}-{arguments.export}")
     if arguments.export and exported.exists():
         raise UsageError(f"{display_path(exported)} exists; the export would go there")
+    check_spread(arguments)
     jobs = min(arguments.jobs or cores(), plan.episodes * len(plan.tasks))
-    with _Progress() as report:
-        collect(plan, arguments.out, jobs=jobs, report=report, other=trained_player)
+    with _Progress() as report, _nodes(arguments) as nodes:
+        other = _trained_players(plan)
+        collect(plan, arguments.out, jobs=jobs, nodes=nodes, report=report, other=other)
     dataset = load_dataset(arguments.out)
     if arguments.export:
         export_dataset(dataset, arguments.export, exported)
@@ -57,6 +63,11 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _nodes(arguments: argparse.Namespace) -> AbstractContextManager[Map | None]:
+    """A map over the nodes of a cluster, or None without --ray."""
+    return cluster(arguments.ray) if arguments.ray else nullcontext()
+
+
 def _plan(arguments: argparse.Namespace) -> CollectPlan:
     catalogue = catalogue_of(arguments)
     references = tuple(asked_tasks(arguments, catalogue))
@@ -68,6 +79,7 @@ def _plan(arguments: argparse.Namespace) -> CollectPlan:
         policies=shares,
         cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
         options=_options(arguments, shares),
+        renderer=arguments.renderer,
         variations=variations,
         first_seed=first_seed,
         keep_failures=arguments.keep_failures,
@@ -121,15 +133,29 @@ def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> di
     return asked
 
 
-def trained_player(name: str, env: TaskEnv) -> Policy:
-    """A trained policy for an environment.
+@dataclass(frozen=True)
+class TrainedPlayers:
+    """The trained policies of a plan, which other processes and machines get with their work.
 
-    Raises:
-        UsageError: It does not fit the environment.
+    Attributes:
+        policies: By name.
     """
-    trained = load_policy(name)
-    check_fits(trained, env, name)
-    return as_policy(trained.act)
+
+    policies: Mapping[str, TrainedPolicy]
+
+    def __call__(self, name: str, env: TaskEnv) -> Policy:
+        """A policy for an environment.
+
+        Raises:
+            UsageError: It does not fit the environment.
+        """
+        trained = self.policies[name]
+        check_fits(trained, env, name)
+        return trained.player()
+
+
+def _trained_players(plan: CollectPlan) -> TrainedPlayers:
+    return TrainedPlayers({name: load_policy(name) for name in trained_policies(plan.policies)})
 
 
 class _Progress:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from taskbuilder.cli.argument_types import listed, share, side_or_size, variation_or_all, whole
 from taskbuilder.cli.learning_arguments import CommandAdder
-from taskbuilder.cli.shared_options import add_jobs, add_json, add_suite
+from taskbuilder.cli.shared_options import add_jobs, add_json, add_ray, add_renderer, add_suite
 from taskbuilder.data.names import FORMAT_NAMES
 
 ACTIONS = ("info", "check", "film", "export")
@@ -47,6 +47,7 @@ def add_collect(adder: CommandAdder) -> None:
         help="size of the pictures in pixels, such as 224 or 320x240 (default each camera's)",
     )
     parser.add_argument("--depth", action="store_true", help="record depth, too")
+    add_renderer(parser)
     parser.add_argument(
         "--variation",
         type=variation_or_all,
@@ -84,6 +85,7 @@ def add_collect(adder: CommandAdder) -> None:
     )
     _add_format(parser, "also export it to DIR-FORMAT")
     add_jobs(parser)
+    add_ray(parser, "the episodes")
     add_json(parser)
 
 

@@ -23,7 +23,7 @@ from taskbuilder.files import write_whole
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.zoo import load_policy
-from taskbuilder.rollout.play import Policy, as_policy, play
+from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
@@ -118,7 +118,7 @@ class PlayerFactory:
         if is_trained(self.policy):
             trained = load_policy(self.policy)
             check_fits(trained, env, self.policy)
-            return as_policy(trained.act)
+            return trained.player()
         made = policy_named(self.policy)(env)
         if isinstance(made, Expert):
             stack.callback(made.close)

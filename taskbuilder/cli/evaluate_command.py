@@ -22,6 +22,7 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.rollout.served import is_served
 from taskbuilder.trial.arms import SUBJECT, jobs_of
 from taskbuilder.trial.certificate import certificate, write_certificate
 from taskbuilder.trial.results import Arms, as_data, compare, record
@@ -75,6 +76,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _check(found: Evaluated, arguments: argparse.Namespace) -> None:
     """Refuse what cannot be played or shown before anything is."""
+    if arguments.certificate and is_served(found.name):
+        raise UsageError(
+            "the policy of a server has no certificate: nobody else could play it again; "
+            "--out DIR writes the result"
+        )
     variation = found.options.get("variation", 0)
     filmed = argparse.Namespace(variation=variation, camera=arguments.camera)
     if isinstance(variation, int):
@@ -164,6 +170,8 @@ def _stem(found: Evaluated) -> str:
     named = named_player(found.name)
     if named is not None:
         return f"{task}-{named[0]}"
+    if is_served(found.name):
+        return f"{task}-served"
     path = Path(found.name.removeprefix("zoo:"))
     own = (path.name or path.resolve().name).removesuffix(".npz")
     return own if own.startswith(task) else f"{task}-{own}"

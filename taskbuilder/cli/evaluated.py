@@ -1,4 +1,4 @@
-"""Who is evaluated: a trained policy, or by name the expert, random play or holding still."""
+"""Who is evaluated: a trained policy, a server's, or the expert, random play or holding still."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from taskbuilder.expert.ways import Kind
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
+from taskbuilder.rollout.served import is_served, read_server
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.arms import TrialConfig
+from taskbuilder.trial.arms import Player, TrialConfig
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Evaluated:
 
     Attributes:
         name: As the command line says it.
-        player: A trained policy, or the name of another.
+        player: A trained policy, a policy server, or the name of another.
         file: Where a trained one was read from, or None.
         task: What is played.
         make_env: Makes the environment.
@@ -35,7 +36,7 @@ class Evaluated:
     """
 
     name: str
-    player: TrainedPolicy | str
+    player: Player
     file: Path | None
     task: Task
     make_env: EnvFactory
@@ -72,7 +73,8 @@ def evaluated(
     """Find who is evaluated and where; refuses what cannot play before anything is played.
 
     Args:
-        name: ``zoo:handover/demos``, a run, a policy's file, or ``expert:handover``.
+        name: ``zoo:handover/demos``, a run, a policy's file, ``expert:handover``, or a server,
+            ``ws://localhost:8000/handover``.
         catalogue: Where tasks are looked up.
         variation: Which is played; by default that of training, or the plain one.
         task: What to play in place of the task that the name leads to.
@@ -86,11 +88,15 @@ def evaluated(
         StoreError: The policy is damaged.
     """
     named = named_player(name)
-    player: TrainedPolicy | str
+    player: Player
     file: Path | None = None
     chosen: dict[str, Any] = {"variation": 0}
     if named is not None:
         player, reference = named
+    elif is_served(name):
+        player = read_server(name)
+        reference = player.task
+        chosen |= player.options
     else:
         player, file = load_policy(name), policy_file(name)
         reference = task or str(task_of(name, player, catalogue))

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.argument_types import share, variation, whole
+from taskbuilder.cli.argument_types import listed, share, variation, whole
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
@@ -31,7 +31,12 @@ def add_train(adder: CommandAdder) -> None:
         "train a policy for each robot of a task",
         "handover --steps 300000 --seed 1 --out runs/handover-1",
     )
-    parser.add_argument("task", nargs="?", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument(
+        "task",
+        nargs="?",
+        metavar="TASK",
+        help="name, or path of a YAML file (default that of --data)",
+    )
     parser.add_argument(
         "--resume", type=Path, metavar="RUN", help="continue the run in this folder"
     )
@@ -86,6 +91,15 @@ def add_train(adder: CommandAdder) -> None:
         "--init", metavar="POLICY", help="start from zoo:TASK/TRACK, a run, or a policy's file"
     )
     parser.add_argument(
+        "--data", metavar="DIR", help="data set that bc learns from; collect makes one"
+    )
+    parser.add_argument(
+        "--cameras",
+        type=listed,
+        metavar="C,C",
+        help="cameras of the data set that policies observe, besides numbers of their own robot",
+    )
+    parser.add_argument(
         "--device", metavar="D", help="device of the networks: cpu or cuda (default cpu)"
     )
     parser.add_argument(
@@ -116,6 +130,12 @@ def add_train(adder: CommandAdder) -> None:
         "--evaluate-episodes", type=many, metavar="N", help="episodes per evaluation (default 20)"
     )
     parser.add_argument(
+        "--film-every",
+        type=whole(0, 1_000_000),
+        metavar="N",
+        help="film an episode of every Nth evaluation; 0: none (default 10)",
+    )
+    parser.add_argument(
         "--checkpoint-every", type=many, metavar="N", help="in control steps (default 10000)"
     )
     parser.add_argument(
@@ -139,8 +159,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "policy",
         nargs="?",
         metavar="POLICY",
-        help="zoo:TASK/TRACK, the folder of a run, a policy's file; or expert:TASK, random:TASK, "
-        "nothing:TASK",
+        help="zoo:TASK/TRACK, the folder of a run, a policy's file; expert:TASK, random:TASK, "
+        "nothing:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N",
     )
     parser.add_argument(
         "--episodes",
@@ -207,6 +227,15 @@ def add_plot(adder: CommandAdder) -> None:
         "runs/handover-scratch-0 runs/handover-scratch-1 --out curves.png",
     )
     parser.add_argument("runs", nargs="+", metavar="RUN", help="folders of runs of one task")
+    parser.add_argument(
+        "--beside",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="CSV",
+        help="also draw curves of other software; columns: step, success_rate or team_return, "
+        "and seed if there are several",
+    )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="FILE", help="picture, .png or .svg"
     )

@@ -13,6 +13,7 @@ from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.logs import RunLog, read_run
+from taskbuilder.learn.other_curves import OtherCurves, read_curves
 from taskbuilder.learn.run_groups import (
     WINDOW,
     Line,
@@ -34,6 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     folders = {Path(name).resolve(): Path(name) for name in arguments.runs}
     runs = [read_run(folder) for folder in folders.values()]
     groups = group_runs(runs)
+    others = [read_curves(path) for path in arguments.beside]
     make_folder(arguments.out.parent)
     from taskbuilder.visual.curves import learning_curves  # a second, when all else is in order
 
@@ -41,8 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     task = Path(runs[0].plan.task).stem
     picture = learning_curves(
         arguments.title or task,
-        _subtitle([task] if arguments.title else [], names, runs),
-        _drawn(groups, names, runs),
+        _subtitle([task] if arguments.title else [], names, runs, others),
+        [*_drawn(groups, names, runs), *map(_drawn_other, others)],
         max((run.stages for run in runs), key=len),
         episodes_at(runs),
         form,
@@ -66,12 +68,15 @@ def _longest(runs: Sequence[RunLog]) -> float:
     return max(float(run.evaluations["step"][-1]) for run in runs)
 
 
-def _subtitle(task: list[str], names: Sequence[str], runs: Sequence[RunLog]) -> list[str]:
+def _subtitle(
+    task: list[str], names: Sequence[str], runs: Sequence[RunLog], others: Sequence[OtherCurves]
+) -> list[str]:
     """What was drawn, and how."""
-    count = f"{len(runs)} run{'s' * (len(runs) > 1)}"
-    what = [*task, *names, count] if len(names) == 1 else [*task, count]
+    total = len(runs) + sum(other.seeds for other in others)
+    count = f"{total} run{'s' * (total > 1)}"
+    what = [*task, *names, count] if len(names) == 1 and not others else [*task, count]
     how = [f"training episodes averaged over {WINDOW * _longest(runs):,.0f} steps"]
-    if len(runs) > len(names):
+    if total > len(names) + len(others):
         how.append("every run faint, in bold their interquartile mean with its 95% band")
     if len({run.evaluations["step"][-1] for run in runs}) > 1:
         how.append("stages of the runs that came so far")
@@ -94,6 +99,16 @@ def _drawn(groups: Sequence[RunGroup], names: Sequence[str], runs: Sequence[RunL
         )
         for group, name in zip(groups, names, strict=True)
     ]
+
+
+def _drawn_other(other: OtherCurves) -> Group:
+    """Curves of other software as they are drawn."""
+    from taskbuilder.visual.curves import Group
+
+    success, team_return = (
+        _curve(lines) if lines else None for lines in (other.success, other.team_return)
+    )
+    return Group(other.name, other.seeds, success, team_return, {}, None)
 
 
 def _curve(lines: Sequence[Line]) -> Curve:

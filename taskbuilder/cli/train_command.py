@@ -94,9 +94,8 @@ def _check_alone(arguments: argparse.Namespace) -> None:
 
 
 def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan, Task]:
-    if not arguments.task:
-        raise UsageError("which task? give a name or a path, or --resume RUN to go on")
-    task = load_task(arguments.task, catalogue=catalogue)
+    named = runs.task_to_train(arguments.task, arguments.data, catalogue)
+    task = load_task(named, catalogue=catalogue)
     names = {field.name for field in fields(Plan)} - {"settings", "task"}
     given = {name: value for name, value in vars(arguments).items() if name in names}
     plan = make_plan(reference_of(task), arguments.set or (), **given)

@@ -15,7 +15,7 @@ from taskbuilder.learn.runs import named_task, task_of_run
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
-_SAW = {
+_OBSERVED = {
     "scene": "the whole scene, more than the task file lists for each robot",
     "task": "what the task file lists for each robot",
 }
@@ -24,6 +24,7 @@ _HELPED = {
     "resets": "episodes that may begin in states of the expert, no demonstrations",
     "finetuned": "a trained policy to start from",
     "demos": "demonstrations of the expert",
+    "cloned": "recorded episodes alone",
 }
 
 
@@ -71,19 +72,26 @@ def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue) -> Path:
 
 
 def origin(about: Mapping[str, Any]) -> list[list[str]]:
-    """What a policy saw and what trained it: rows of a word and what there is to say."""
+    """What a policy observes and how it was trained: rows of a word and a text."""
     env, track = about.get("env", {}), about.get("track")
     options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
-    saw = _SAW.get(env.get("observe"), "not known")
+    observed = _OBSERVED.get(env.get("observe"), "not known")
     helped = _HELPED.get(str(track), "not known what helped")
     if about.get("starts") and track != "resets":
         helped += ", episodes that may begin in its states"
-    step = about.get("step")
+    step, unit = about.get("step"), "updates" if about.get("data") else "control steps"
     trained = [
         f"track {track}: {helped}",
-        f"{about.get('algorithm')} paid {about.get('reward')}",
-        f"{step:,} control steps" if isinstance(step, int) else "unknown control steps",
+        f"{about.get('algorithm')} {_source(about)}",
+        f"{step:,} {unit}" if isinstance(step, int) else f"unknown {unit}",
         f"seed {about.get('seed')}",
     ]
-    rows = [["saw", f"{saw} ({options})"], ["trained", " · ".join(trained)]]
+    rows = [["observed", f"{observed} ({options})"], ["trained", " · ".join(trained)]]
     return [*rows, ["command", str(about["command"])]] if about.get("command") else rows
+
+
+def _source(about: Mapping[str, Any]) -> str:
+    """What a policy was trained by: a data set, or a reward."""
+    if about.get("data"):
+        return f"from the data set {about['data']}"
+    return f"with the reward {about.get('reward')}"

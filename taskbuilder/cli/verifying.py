@@ -13,6 +13,7 @@ from taskbuilder.cli.tasks import asked_robots, catalogue_of
 from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.digests import digest
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
+from taskbuilder.learn.evaluation import env_options
 from taskbuilder.learn.zoo import policy_file
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.schema.other_robots import OtherRobots, other_robots
@@ -29,8 +30,6 @@ from taskbuilder.trial.verification import (
     compare_machines,
     compare_seals,
 )
-
-_OPTIONS = ("observe", "frame", "rotation", "variation")
 
 
 def verify(arguments: argparse.Namespace) -> int:
@@ -139,7 +138,7 @@ def _found(
         except UnknownNameError as error:
             hint = "name the folder of its files by --task-path"
             raise UsageError(f"its task is not here ({error}); {hint}") from None
-    options = {key: value for key, value in data["options"].items() if key in _OPTIONS}
+    options = env_options(data["options"])
     return evaluated(name, catalogue, task=task, options=options, robots=robots)
 
 

@@ -14,12 +14,16 @@ import numpy as np
 from taskbuilder.arrays import StoreError
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, make_from
-from taskbuilder.data.plan import PICTURE_PACKAGES, machine_changes
+from taskbuilder.data.machines import (
+    PICTURE_PACKAGES,
+    machine_changes,
+    machine_here,
+    machine_of_episode,
+)
 from taskbuilder.data.recording import NO_CAMERAS, StepRecorder, recorded_arrays
 from taskbuilder.digests import differences, digest, digest_of
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError, UsageError
-from taskbuilder.machine import processor, system, versions
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.schema.catalogue import Catalogue
@@ -75,7 +79,7 @@ def check_dataset(folder: Path, share: float, *, catalogue: Catalogue | None = N
     dataset = load_dataset(folder)
     chosen = _chosen(dataset, share)
     differs: dict[str, str] = {}
-    elsewhere: list[str] = list(_elsewhere(dataset.about))
+    elsewhere = [*_elsewhere(dataset.about), *_on_nodes(dataset.about, chosen)]
     try:
         with closing(_Replayer(dataset, catalogue)) as replayer:
             elsewhere += replayer.changed_files()
@@ -123,12 +127,20 @@ def _chosen(dataset: Dataset, share: float) -> list[RecordedEpisode]:
 
 def _elsewhere(about: Mapping[str, Any]) -> Iterator[str]:
     """In what this machine differs from that of the data set."""
-    here = {"versions": versions(), "processor": processor(), "system": system()}
-    for what, then, now in machine_changes(about, here):
+    for what, then, now in machine_changes(about, machine_here(pictures=False)):
         if what.removeprefix("versions: ") not in PICTURE_PACKAGES:
             yield f"{what} is {now} here and was {then}"
     if about.get("library") != digest_of(digests_of_library()):
         yield "taskbuilder's own files are others"
+
+
+def _on_nodes(about: Mapping[str, Any], episodes: Sequence[RecordedEpisode]) -> Iterator[str]:
+    """Episodes that were played by another kind of machine than that of the data set."""
+    own = machine_of_episode(about)
+    for episode in episodes:
+        machine = episode.about.get("machine", own)
+        if machine != own:
+            yield f"{episode.name} was played by another machine ({machine.get('processor')})"
 
 
 class _Replayer:

@@ -1,8 +1,9 @@
-"""Collecting a data set: episodes played in several processes, resumable at any moment.
+"""Collecting a data set: episodes played in several processes or on several machines, resumable.
 
 Attempts are numbered, and each has a seed, a variation and a policy that follow from its number.
 Every attempt is written on its own, whole or not at all, so that it does not matter when a process
-is killed, how many there are, or in what order they end: the files are the same in the end.
+is killed, how many there are, or in what order they end: the files are the same in the end. Nodes
+of a cluster need not reach the folder; what they play is written here.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ import errno
 import json
 import shutil
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,6 +23,7 @@ from taskbuilder.data import layout
 from taskbuilder.data.card import card_text
 from taskbuilder.data.index import make_index
 from taskbuilder.data.plan import (
+    Attempt,
     CollectPlan,
     attempt_of,
     changes,
@@ -28,7 +31,13 @@ from taskbuilder.data.plan import (
     describe,
     trained_policies,
 )
-from taskbuilder.data.playing import AttemptResult, CollectJob, EpisodePlayer, play_elsewhere
+from taskbuilder.data.playing import (
+    AttemptResult,
+    CollectJob,
+    EpisodePlayer,
+    play_and_write,
+    play_elsewhere,
+)
 from taskbuilder.data.policies import MakeOther
 from taskbuilder.data.videos import require_video
 from taskbuilder.env.parallel import TaskEnv
@@ -38,7 +47,7 @@ from taskbuilder.errors import (
     display_path,
 )
 from taskbuilder.files import write_whole
-from taskbuilder.jobs import LostError, workers
+from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.rollout.play import Policy
 from taskbuilder.task import Task
 
@@ -85,6 +94,7 @@ def collect(
     folder: Path,
     *,
     jobs: int = 1,
+    nodes: Map | None = None,
     report: Report = lambda _: None,
     other: MakeOther = no_other,
 ) -> None:
@@ -94,6 +104,7 @@ def collect(
         plan: What is collected.
         folder: Where to; it must be new, empty, or a data set of the same plan.
         jobs: Processes.
+        nodes: A map over the nodes of a cluster, in place of processes; see `cluster.cluster`.
         report: Called after every attempt.
         other: Makes trained policies; a function of a module.
 
@@ -115,9 +126,11 @@ def collect(
         with layout.locked(folder):
             about = describe(plan, loaded)
             _begin(folder, about)
-            job = CollectJob(plan, folder, other)
+            # A node draws as this machine does, whatever else is installed there.
+            drawn = replace(plan, renderer=about["renderer"] or plan.renderer)
+            job = CollectJob(drawn, folder, other)
             if not layout.is_finished(folder):
-                played = _play_all(job, tasks, jobs, report)
+                played = _play_all(job, tasks, report, jobs=jobs, nodes=nodes)
                 _finish(folder, about, played)
             report(CollectProgress(_wanted(plan), _wanted(plan), 0, 0.0))
     except OSError as error:
@@ -169,31 +182,66 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
 # --- the owner's side
 
 
+Play = Callable[[Sequence[Attempt]], Generator[AttemptResult, None, None]]
+"""Plays attempts and writes them, in order."""
+
+
 def _play_all(
-    job: CollectJob, tasks: Mapping[str, Task], jobs: int, report: Report
+    job: CollectJob, tasks: Mapping[str, Task], report: Report, *, jobs: int, nodes: Map | None
 ) -> list[AttemptResult]:
     """Play attempts until there are enough episodes of every task."""
     counter = _Counter(_wanted(job.plan), report)
     every: list[AttemptResult] = []
-    with ExitStack() as stack:
-        spread = stack.enter_context(workers(jobs)) if jobs > 1 else None
-        player = None if spread else stack.enter_context(closing(EpisodePlayer(job)))
+    with _players(job, jobs, nodes) as play:
         for reference, task in tasks.items():
             own: list[AttemptResult] = []
             while (missing := job.plan.episodes - sum(done.kept for done in own)) > 0:
                 numbers = range(len(own), len(own) + missing)
                 attempts = [attempt_of(job.plan, reference, task, n) for n in numbers]
-                found = (
-                    spread(partial(play_elsewhere, job), attempts)
-                    if spread
-                    else map(player.play, attempts)  # type: ignore[union-attr]  # one of both is set
-                )
-                for done in found:
-                    own.append(done)
-                    counter.count(done)
-                    _check_hope(job.plan, task, own)
+                with closing(play(attempts)) as played:
+                    for done in played:
+                        own.append(done)
+                        counter.count(done)
+                        _check_hope(job.plan, task, own)
             every += own
     return every
+
+
+@contextmanager
+def _players(job: CollectJob, jobs: int, nodes: Map | None) -> Iterator[Play]:
+    """Who plays attempts: this process, several, or the nodes of a cluster."""
+    if nodes is not None:
+        yield partial(_play_on_nodes, job, nodes)
+    elif jobs > 1:
+        with workers(jobs) as spread:
+            yield partial(_play_in_processes, job, spread)
+    else:
+        with closing(EpisodePlayer(job)) as player:
+            yield partial(_play_here, job, player)
+
+
+def _play_here(
+    job: CollectJob, player: EpisodePlayer, attempts: Sequence[Attempt]
+) -> Generator[AttemptResult, None, None]:
+    for attempt in attempts:
+        yield job.found(attempt) or job.write(player.play(attempt))
+
+
+def _play_in_processes(
+    job: CollectJob, spread: Map, attempts: Sequence[Attempt]
+) -> Generator[AttemptResult, None, None]:
+    yield from spread(partial(play_and_write, job), attempts)
+
+
+def _play_on_nodes(
+    job: CollectJob, nodes: Map, attempts: Sequence[Attempt]
+) -> Generator[AttemptResult, None, None]:
+    """Have attempts played that are not in the folder yet, and write them here."""
+    there = {attempt: job.found(attempt) for attempt in attempts}
+    missing = [attempt for attempt, result in there.items() if result is None]
+    played = nodes(partial(play_elsewhere, job), missing)
+    for attempt in attempts:
+        yield there[attempt] or job.write(next(played))
 
 
 class _Counter:

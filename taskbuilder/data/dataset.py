@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from taskbuilder.arrays import Arrays, StoreError
 from taskbuilder.data import layout
 from taskbuilder.data.videos import Frames, decoded, decoded_depth
-from taskbuilder.env.options import Options, make_options
+from taskbuilder.env.options import Options, Renderer, make_options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.schema.catalogue import Catalogue
@@ -272,6 +272,7 @@ def make_from(
     task: str | Path | Task | None = None,
     variation: int | None = None,
     cameras: bool = True,
+    renderer: Renderer | None = None,
     catalogue: Catalogue | None = None,
 ) -> TaskEnv:
     """Make the environment that a data set came from, with the same options.
@@ -283,6 +284,7 @@ def make_from(
         variation: The variation; by default the first that was collected.
         cameras: Whether agents observe the recorded cameras, in the recorded size and drawn by
             the recorded renderer.
+        renderer: Another renderer than the recorded one; its pictures differ.
         catalogue: The catalogue that the task is looked up in; by default that of this
             installation.
 
@@ -290,11 +292,13 @@ def make_from(
         UsageError: The folder is no data set, or it has several tasks and none is named.
         UnknownNameError: The task is not in the catalogue.
         FileError: The task has errors.
-        SimulationError: The renderer is not installed.
+        SimulationError: The renderer is not installed here; name another to use it instead.
     """
     about = layout.read_about(Path(folder))
     loaded = _task_of(about, Path(folder), task, catalogue)
     options = options_of_dataset(about, cameras=cameras)
+    if renderer is not None:
+        options["renderer"] = renderer
     if variation is None:
         played = about["collected"]["variations"]
         variation = 0 if played == "all" else played[0]

@@ -11,7 +11,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
-from taskbuilder.arrays import Arrays, StoreError, read_arrays, write_arrays
+from taskbuilder.arrays import Arrays, StoreError, packed_arrays, read_arrays
 from taskbuilder.data.recording import EpisodeData
 from taskbuilder.data.videos import DEPTH, VIDEO, encoded, encoded_depth
 from taskbuilder.digests import digest, digest_of
@@ -39,7 +39,12 @@ def write_json(path: Path, data: Any) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    write_whole(path, (json.dumps(data, indent=1, ensure_ascii=True) + "\n").encode(), sync=True)
+    write_whole(path, json_bytes(data), sync=True)
+
+
+def json_bytes(data: Any) -> bytes:
+    """JSON as all files of a data set have it."""
+    return (json.dumps(data, indent=1, ensure_ascii=True) + "\n").encode()
 
 
 def read_json(path: Path) -> dict[str, Any]:
@@ -104,13 +109,40 @@ def locked(folder: Path) -> Iterator[None]:
 # --- episodes
 
 
-def write_episode(folder: Path, name: str, data: EpisodeData) -> None:
+Files = dict[str, bytes]
+"""The contents of files, by name."""
+
+
+def episode_files(name: str, data: EpisodeData) -> Files:
+    """The files of an episode.
+
+    Args:
+        name: Of the episode.
+        data: The episode.
+    """
+    files = {ARRAYS: packed_arrays(data.arrays, {"kind": _ARRAYS_KIND, "name": name})}
+    videos: dict[str, dict[str, Any]] = {}
+    fps = data.about["control_hz"]
+    for camera, images in data.images.items():
+        height, width = images[0].shape[:2]
+        size = {"width": width, "height": height, "fps": fps, "frames": len(images)}
+        videos[camera] = {**size, "video": f"{camera}{VIDEO}"}
+        files[f"{camera}{VIDEO}"] = encoded(images, fps)
+    for camera, depths in data.depths.items():
+        videos[camera]["depth"] = f"{camera}{DEPTH}"
+        files[f"{camera}{DEPTH}"] = encoded_depth(depths, fps)
+    digests = {file: digest(files[file]) for file in sorted(files)}
+    about = {"name": name, **data.about, "cameras": videos, "files": digests}
+    return {**files, EPISODE: json_bytes(about)}
+
+
+def write_episode(folder: Path, name: str, files: Mapping[str, bytes]) -> None:
     """Write an episode: its folder is there whole or not at all.
 
     Args:
         folder: Of the data set.
         name: Of the episode.
-        data: The episode.
+        files: Of the episode; see `episode_files`.
 
     Raises:
         OSError: It cannot be written.
@@ -118,20 +150,8 @@ def write_episode(folder: Path, name: str, data: EpisodeData) -> None:
     aside = folder / PARTIAL / f"{name}-{token_hex(4)}"
     aside.mkdir(parents=True)
     try:
-        write_arrays(aside / ARRAYS, data.arrays, {"kind": _ARRAYS_KIND, "name": name})
-        videos: dict[str, dict[str, Any]] = {}
-        fps = data.about["control_hz"]
-        for camera, images in data.images.items():
-            height, width = images[0].shape[:2]
-            size = {"width": width, "height": height, "fps": fps, "frames": len(images)}
-            videos[camera] = {**size, "video": f"{camera}{VIDEO}"}
-            write_whole(aside / f"{camera}{VIDEO}", encoded(images, fps), sync=True)
-        for camera, depths in data.depths.items():
-            videos[camera]["depth"] = f"{camera}{DEPTH}"
-            write_whole(aside / f"{camera}{DEPTH}", encoded_depth(depths, fps), sync=True)
-        files = {file.name: digest(file.read_bytes()) for file in sorted(aside.iterdir())}
-        about = {"name": name, **data.about, "cameras": videos, "files": files}
-        write_json(aside / EPISODE, about)
+        for file, content in files.items():
+            write_whole(aside / file, content, sync=True)
         place = folder / EPISODES / name
         place.parent.mkdir(exist_ok=True)
         try:

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from contextlib import closing
 from dataclasses import asdict, dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from secrets import token_hex
 from typing import Any
 
 from taskbuilder.data.layout import FORMAT, KIND
+from taskbuilder.data.machines import machine_changes, machine_here
 from taskbuilder.data.policies import PolicyShare, is_named, needs_expert, policy_of, round_of
 from taskbuilder.data.recording import Cameras
 from taskbuilder.digests import differences, digest_of
-from taskbuilder.env.options import Options
+from taskbuilder.env.options import Options, Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.expert.named import has_expert
-from taskbuilder.machine import processor, system, versions
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.expert import in_words
 from taskbuilder.sources import digests_of_library, digests_of_task
@@ -35,6 +34,7 @@ class CollectPlan:
         policies: Who plays; they take turns.
         cameras: What is recorded of the cameras.
         options: Options of the environment, by name, besides the variation.
+        renderer: What draws the pictures.
         variations: Variations to play, in turn; None for all of each task.
         first_seed: Seed of the first attempt; later ones have the next seeds.
         keep_failures: Keep episodes without success, too.
@@ -49,6 +49,7 @@ class CollectPlan:
     policies: tuple[PolicyShare, ...] = (PolicyShare("expert"),)
     cameras: Cameras = field(default_factory=Cameras)
     options: Mapping[str, Any] = field(default_factory=dict)
+    renderer: Renderer = "auto"
     variations: tuple[int, ...] | None = (0,)
     first_seed: int = 0
     keep_failures: bool = False
@@ -59,7 +60,11 @@ class CollectPlan:
 
     def make_env(self, task: Task, variation: int) -> TaskEnv:
         """Make the environment of a task and a variation."""
-        return parallel_env(task, variation=variation, **self.options)
+        return parallel_env(task, variation=variation, renderer=self.renderer, **self.options)
+
+    def machine(self) -> dict[str, Any]:
+        """What the bits of episodes depend on that are played on this machine."""
+        return machine_here(pictures=bool(self.cameras.names))
 
     def load(self, reference: str) -> Task:
         """Load a task of the plan."""
@@ -152,9 +157,6 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
     """What a data set says of itself; the same for the same plan, files and machine."""
     told = dict(_described(plan, task) for task in tasks)
     drawn = {about.pop("renderer") for about in told.values()}
-    used = versions()
-    if plan.cameras.names:
-        used |= _picture_versions()
     return {
         "kind": KIND,
         "format": FORMAT,
@@ -174,22 +176,8 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
         "renderer": drawn.pop() if plan.cameras.names else None,
         "tasks": told,
         "library": digest_of(digests_of_library()),
-        "versions": used,
-        "processor": processor(),
-        "system": system(),
+        **plan.machine(),
     }
-
-
-PICTURE_PACKAGES = ("av", "numba", "fast-simplification")
-"""Packages that make pictures and videos, and no other numbers."""
-
-
-def _picture_versions() -> dict[str, str]:
-    found = {}
-    for name in PICTURE_PACKAGES:
-        with suppress(PackageNotFoundError):
-            found[name] = version(name)
-    return found
 
 
 def _listed(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -264,26 +252,6 @@ def changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
         yield "taskbuilder's own files changed"
     for what, was_, now_ in machine_changes(there, here):
         yield f"{what} is {now_} now and was {was_}"
-
-
-def machine_changes(
-    there: Mapping[str, Any], here: Mapping[str, Any]
-) -> Iterator[tuple[str, str | None, str | None]]:
-    """In what machines and versions differ that may change the last digits of numbers.
-
-    Args:
-        there: What a data set says of itself.
-        here: ``versions``, ``processor`` and ``system`` of this machine.
-
-    Yields:
-        What differs, how it is there, and how it is here.
-    """
-    for name in ("versions", "processor", "system"):
-        then, now = there.get(name, {}), here[name]
-        for key in dict.fromkeys((*then, *now)):
-            counts = name != "system" or key == "c library"  # no number depends on the kernel
-            if counts and then.get(key) != now.get(key):
-                yield f"{name}: {key}", then.get(key), now.get(key)
 
 
 def _task_changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:

@@ -1,4 +1,7 @@
-"""Playing attempts at episodes of a data set, and writing each of them whole or not at all."""
+"""Playing attempts at episodes of a data set, and writing each of them whole or not at all.
+
+A process of this machine writes what it plays. A node of a cluster sends the files back.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from taskbuilder.data import layout
+from taskbuilder.data.machines import machine_of_episode
 from taskbuilder.data.plan import Attempt, CollectPlan
 from taskbuilder.data.policies import MakeOther, make_policy
 from taskbuilder.data.recording import EpisodeData, record_episode
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import ExplosionError, PlacementError, TaskbuilderError
+from taskbuilder.files import write_whole
 from taskbuilder.rollout.play import Policy
 from taskbuilder.task import Task
 
@@ -33,6 +38,35 @@ class CollectJob:
     folder: Path
     other: MakeOther
 
+    def found(self, attempt: Attempt) -> AttemptResult | None:
+        """What came of an attempt that is in the folder; what is there in part is removed."""
+        place = self.folder / layout.EPISODES / attempt.name
+        failure = self._failure(attempt.name)
+        if place.exists():
+            if layout.is_whole(place):
+                return AttemptResult(attempt.name, True, _reason(layout.read_episode(place)))
+            shutil.rmtree(place)
+        if failure.exists():
+            try:
+                return AttemptResult(attempt.name, False, _reason(layout.read_json(failure)))
+            except TaskbuilderError:
+                failure.unlink()
+        return None
+
+    def write(self, played: PlayedAttempt) -> AttemptResult:
+        """Write what came of an attempt."""
+        result = played.result
+        if result.kept:
+            layout.write_episode(self.folder, result.name, played.files)
+        else:
+            failure = self._failure(result.name)
+            failure.parent.mkdir(exist_ok=True)
+            write_whole(failure, played.files[failure.name], sync=True)
+        return result
+
+    def _failure(self, name: str) -> Path:
+        return self.folder / layout.FAILURES / f"{name}.json"
+
 
 class AttemptResult(NamedTuple):
     """What came of an attempt.
@@ -48,7 +82,24 @@ class AttemptResult(NamedTuple):
     reason: str
 
 
-def play_elsewhere(job: CollectJob, attempt: Attempt) -> AttemptResult:
+class PlayedAttempt(NamedTuple):
+    """An attempt that was played, to be written.
+
+    Attributes:
+        result: What came of it.
+        files: Those of the episode, or the one of an attempt that is not kept.
+    """
+
+    result: AttemptResult
+    files: layout.Files
+
+
+def play_and_write(job: CollectJob, attempt: Attempt) -> AttemptResult:
+    """Play an attempt in this process and write it, unless that has been done."""
+    return job.found(attempt) or job.write(play_elsewhere(job, attempt))
+
+
+def play_elsewhere(job: CollectJob, attempt: Attempt) -> PlayedAttempt:
     """Play an attempt in this process, which keeps its environments for the next."""
     global _player
     if _player is None or _player.job.plan.token != job.plan.token:
@@ -68,6 +119,7 @@ class EpisodePlayer:
 
     def __init__(self, job: CollectJob) -> None:
         self.job = job
+        self._machine = machine_of_episode(job.plan.machine())
         self._tasks: dict[str, Task] = {}
         self._made: dict[tuple[str, int, str], tuple[TaskEnv, Policy, ExitStack]] = {}
 
@@ -77,29 +129,17 @@ class EpisodePlayer:
             stack.close()
         self._made.clear()
 
-    def play(self, attempt: Attempt) -> AttemptResult:
-        """Play an attempt and write it, unless that has been done."""
-        folder = self.job.folder
-        place = folder / layout.EPISODES / attempt.name
-        failure = folder / layout.FAILURES / f"{attempt.name}.json"
-        if place.exists():
-            if layout.is_whole(place):
-                return AttemptResult(attempt.name, True, _reason(layout.read_episode(place)))
-            shutil.rmtree(place)
-        if failure.exists():
-            try:
-                return AttemptResult(attempt.name, False, _reason(layout.read_json(failure)))
-            except TaskbuilderError:
-                failure.unlink()
+    def play(self, attempt: Attempt) -> PlayedAttempt:
+        """Play an attempt."""
         data = self._recorded(attempt)
-        about = {"policy": attempt.policy, **data.about}
-        if data.arrays and (about["success"] or self.job.plan.keep_failures):
+        about = {"policy": attempt.policy, "machine": self._machine, **data.about}
+        kept = bool(data.arrays) and (about["success"] or self.job.plan.keep_failures)
+        result = AttemptResult(attempt.name, kept, _reason(about))
+        if kept:
             whole = EpisodeData(about, data.arrays, data.images, data.depths)
-            layout.write_episode(folder, attempt.name, whole)
-            return AttemptResult(attempt.name, True, _reason(about))
-        failure.parent.mkdir(exist_ok=True)
-        layout.write_json(failure, {"name": attempt.name, **about})
-        return AttemptResult(attempt.name, False, _reason(about))
+            return PlayedAttempt(result, layout.episode_files(attempt.name, whole))
+        told = layout.json_bytes({"name": attempt.name, **about})
+        return PlayedAttempt(result, {f"{attempt.name}.json": told})
 
     def _recorded(self, attempt: Attempt) -> EpisodeData:
         env, policy = self._player_of(attempt)

@@ -16,7 +16,10 @@ Pixels = Literal["flat", "nested"]
 AGENT_POS = "agent_pos"
 """Key of the numbers in an observation that also has images."""
 
-_GROUPS = {"rgb": "pixels"}  # other images are grouped under their own names, such as depth
+PIXELS = "pixels"
+"""Key of the images in an observation with nested pixels."""
+
+_GROUPS = {"rgb": PIXELS}  # other images are grouped under their own names, such as depth
 
 
 class JointObservation:

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.learn.evaluation import summarise
+from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.rollout.play import play
+from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
 
 SEEDS_FROM = 800_000
 """First seed of the episodes that policies are chosen by; results are reported on others."""
+
+
+FILMS = "films"
+"""Folder of a run's films."""
 
 
 @dataclass(frozen=True)
@@ -34,20 +40,27 @@ class CheckpointEvaluator:
 
     Args:
         task: The task.
-        options: Options of the environment; see `Options`.
-        episodes: Number of episodes.
+        plan: The plan of the run.
+        folder: Folder of the run, for its films.
     """
 
-    def __init__(self, task: Task, options: Mapping[str, Any], episodes: int) -> None:
-        self._env = parallel_env(task, **options)
+    def __init__(self, task: Task, plan: Plan, folder: Path) -> None:
+        self._plan, self._films = plan, folder / FILMS
+        self._env = parallel_env(task, **plan.env)
         self._stages = len(task.description.stages)
-        self._seeds = range(SEEDS_FROM, SEEDS_FROM + episodes)
+        self._seeds = range(SEEDS_FROM, SEEDS_FROM + plan.evaluate_episodes)
 
     def __call__(self, policy: TrainedPolicy) -> Evaluation:
-        """Evaluate a policy."""
-        played = summarise(
-            [play(self._env, policy.act, seed) for seed in self._seeds], self._stages
-        )
+        """Evaluate a policy.
+
+        Raises:
+            OSError: A film cannot be written.
+        """
+        player = policy.player()
+        episodes = [play(self._env, player, seed) for seed in self._seeds]
+        played = summarise(episodes, self._stages)
+        if self._plan.films_at(step := int(policy.about["step"])):
+            self._film(episodes[0], step)
         steps = played.steps_to_success
         row = {
             "episodes": played.episodes,
@@ -57,6 +70,14 @@ class CheckpointEvaluator:
             **{f"stage/{stage}": count for stage, count in enumerate(played.stages)},
         }
         return Evaluation(played.success_rate, row)
+
+    def _film(self, episode: Rollout, step: int) -> None:
+        """Film an episode from the first camera of the scene."""
+        from taskbuilder.visual.film import save_film  # loads OpenCV
+
+        camera = next(iter(self._env.episode.world.scene.cameras))
+        self._films.mkdir(exist_ok=True)
+        save_film(self._env, episode, [camera], self._films / f"step-{step:09d}", gif=False)
 
     def close(self) -> None:
         """Close the environment."""

@@ -109,13 +109,14 @@ def with_explicit_grippers(rollout: Rollout, binary: Collection[str]) -> Rollout
         binary: The robots whose gripper is told to open or to close.
     """
     actions = {
-        agent: _explicit(done) if agent in binary else done
+        agent: explicit_gripper(done) if agent in binary else done
         for agent, done in rollout.actions.items()
     }
     return replace(rollout, actions=actions)
 
 
-def _explicit(actions: NDArray[np.float32]) -> NDArray[np.float32]:
+def explicit_gripper(actions: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Actions (steps, n) in which the last command to a binary gripper is repeated."""
     explicit = actions.copy()
     last = np.float32(1.0)
     for row in explicit:

@@ -15,11 +15,13 @@ from statistics import fmean, median
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
 from taskbuilder.intervals import wilson
-from taskbuilder.learn.policy import Network, TrainedPolicy
+from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.statistics import iqm
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
@@ -33,7 +35,11 @@ EPISODES = 300
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
-_OPTIONS = ("observe", "frame", "rotation", "variation")
+OPTIONS = (
+    *("observe", "frame", "rotation", "variation"),
+    *("cameras", "camera_size", "renderer"),
+)
+"""Options of environments that a policy records, because it depends on them."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +123,7 @@ def _play_elsewhere(make_env: Callable[[], TaskEnv], policy: TrainedPolicy, seed
 
 
 def _played(env: TaskEnv, policy: TrainedPolicy, seed: int) -> Rollout:
-    return play(env, policy.act, seed, forces=True, explain=True)
+    return play(env, policy.player(), seed, forces=True, explain=True)
 
 
 @lru_cache(maxsize=1)
@@ -174,7 +180,13 @@ def options_of(policy: TrainedPolicy) -> dict[str, Any]:
     options = policy.about.get("env")
     if not isinstance(options, Mapping):
         raise UsageError("the policy does not say what its environment was; train it anew")
-    return {name: options[name] for name in _OPTIONS if name in options}
+    return env_options(options)
+
+
+def env_options(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of an environment that a policy depends on, from a file's JSON."""
+    known = {name: options[name] for name in OPTIONS if name in options}
+    return {name: tuple(v) if isinstance(v, list) else v for name, v in known.items()}
 
 
 def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") -> None:
@@ -195,26 +207,28 @@ def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") ->
     if set(policy.networks) != set(env.possible_agents):
         theirs, ours = ", ".join(policy.networks), ", ".join(env.possible_agents)
         raise UsageError(f"{name} plays {theirs}, and {task} as it is now has {ours}; train anew")
-    for agent, network in policy.networks.items():
-        had, has = _sizes(network, name), _numbers(env, agent)
+    policy.check_env(env, name)
+    for agent in policy.networks:
+        had, has = _sizes(policy, agent, name), _numbers(env, agent)
         for does, size, needed in zip(("sees", "acts by"), had, has, strict=True):
             if size != needed:
                 now = f"in {task} as it is now {needed}"
                 raise UsageError(f"{name}: {agent} {does} {size} numbers, {now}; train it anew")
 
 
-def _sizes(network: Network, name: str) -> tuple[int, int]:
-    """The input and output sizes of a network."""
+def _sizes(policy: TrainedPolicy, agent: str, name: str) -> tuple[int, int]:
+    """How many numbers a policy takes for an agent, and how many it gives."""
     try:
-        takes = len(network.layers[0][0])
-        (gives,) = network(np.zeros(takes)).shape
+        return policy.sizes(agent)
     except (ValueError, TypeError, IndexError):
         raise UsageError(f"{name} is damaged: its layers do not fit each other") from None
-    return takes, gives
 
 
 def _numbers(env: TaskEnv, agent: str) -> tuple[int, int]:
     """The sizes of an agent's observation and action."""
-    shapes = env.observation_space(agent).shape, env.action_space(agent).shape
+    observed = env.observation_space(agent)
+    if isinstance(observed, spaces.Dict) and VECTOR in observed.spaces:
+        observed = observed[VECTOR]
+    shapes = observed.shape, env.action_space(agent).shape
     seen, said = (shape[0] if shape else 0 for shape in shapes)
     return seen, said

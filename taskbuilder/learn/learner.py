@@ -14,17 +14,8 @@ from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows
 
 
-class Learner(Protocol):
-    """The interface of all learners, on-policy and off-policy."""
-
-    settings: Any
-    """A frozen dataclass that has at least ``discount``."""
-
-    def act(
-        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
-    ) -> dict[str, Array]:
-        """Exploratory actions at a fraction of the training: (num_envs, n) each."""
-        ...
+class Trainable(Protocol):
+    """The interface of everything that is trained, whatever it learns from."""
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The current policy, for evaluation."""
@@ -44,6 +35,32 @@ class Learner(Protocol):
 
     def load(self, arrays: Mapping[str, Any]) -> None:
         """Restore the state that `arrays` returned."""
+        ...
+
+
+class Learner(Trainable, Protocol):
+    """The interface of learners that act in environments, on-policy and off-policy."""
+
+    settings: Any
+    """A frozen dataclass that has at least ``discount``."""
+
+    def act(
+        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
+    ) -> dict[str, Array]:
+        """Exploratory actions at a fraction of the training: (num_envs, n) each."""
+        ...
+
+
+class DataLearner(Trainable, Protocol):
+    """Learns from a data set that it was made with, and never acts while it learns."""
+
+    def update(self, rng: np.random.Generator, progress_fraction: float) -> dict[str, float]:
+        """Learn from a batch, and return the losses for the logs.
+
+        Args:
+            rng: Generator of the batch.
+            progress_fraction: The fraction of the training that is done.
+        """
         ...
 
 
@@ -133,6 +150,11 @@ class Preset:
     plan: Mapping[str, Any] = field(default_factory=dict)
 
 
+def _no_collection(*_: Any) -> Collection:
+    """The collection of algorithms that learn from a data set."""
+    raise TypeError("it learns from a data set and collects nothing")
+
+
 @dataclass(frozen=True)
 class Algorithm:
     """An algorithm that `train` finds by name; see `taskbuilder.learn.algorithms`.
@@ -141,20 +163,24 @@ class Algorithm:
         summary: One line about the algorithm.
         settings: The frozen dataclass of its settings, each with a default.
         learner: Makes the learner from shapes, settings, ``shared_reward`` (whether all agents
-            always get the same reward), ``seed`` and ``device``.
-        collection: `OffPolicy` or `OnPolicy`, or a class with the same interface.
+            always get the same reward), ``seed`` and ``device``. With ``from_data``, from
+            `Demonstrations`, settings, ``seed`` and ``device``.
+        collection: `OffPolicy` or `OnPolicy`, or a class with the same interface; none with
+            ``from_data``.
         presets: The presets by name.
         default_preset: The preset of a run that names none; "" for none. It is called with two
             flags: whether there are demonstrations, and whether the run starts from a policy.
         cannot: Fields of a plan that the algorithm does not support, with the reason.
         settings_of: The settings that match the networks of a trained policy to start from.
+        from_data: Whether it learns from a data set, in place of episodes of its own.
     """
 
     summary: str
     settings: type[Any]
     learner: Callable[..., Any]
-    collection: Callable[..., Collection]
+    collection: Callable[..., Collection] = _no_collection
     presets: Mapping[str, Preset] = field(default_factory=dict)
     default_preset: Callable[[bool, bool], str] = lambda demos, init: ""  # noqa: ARG005  # the default ignores them
     cannot: Mapping[str, str] = field(default_factory=dict)
     settings_of: Callable[[TrainedPolicy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005  # the default ignores them
+    from_data: bool = False

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import math
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +53,7 @@ class RunLog:
 
 
 def read_run(folder: Path) -> RunLog:
-    """Read a training run.
+    """Read a training run; its tables may be compressed, such as ``episodes.csv.gz``.
 
     Raises:
         UsageError: There is no run, or its format is not supported.
@@ -65,13 +67,17 @@ def read_run(folder: Path) -> RunLog:
 
 def _read(path: Path, needed: tuple[str, ...]) -> Table:
     """Read a table; a table that does not exist yet has no rows."""
-    if not path.exists():
+    packed = path.with_name(f"{path.name}.gz")
+    if path.exists():
+        data = path.read_bytes()
+    elif packed.exists():
+        path, data = packed, _unpacked(packed)
+    else:
         return {name: np.zeros(0) for name in needed}
     try:
-        text = path.read_text(encoding="utf-8")
+        text = data.decode("utf-8")
     except UnicodeDecodeError as error:
-        line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise _damaged(path, line, "is no text") from None
+        raise damaged(path, data[: error.start].count(b"\n") + 1, "is no text") from None
     # A line without an end is being written now, or is the last line of a killed run.
     lines = text.split("\n")[:-1]
     rows = csv.reader(lines)
@@ -80,19 +86,26 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
         missing = [name for name in needed if name not in names]
         if missing:
             has = ", ".join(names)
-            raise _damaged(path, 1, f"has no column {missing[0]}; the columns are {has}")
+            raise damaged(path, 1, f"has no column {missing[0]}; the columns are {has}")
         values = [_row(path, rows.line_num, row, names) for row in rows]
     except csv.Error as error:
-        raise _damaged(path, rows.line_num, str(error)) from None
+        raise damaged(path, rows.line_num, str(error)) from None
     array = np.array(values).reshape(-1, len(names))
     columns = dict(zip(names, array.T, strict=True))
     _check_order(path, columns["step"])
     return columns
 
 
+def _unpacked(path: Path) -> bytes:
+    try:
+        return gzip.decompress(path.read_bytes())
+    except (gzip.BadGzipFile, EOFError, zlib.error):
+        raise LogError(f"{display_path(path)} is damaged, or not compressed with gzip") from None
+
+
 def _row(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
     if len(row) != len(names):
-        raise _damaged(path, line, f"has {len(row)} values for {len(names)} columns")
+        raise damaged(path, line, f"has {len(row)} values for {len(names)} columns")
     return [_number(path, line, name, word) for name, word in zip(names, row, strict=True)]
 
 
@@ -103,7 +116,7 @@ def _number(path: Path, line: int, name: str, word: str) -> float:
         value = None
     # Losses may be NaN if the learner diverged; other columns may not.
     if value is None or not (math.isfinite(value) or path.stem == "updates"):
-        raise _damaged(path, line, f'{name} is "{word}", which is no number')
+        raise damaged(path, line, f'{name} is "{word}", which is no number')
     return value
 
 
@@ -112,8 +125,9 @@ def _check_order(path: Path, steps: Column) -> None:
     if len(back):
         row = int(back[0])
         what = f"step {steps[row + 1]:g} comes after {steps[row]:g}"
-        raise _damaged(path, row + 3, what)
+        raise damaged(path, row + 3, what)
 
 
-def _damaged(path: Path, line: int, what: str) -> LogError:
+def damaged(path: Path, line: int, what: str) -> LogError:
+    """The error for a line of a table."""
     return LogError(f"{display_path(path)}:{line}: {what}")

@@ -13,8 +13,9 @@ from typing import Any
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
-from taskbuilder.learn.learner import Preset
+from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.wording import suggestion
 
@@ -23,8 +24,11 @@ FORMAT = 1
 
 RUN_FILE = "run.json"
 
-_LATER = ("preset", "init", "device", "randomize")
-"""Fields of a plan that may be missing in files of version 0.1."""
+_LATER = (
+    *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
+    "film_every",
+)
+"""Fields of a plan that may be missing in files of earlier versions."""
 
 RENAMED_SETTINGS = {
     "cloning": "bc_updates",
@@ -45,17 +49,21 @@ class Plan:
         algorithm: The algorithm, one of those in `taskbuilder.learn.algorithms`.
         preset: The preset that the settings came from; "" for none.
         reward: The training reward, one of `REWARDS`.
-        steps: Control steps, summed over all environments.
+        steps: Control steps, summed over all environments; with a data set, updates.
         seed: Seed of everything random in the run.
         envs: Number of parallel environments.
         workers: Processes for the environments; 0 for this one. Results do not depend on it.
         demos: Expert episodes to learn from.
         starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name; "" for none.
+        data: The data set to learn from, for algorithms that learn from one; "" for none.
+        cameras: Cameras of the data set whose pictures the policies observe.
+        camera_size, renderer: Of these pictures; None and "" without cameras.
         device: Device of the networks: ``cpu`` or ``cuda``.
         observe, frame, rotation, variation, randomize: Options of the environments; see `Options`.
         evaluate_every: Control steps between evaluations.
         evaluate_episodes: Episodes per evaluation.
+        film_every: Evaluations between films of an episode; 0 for no films.
         checkpoint_every: Control steps between checkpoints.
         stop_at: Stop when two evaluations in a row reach this success rate.
         settings: Settings of the algorithm that differ from its defaults, by name.
@@ -72,6 +80,10 @@ class Plan:
     demos: int = 0
     starts: float = 0.0
     init: str = ""
+    data: str = ""
+    cameras: tuple[str, ...] = ()
+    camera_size: tuple[int, int] | None = None
+    renderer: str = ""
     device: str = "cpu"
     observe: str = "task"
     frame: str = "base"
@@ -80,6 +92,7 @@ class Plan:
     randomize: bool = False
     evaluate_every: int = 10_000
     evaluate_episodes: int = 20
+    film_every: int = 10
     checkpoint_every: int = 10_000
     stop_at: float | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -89,13 +102,23 @@ class Plan:
         """The options of the environments that a policy of this plan needs."""
         names = ("observe", "frame", "rotation", "variation")
         randomized = {"randomize": True} if self.randomize else {}
-        return {**{name: getattr(self, name) for name in names}, **randomized}
+        pictures = ("cameras", "camera_size", "renderer") if self.cameras else ()
+        return {**{name: getattr(self, name) for name in (*names, *pictures)}, **randomized}
 
     @property
     def track(self) -> str:
-        """The track: ``demos``, ``resets`` or ``finetuned``; ``scratch`` for a run without help."""
-        helped = {"demos": self.demos, "resets": self.starts, "finetuned": self.init}
+        """The track: ``cloned``, ``demos``, ``resets`` or ``finetuned``; else ``scratch``."""
+        helped = {
+            "cloned": self.data,
+            "demos": self.demos,
+            "resets": self.starts,
+            "finetuned": self.init,
+        }
         return next((name for name, value in helped.items() if value), "scratch")
+
+    def films_at(self, step: int) -> bool:
+        """Whether the evaluation at a step is filmed."""
+        return bool(self.film_every) and step // self.evaluate_every % self.film_every == 0
 
     def check(self) -> None:
         """Check all values.
@@ -114,8 +137,8 @@ class Plan:
         for name in ("evaluate_every", "checkpoint_every"):
             if getattr(self, name) < self.envs:
                 raise UsageError(f"{name} is less than the {self.envs} environments' step at once")
-        if self.demos < 0 or self.seed < 0:
-            raise UsageError("demos and seed are at least 0")
+        if min(self.demos, self.seed, self.film_every) < 0:
+            raise UsageError("demos, seed and film_every are at least 0")
         for name in ("starts", "stop_at"):
             value = getattr(self, name)
             if value is not None and not 0.0 <= value <= 1.0:
@@ -159,7 +182,12 @@ def make_plan(
             raise UsageError(f"{chosen['algorithm']} has no presets; leave --preset out")
         _choice("preset", chosen["preset"], tuple(algorithm.presets))
         preset = algorithm.presets[chosen["preset"]]
+    _check_source(chosen, algorithm)
     trained = _env_of(init) if init else {}
+    if algorithm.from_data:
+        folder = Path(chosen["data"]).resolve()
+        trained = {**recorded_options(folder, chosen), "envs": 1}
+        chosen |= {"data": str(folder), "cameras": tuple(chosen.get("cameras", ()))}
     plan = Plan(**{"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():
@@ -172,6 +200,24 @@ def make_plan(
     )
     fitting = algorithm.settings_of(init) if init else {}
     return replace(plan, settings={**preset.settings, **fitting, **own})
+
+
+def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
+    """Check that there is a data set exactly if the algorithm learns from one.
+
+    Raises:
+        UsageError: It is otherwise.
+    """
+    name = chosen.get("algorithm", Plan.algorithm)
+    if algorithm.from_data and not chosen.get("data"):
+        raise UsageError(
+            f"{name} learns from a data set; name one by --data DIR (taskbuilder collect makes one)"
+        )
+    if algorithm.from_data and "envs" in chosen:
+        raise UsageError(f"{name} learns from the data set alone; leave --envs out")
+    for option in ("data", "cameras"):
+        if chosen.get(option) and not algorithm.from_data:
+            raise UsageError(f"{name} learns from no data set; --algorithm bc does")
 
 
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
@@ -243,6 +289,11 @@ def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
     return replace(kind(), **tuples)
 
 
+def _as_tuple(value: Any) -> Any:
+    """A list of JSON as the tuple that it was."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 def save_plan(folder: Path, plan: Plan, more: Mapping[str, Any]) -> None:
     """Write the plan and other information about the run into its folder.
 
@@ -268,7 +319,8 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
         found = about["format"]
         if found == FORMAT:
             later = {name: getattr(Plan, name) for name in _LATER if name not in about}
-            plan = Plan(**{f.name: {**later, **about}[f.name] for f in fields(Plan)})
+            found_in = {name: _as_tuple(value) for name, value in {**later, **about}.items()}
+            plan = Plan(**{f.name: found_in[f.name] for f in fields(Plan)})
             settings = {renamed(name): value for name, value in plan.settings.items()}
             plan = replace(plan, settings=settings)
     except (ValueError, KeyError, TypeError) as error:

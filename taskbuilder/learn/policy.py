@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
+from taskbuilder.rollout.play import Policy
+from taskbuilder.rollout.players import Function
 
 Array = NDArray[np.float32]
 
@@ -63,6 +66,29 @@ class TrainedPolicy:
     def act(self, observations: Mapping[str, NDArray[np.floating]]) -> dict[str, Array]:
         """Every agent's action, from -1 to 1, given its own observation alone."""
         return {agent: net(observations[agent]) for agent, net in self.networks.items()}
+
+    def player(self) -> Policy:
+        """The policy as it plays episodes, one after the other."""
+        return Function(self.act)
+
+    def check_env(self, env: TaskEnv, name: str) -> None:
+        """Check what a policy observes besides numbers; this one observes nothing else."""
+
+    def sizes(self, agent: str) -> tuple[int, int]:
+        """How many numbers an agent observes, and how many its action has.
+
+        Raises:
+            ValueError: The layers of its network do not fit each other.
+        """
+        network = self.networks[agent]
+        takes = len(network.layers[0][0])
+        (gives,) = network(np.zeros(takes)).shape
+        return takes, gives
+
+    def traits(self) -> dict[str, Any]:
+        """What a file says of its networks besides their arrays."""
+        networks = self.networks.values()
+        return {name: all(getattr(net, name) for net in networks) for name in ("squash", "norms")}
 
     def arrays(self) -> dict[str, Array]:
         """Its arrays by name, for a file."""

@@ -16,6 +16,7 @@ from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, reference_of
 from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.learn.recordings import check_recorded, identity, task_in
 from taskbuilder.learn.zoo import load_policy, save_policy
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
@@ -48,7 +49,7 @@ class TrainedRun:
 
 
 def train(
-    task: str | Path | Task,
+    task: str | Path | Task | None = None,
     *,
     out: str | Path | None = None,
     settings: Any = (),
@@ -58,7 +59,8 @@ def train(
     """Train a policy for each robot of a task.
 
     Args:
-        task: Name or path of the task, or the task itself.
+        task: Name or path of the task, or the task itself; with ``data``, by default that of the
+            data set.
         out: Folder of the run; by default ``runs/TASK-TRACK-SEED``.
         settings: Settings of the algorithm, by name.
         watch: Called with the status of the run after each step of all environments.
@@ -69,6 +71,8 @@ def train(
         FileError: The files of the task have errors.
     """
     check_torch()
+    if task is None:
+        task = task_to_train(None, plan.get("data"), Catalogue.discover())
     loaded = task if isinstance(task, Task) else load_task(task)
     made = make_plan(reference_of(loaded), settings, **plan)
     check_task(made, loaded)
@@ -97,6 +101,24 @@ def resume(folder: str | Path, *, watch: Watch = lambda _: None) -> TrainedRun:
     return TrainedRun(path, plan, load_policy(str(path)))
 
 
+def task_to_train(task: str | None, data: str | Path | None, catalogue: Catalogue) -> str | Path:
+    """What to load as the task of a new run.
+
+    Args:
+        task: Name or path of the task, if it was named.
+        data: The data set to learn from, if there is one; its task is only looked up by name.
+        catalogue: The catalogue to look it up in.
+
+    Raises:
+        UsageError: Neither names a task, or it is not in the catalogue.
+    """
+    if task:
+        return task
+    if not data:
+        raise UsageError("which task? give a name or a path, or --resume RUN to go on")
+    return named_task(display_path(Path(data)), task_in(Path(data)), catalogue)
+
+
 def check_torch() -> None:
     """Check that PyTorch is installed.
 
@@ -111,10 +133,13 @@ def check_task(plan: Plan, task: Task) -> None:
     """Check that the task has what the plan needs.
 
     Raises:
-        UsageError: The task lacks an expert or progress.
+        UsageError: The task lacks an expert or progress, or the data set is not of this task.
     """
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
+    if plan.data:
+        check_recorded(Path(plan.data), task, plan.env)
+        return
     if plan.reward in ("shaped", "ratchet") and task.description.progress is None:
         raise UsageError(
             f"{task.name} has no progress; write it into its description, or choose --reward team"
@@ -189,6 +214,7 @@ def create(
         plan,
         {
             "digest": _digest(task),
+            **({"data_seal": identity(Path(plan.data))} if plan.data else {}),
             "horizon": task.file.spec.timing.episode_steps,
             "stages": list(task.description.stages),
             "versions": _versions(),
@@ -201,7 +227,7 @@ def find(folder: Path, catalogue: Catalogue | None = None) -> tuple[Plan, Task]:
     """The plan of a run, and its task if it has not changed.
 
     Raises:
-        UsageError: There is no run, or the task's files have changed.
+        UsageError: There is no run, or the task's files or the data set have changed.
     """
     plan, about = load_plan(folder)
     file = task_of_run(folder, catalogue or Catalogue.discover())
@@ -210,6 +236,9 @@ def find(folder: Path, catalogue: Catalogue | None = None) -> tuple[Plan, Task]:
         raise UsageError(
             f"{task.name} has changed since this run began; train anew, or put its files back"
         )
+    if plan.data and about.get("data_seal") != identity(Path(plan.data)):
+        where = display_path(Path(plan.data))
+        raise UsageError(f"{where} has changed since this run began; train anew, or put it back")
     return plan, task
 
 
@@ -267,6 +296,7 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         "track": plan.track,
         "demos": plan.demos,
         "starts": plan.starts,
+        **({"data": Path(plan.data).name} if plan.data else {}),
         **({"init": plan.init} if plan.init else {}),
         "env": plan.env,
         "stages": list(task.description.stages),
@@ -274,7 +304,7 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         "command": load_plan(folder)[1]["command"],
         "taskbuilder": __version__,
     }
-    with closing(CheckpointEvaluator(task, plan.env, plan.evaluate_episodes)) as evaluator:
+    with closing(CheckpointEvaluator(task, plan, folder)) as evaluator:
         training.train(plan, task, folder, evaluator, about, watch)
 
 

@@ -17,19 +17,20 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.spaces import flatdim
-from numpy.typing import NDArray
 
 from taskbuilder.env.vector import TaskVectorEnv, make_vec
-from taskbuilder.errors import DivergenceError, UsageError
+from taskbuilder.errors import UsageError
 from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import Checkpoint, Checkpoints
 from taskbuilder.learn.collector import Collector, Finished
 from taskbuilder.learn.demonstrations import load_demonstrations, transitions
-from taskbuilder.learn.learner import Collection, Learner
+from taskbuilder.learn.learner import Trainable
 from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.plan import Plan, make_settings
 from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.learn.practice import Batches, Interaction, Practice
+from taskbuilder.learn.recordings import read_demonstrations
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
@@ -120,25 +121,18 @@ class Counters:
 class Trainer:
     """The state of a running training; `prepare` makes one."""
 
-    def __init__(
-        self,
-        plan: Plan,
-        folder: Path,
-        learner: Learner,
-        collector: Collector,
-        collection: Collection,
-    ) -> None:
+    def __init__(self, plan: Plan, folder: Path, learner: Trainable, practice: Practice) -> None:
         self._plan, self._folder = plan, folder
-        self._learner, self._collector, self._collection = learner, collector, collection
+        self._learner, self._practice = learner, practice
         self._rng = np.random.default_rng(plan.seed)
         self._checkpoints = Checkpoints(folder)
         self._counters, lengths = Counters(), {}
-        found = self._checkpoints.load(collection.memories)
+        found = self._checkpoints.load(practice.memories)
         if found is not None:
             learner.load(found.arrays)
             kept = found.counters["counters"]
             self._counters = Counters(**{f.name: kept[f.name] for f in fields(Counters)})
-            collection.load(kept)
+            practice.load(kept)
             self._rng.bit_generator.state = found.counters["rng"]
             lengths = found.counters["lengths"]
         elif plan.init:
@@ -162,32 +156,9 @@ class Trainer:
         """
         if plan.device == "cuda" and not torch.cuda.is_available():
             raise UsageError("PyTorch finds no CUDA device here; leave --device cuda out")
-        algorithm = find_algorithm(plan.algorithm)
-        settings = make_settings(algorithm.settings, plan.settings)
-        reward = TRAINING_REWARDS[plan.reward]
-        options: dict[str, Any] = {**plan.env, "reward": reward.sharing}
-        demonstrations = load_demonstrations(folder)
-        ends = TrainingWrappers(reward.end_on_setback, reward.no_progress_timeout_s)
-        prefixes = tuple(map(StartPrefix.before_success, demonstrations)) if plan.starts else ()
-        wrap = replace(ends, start_prefixes=prefixes, start_share=plan.starts)
-        envs = make_vec(task, plan.envs, plan.workers, wrap=wrap, **options)
-        stack.enter_context(closing(envs))
-        shapes = shapes_of(envs, reward.feature_count)
-        learner = algorithm.learner(
-            shapes,
-            settings,
-            shared_reward=reward.shared,
-            seed=plan.seed,
-            device=plan.device,
-        )
-        shown = None
-        if plan.demos:
-            with closing(make_vec(task, 1, wrap=ends, **options)) as env:
-                own = reward(1, settings.discount)
-                shown = transitions(demonstrations[: plan.demos], env, own, shapes)
-        collection = algorithm.collection(learner, shapes.layout.width, plan.envs, shown)
-        collector = Collector(envs, reward(plan.envs, settings.discount), shapes)
-        trainer = cls(plan, folder, learner, collector, collection)
+        prepared = _data_set if plan.data else _environments
+        learner, practice = prepared(plan, task, folder, stack)
+        trainer = cls(plan, folder, learner, practice)
         stack.callback(trainer.close)
         return trainer
 
@@ -226,43 +197,20 @@ class Trainer:
         All environments are reset first, with seeds that depend on the run's seed and the step.
         """
         entropy = np.random.SeedSequence((self._plan.seed, self._counters.step))
-        self._collector.begin(int(entropy.generate_state(1)[0]))
+        self._practice.begin(int(entropy.generate_state(1)[0]))
         number = self._counters.step // self._plan.checkpoint_every
         due = False
-        while not (self.finished or (due and self._collection.at_rest)):
+        while not (self.finished or (due and self._practice.at_rest)):
             self._step()
             yield self.status()
             due = self._counters.step // self._plan.checkpoint_every > number
 
     def _step(self) -> None:
-        """Step all environments, and update the learner."""
-        counters, plan, collection = self._counters, self._plan, self._collection
-        collection.before_step(self._rng, counters.step)
-        actions = self._learner.act(
-            self._collector.observations, self._rng, self._progress_fraction
-        )
-        self._check_finite(actions)
-        self._collector.step_async(actions)
-        self._losses |= collection.during_step(self._rng, counters.step)
-        rows, lost, finished = self._collector.step_wait()
-        counters.step += plan.envs
-        self._losses |= collection.after_step(rows, lost, self._rng, self._progress_fraction)
-        self._log(finished)
-
-    def _check_finite(self, actions: Mapping[str, NDArray[Any]]) -> None:
-        """Refuse to go on with a learner that has diverged."""
-        for agent, action in actions.items():
-            if not np.isfinite(action).all():
-                raise DivergenceError(
-                    f"learning diverged: after {self._counters.step:,} control steps the actions "
-                    f"of {agent} are not finite. Its logs and checkpoints are kept; begin anew "
-                    "with a smaller lr, or with another seed"
-                )
-
-    @property
-    def _progress_fraction(self) -> float:
-        """The fraction of the training that is done."""
-        return min(self._counters.step / self._plan.steps, 1.0)
+        """Step all environments, or the data set once, and update the learner."""
+        result = self._practice.step(self._rng, self._counters.step)
+        self._counters.step += self._plan.envs
+        self._losses |= result.losses
+        self._log(result.finished)
 
     def _log(self, finished: Sequence[Finished]) -> None:
         counters = self._counters
@@ -303,17 +251,62 @@ class Trainer:
             "counters": {
                 **asdict(self._counters),
                 "seconds": self._seconds(),
-                **self._collection.counters(),
+                **self._practice.counters(),
             },
             "rng": self._rng.bit_generator.state,
             "lengths": self.logger.lengths(),
         }
         checkpoint = Checkpoint(self._counters.step, self._learner.arrays(), kept)
-        self._checkpoints.save(checkpoint, self._collection.memories)
+        self._checkpoints.save(checkpoint, self._practice.memories)
 
     def close(self) -> None:
         """Close the logs."""
         self.logger.close()
+
+
+def _environments(
+    plan: Plan, task: Task, folder: Path, stack: ExitStack
+) -> tuple[Trainable, Practice]:
+    """The learner of a run in environments, and its practice in them."""
+    algorithm = find_algorithm(plan.algorithm)
+    settings = make_settings(algorithm.settings, plan.settings)
+    reward = TRAINING_REWARDS[plan.reward]
+    options: dict[str, Any] = {**plan.env, "reward": reward.sharing}
+    demonstrations = load_demonstrations(folder)
+    ends = TrainingWrappers(reward.end_on_setback, reward.no_progress_timeout_s)
+    prefixes = tuple(map(StartPrefix.before_success, demonstrations)) if plan.starts else ()
+    wrap = replace(ends, start_prefixes=prefixes, start_share=plan.starts)
+    envs = make_vec(task, plan.envs, plan.workers, wrap=wrap, **options)
+    stack.enter_context(closing(envs))
+    shapes = shapes_of(envs, reward.feature_count)
+    learner = algorithm.learner(
+        shapes,
+        settings,
+        shared_reward=reward.shared,
+        seed=plan.seed,
+        device=plan.device,
+    )
+    shown = None
+    if plan.demos:
+        with closing(make_vec(task, 1, wrap=ends, **options)) as env:
+            own = reward(1, settings.discount)
+            shown = transitions(demonstrations[: plan.demos], env, own, shapes)
+    collection = algorithm.collection(learner, shapes.layout.width, plan.envs, shown)
+    collector = Collector(envs, reward(plan.envs, settings.discount), shapes)
+    return learner, Interaction(learner, collector, collection, plan.steps, plan.envs)
+
+
+def _data_set(plan: Plan, task: Task, folder: Path, stack: ExitStack) -> tuple[Trainable, Practice]:
+    """The learner of a run on a data set, and its practice with it."""
+    del folder, stack
+    algorithm = find_algorithm(plan.algorithm)
+    learner = algorithm.learner(
+        read_demonstrations(plan.data, task.name, plan.cameras),
+        make_settings(algorithm.settings, plan.settings),
+        seed=plan.seed,
+        device=plan.device,
+    )
+    return learner, Batches(learner, plan.steps)
 
 
 def shapes_of(envs: TaskVectorEnv, features: int) -> Shapes:

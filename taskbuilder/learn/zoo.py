@@ -8,6 +8,7 @@ import numpy as np
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.learn.chunk_policy import CHUNKS, ChunkPolicy
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.wording import suggestion
 
@@ -30,9 +31,7 @@ def save_policy(path: Path, policy: TrainedPolicy) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    networks = policy.networks.values()
-    kind = {name: all(getattr(net, name) for net in networks) for name in ("squash", "norms")}
-    write_arrays(path, policy.arrays(), {**policy.about, "kind": _KIND, **kind})
+    write_arrays(path, policy.arrays(), {**policy.about, "kind": _KIND, **policy.traits()})
 
 
 def load_policy(name: str) -> TrainedPolicy:
@@ -52,9 +51,11 @@ def load_policy(name: str) -> TrainedPolicy:
         if not np.isfinite(array).all():
             raise StoreError(f"{display_path(path)}: {part} has numbers that are not finite")
     try:
+        if CHUNKS in about:
+            return ChunkPolicy.read(arrays, about)
         norms = bool(about.get("norms", False))  # files from before there were any do not say
         return TrainedPolicy.of(arrays, about, squash=bool(about["squash"]), norms=norms)
-    except (KeyError, ValueError):
+    except (KeyError, ValueError, TypeError):
         raise StoreError(f"{display_path(path)}: lacks parts of a policy") from None
 
 

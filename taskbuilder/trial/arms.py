@@ -15,8 +15,9 @@ from taskbuilder.expert.named import has_expert, policy_named
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.learn.policy import TrainedPolicy
-from taskbuilder.rollout.play import Policy, as_policy, play
+from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.rollout.served import PolicyServer, ServedPolicy
 
 SUBJECT = Way(Kind.POLICY)
 """The arm of the evaluated policy."""
@@ -27,6 +28,9 @@ CONTROLS = (EXPERT, RANDOM, NOTHING)
 Episodes = dict[Way, Rollout]
 """The episodes from one seed, by arm."""
 
+Player = TrainedPolicy | PolicyServer | str
+"""Who is evaluated: a trained policy, a policy server, or the name of another policy."""
+
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
@@ -36,13 +40,13 @@ class TrialConfig:
     """The players and environments of a trial, picklable for other processes.
 
     Attributes:
-        player: A trained policy, or the name of another policy.
+        player: A trained policy, the name of another policy, or a policy server.
         make_env: Makes the environment of the policy; it takes further options.
         make_control_env: Makes the environment of the baselines.
         token: Identifies the config in processes that receive it more than once.
     """
 
-    player: TrainedPolicy | str
+    player: Player
     make_env: Callable[..., TaskEnv]
     make_control_env: Callable[..., TaskEnv]
     token: str = field(default_factory=lambda: token_hex(8))
@@ -113,11 +117,11 @@ class TrialPlayer:
             self._policies[key] = self._make_policy(way.kind.value, self._control_env(variation))
         return self._policies[key]
 
-    def _make_policy(self, player: TrainedPolicy | str, env: TaskEnv) -> Policy:
-        if not isinstance(player, str):
-            return as_policy(player.act)
-        made = policy_named(player)(env)
-        if isinstance(made, Expert):
+    def _make_policy(self, player: Player, env: TaskEnv) -> Policy:
+        if isinstance(player, TrainedPolicy):
+            return player.player()
+        made = policy_named(player)(env) if isinstance(player, str) else player(env)
+        if isinstance(made, Expert | ServedPolicy):
             self._stack.callback(made.close)
         return made
 

@@ -53,7 +53,7 @@ class Group:
     Attributes:
         label: What sets them off from the others.
         count: How many runs there are.
-        success: Success rate of evaluations, 0 to 1.
+        success: Success rate of evaluations, 0 to 1; None if it is not known, as for the others.
         team_return: Of training episodes.
         terms: Sum of each reward term over a training episode, by label.
         stages: (n,) steps of evaluations, and (stages + 1, n) shares of their episodes by
@@ -62,10 +62,10 @@ class Group:
 
     label: str
     count: int
-    success: Curve
-    team_return: Curve
+    success: Curve | None
+    team_return: Curve | None
     terms: Mapping[str, Curve]
-    stages: tuple[Numbers, Numbers]
+    stages: tuple[Numbers, Numbers] | None
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def learning_curves(
     Args:
         title: In large letters.
         subtitle: Lines below it.
-        groups: At least one, with an evaluation in each.
+        groups: At least one with stages, and an evaluation in each of these.
         stages: Names of the stages, in order; those that have none are numbered.
         episodes_at: Training episodes that have ended after so many steps, for the upper axis.
         form: Of the picture.
@@ -100,23 +100,29 @@ def learning_curves(
         A PNG or an SVG.
     """
     labels = list(dict.fromkeys(label for group in groups for label in group.terms))
-    rows = [_Row(2.75, 0.95, _even(2)), *_small_rows(len(labels)), *_stage_rows(len(groups))]
+    staged = [group for group in groups if group.stages is not None]
+    rows = [_Row(2.75, 0.95, _even(2)), *_small_rows(len(labels)), *_stage_rows(len(staged))]
     header = _LINE * (2.6 + len(subtitle) + (len(groups) if len(groups) > 1 else 0))
     height = header + sum(row.above + row.height for row in rows) + 0.6
     figure = Figure(figsize=(_WIDTH, height), dpi=_DPI, facecolor=PAPER)
     FigureCanvasAgg(figure)
     _head(figure, title, subtitle, groups)
     panels = _panels(figure, rows, height - header)
-    longest = max(steps[-1] for group in groups for steps, _ in group.success.runs)
+    longest = max(map(_last_step, groups))
     _draw_large(next(panels), next(panels), groups, episodes_at, longest)
     for number, (label, axes) in enumerate(zip(labels, panels, strict=False)):
         last = number + _COLUMNS >= len(labels)
         _draw_curves(axes, label, [group.terms.get(label) for group in groups], longest)
         _steps_axis(axes, "environment steps" if last else "", few=True)
-    for group, axes in zip(groups, panels, strict=True):
-        title = shorten(group.label, 60, placeholder=" …") if len(groups) > 1 else ""
+    for group, axes in zip(staged, panels, strict=True):
+        title = shorten(group.label, 60, placeholder=" …") if len(staged) > 1 else ""
         _draw_stages(axes, group, stages, longest, title=title)
     return _saved(figure, form)
+
+
+def _last_step(group: Group) -> float:
+    curves = [curve for curve in (group.success, group.team_return) if curve is not None]
+    return max(float(steps[-1]) for curve in curves for steps, _ in curve.runs)
 
 
 def _saved(figure: Figure, form: str) -> bytes:
@@ -246,6 +252,8 @@ def _draw_stages(
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     _steps_axis(axes, "environment steps")
     axes.set_axisbelow(False)
+    if group.stages is None:
+        return
     steps, shares = group.stages
     count = len(shares) - 1
     colors = _shades(count)

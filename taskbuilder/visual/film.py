@@ -34,6 +34,7 @@ def save_film(
     *,
     size: tuple[int, int] | None = None,
     fps: int | None = None,
+    gif: bool = True,
     progress: Progress = lambda frames, _: frames,
 ) -> tuple[Path, ...]:
     """Replay an episode to its end and film it.
@@ -46,10 +47,11 @@ def save_film(
         size: Width and height of each picture; by default 480 wide and as high as the first
             camera's proportions have it.
         fps: Frames a second; by default 24, or one a physics step where those are fewer.
+        gif: Also write a GIF of every second frame or fewer.
         progress: Passes the frames on; given how many there will be, too.
 
     Returns:
-        The files: an MP4, and a GIF of every second frame or fewer.
+        The files: an MP4, and the GIF.
 
     Raises:
         UsageError: The environment is of another task.
@@ -68,10 +70,12 @@ def save_film(
         for number, frame in enumerate(progress(frames, length + 1)):
             composed = compose(frame, rollout)
             add(composed)
-            if number % every == 0 or number == length:
+            if gif and (number % every == 0 or number == length):
                 kept.append(composed)
                 times.append(frame.seconds)
         for _ in range(round(HOLD_S * fps)):
             add(composed)
+    if not gif:
+        return (film,)
     save_gif(picture, kept, times, hold_s=HOLD_S)
     return film, picture

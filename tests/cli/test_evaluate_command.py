@@ -31,10 +31,10 @@ def test_a_policy_is_measured_and_told_about(run, policy):
     helped = "track scratch: no demonstrations, no special starts"
     assert ran.out.splitlines() == [
         "sideways · pushing.npz",
-        f"  saw      {saw}",
-        f"  trained  {helped} · maddpg paid ratchet · 20,000 control steps · seed 3",
-        "  command  taskbuilder train sideways.yaml --steps 20000 --seed 3",
-        "  plays    8 episodes from the task's own starts, seeds 0 to 7",
+        f"  observed  {saw}",
+        f"  trained   {helped} · maddpg with the reward ratchet · 20,000 control steps · seed 3",
+        "  command   taskbuilder train sideways.yaml --steps 20000 --seed 3",
+        "  plays     8 episodes from the task's own starts, seeds 0 to 7",
         "",
         "4 of 8 succeeded (50.0%), 95% interval 21.5% to 78.5% · median 1 steps",
         "0 of 8 at the last step (0.0%), 95% interval 0.0% to 32.4% · success held 0.2 s in the "
@@ -162,12 +162,12 @@ def test_policies_of_the_whole_scene_are_called_so_and_play_in_it(run, policy):
     assert ran.status == 0, ran.err
     _, saw, trained, *_ = ran.out.splitlines()
     assert saw == (
-        "  saw      the whole scene, more than the task file lists for each robot "
+        "  observed  the whole scene, more than the task file lists for each robot "
         "(observe: scene, frame: base)"
     )
     assert trained.startswith(
-        "  trained  track demos: demonstrations of the expert, episodes that may begin in its "
-        "states · maddpg paid ratchet · unknown control steps"
+        "  trained   track demos: demonstrations of the expert, episodes that may begin in its "
+        "states · maddpg with the reward ratchet · unknown control steps"
     )
 
 

@@ -139,3 +139,60 @@ def test_nothing_is_left_behind_where_a_run_is_damaged(run, runs):
     assert (ran.status, ran.out) == (1, "")
     assert ran.err == 'taskbuilder: a/episodes.csv:21: step is "x", which is no number\n'
     assert not Path("new").exists()
+
+
+OTHERS = """\
+algorithm,seed,step,success_rate,team_return
+sb3,1,0,0,-20
+sb3,2,0,0,
+sb3,1,30000,1.0,-5
+sb3,2,30000,0.8,-6
+"""
+
+
+def test_curves_of_other_software_are_drawn_beside_runs(run, runs):
+    runs("a", "b")
+    Path("sac.csv").write_text(OTHERS)
+    Path("td3.csv").write_text("step,success_rate\n10000,0.25\n")
+    ran = run("plot", "a", "b", "--beside", "sac.csv", "td3.csv", "--out", "all.svg")
+    assert (ran.status, ran.err) == (0, "")
+    said = words_of("all.svg")
+    assert "sideways" in said
+    assert [text for text in said if text.endswith(("run)", "runs)"))] == [
+        "maddpg · ratchet reward  (2 runs)",
+        "sac  (2 runs)",
+        "td3  (1 run)",
+    ]
+    assert said.count("30k") == 5  # all panels are as long as the longest curve
+    assert said.count("furthest stage in evaluations") == 1
+    assert run("plot", "a", "b", "--beside", "sac.csv", "--out", "all.png").status == 0
+    assert count("all.png", rgb(COLORS[1])) > 500
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "other.csv:1: needs the columns step and success_rate or team_return; the columns "
+         "are none"),
+        ("Step,Value\n1,2\n", "other.csv:1: needs the columns step and success_rate or "
+         "team_return; the columns are Step, Value"),
+        ("step,success_rate\n", "other.csv has no rows with a value"),
+        ("step,success_rate\n0,0\n100,high\n", 'other.csv:3: success_rate is "high", which is '
+         "no number"),
+        ("step,success_rate\n,0.5\n", 'other.csv:2: step is "", which is no number'),
+    ],
+)  # fmt: skip
+def test_damaged_curves_of_other_software_are_refused(run, runs, text, said):
+    runs("a")
+    Path("other.csv").write_text(text)
+    ran = run("plot", "a", "--beside", "other.csv", "--out", "new/all.svg")
+    assert (ran.status, ran.err) == (1, f"taskbuilder: {said}\n")
+    assert not Path("new").exists()
+
+
+def test_curves_that_are_not_there_are_refused(run, runs):
+    runs("a")
+    ran = run("plot", "a", "--beside", "none.csv", "--out", "all.svg")
+    assert ran.status != 0
+    assert "none.csv" in ran.err
+    assert "Traceback" not in ran.err

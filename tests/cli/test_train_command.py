@@ -11,6 +11,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from made_runs import write_task
 
@@ -42,6 +44,24 @@ def test_a_run_is_told_about_evaluation_by_evaluation_and_can_be_played(run):
     )
     assert plan["versions"].keys() >= {"taskbuilder", "python", "pybullet", "numpy", "torch"}
     assert run("evaluate", "first", "--episodes", "1", "--jobs", "1").status == 0
+
+
+def test_evaluations_are_filmed_now_and_then(run, tmp_path):
+    task = str(write_task(tmp_path))
+    words = ("train", task, "--reward", "team", "--steps", "120", "--evaluate-every", "20")
+    words += ("--evaluate-episodes", "1", *TINY)
+    assert run(*words, "--film-every", "3", "--out", "filmed").status == 0
+    films = sorted(Path("filmed/films").iterdir())
+    assert [film.name for film in films] == ["step-000000060.mp4", "step-000000120.mp4"]
+    for film in films:
+        video = cv2.VideoCapture(str(film))
+        assert video.get(cv2.CAP_PROP_FRAME_COUNT) > 24  # over a second
+    assert run(*words, "--film-every", "0", "--out", "plain").status == 0
+    assert not Path("plain/films").exists()
+    for name in ("episodes.csv", "evaluations.csv"):
+        assert Path("filmed", name).read_text() == Path("plain", name).read_text()
+    weights = [load_policy(name).arrays() for name in ("filmed", "plain")]
+    assert all(np.array_equal(weights[0][name], weights[1][name]) for name in weights[0])
 
 
 def test_settings_fit_learning_from_nothing_and_with_demonstrations(run):

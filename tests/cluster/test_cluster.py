@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,9 +18,14 @@ from ray.cluster_utils import Cluster
 from taskbuilder import cluster as clusters
 from taskbuilder.cli import main
 from taskbuilder.cluster import cluster
+from taskbuilder.data import layout
+from taskbuilder.data.checking import check_dataset
+from taskbuilder.data.collecting import CollectProgress, collect
+from taskbuilder.data.plan import CollectPlan
+from taskbuilder.data.policies import PolicyShare
 from taskbuilder.errors import UsageError
 from taskbuilder.jobs import LostError
-from taskbuilder.learn.zoo import load_policy
+from taskbuilder.learn.zoo import load_policy, policy_file
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning:ray.*"),
@@ -61,6 +67,13 @@ def wrong(number: int) -> int:
     raise UsageError(f"{number} is wrong")
 
 
+def wrong_or_long(number: int) -> int:
+    if number == 7:
+        return wrong(number)
+    time.sleep(number)
+    return number
+
+
 def ends(_: int) -> None:
     os._exit(3)
 
@@ -82,6 +95,23 @@ def test_all_nodes_work_in_the_callers_directory(
 def test_errors_come_back_as_they_were_raised(nodes: Cluster) -> None:
     with cluster(nodes.address) as spread, pytest.raises(UsageError, match="7 is wrong"):
         list(spread(wrong, [7]))
+
+
+def test_many_errors_leave_a_cluster_as_it_was(nodes: Cluster) -> None:
+    with cluster(nodes.address) as spread:
+        for _ in range(100):
+            with pytest.raises(UsageError, match="7 is wrong"):
+                list(spread(wrong, [7, 8]))
+        assert list(spread(double, range(4))) == [0, 2, 4, 6]
+
+
+def test_work_that_nobody_waits_for_ends_with_the_cluster(nodes: Cluster) -> None:
+    begun = time.monotonic()
+    with cluster(nodes.address) as spread, pytest.raises(UsageError, match="7 is wrong"):
+        list(spread(wrong_or_long, [7, 600]))
+    assert time.monotonic() - begun < 60
+    with cluster(nodes.address) as spread:
+        assert list(spread(double, range(4))) == [0, 2, 4, 6]
 
 
 def test_work_that_ends_its_process_is_given_up(nodes: Cluster) -> None:
@@ -141,6 +171,80 @@ def test_an_evaluation_is_the_same_as_on_one_machine(
 ) -> None:
     here = evaluated(capfd, "--jobs", "1")
     assert evaluated(capfd, "--ray", nodes.address) == here
+
+
+COLLECT = ("collect", "handover", "--episodes", "4", "--cameras", "front", "--size", "32")
+
+
+def collected(out: Path, *words: str) -> dict[str, bytes]:
+    assert main([*COLLECT, "--out", str(out), *words]) == 0
+    return {
+        file.relative_to(out).as_posix(): file.read_bytes()
+        for file in sorted(out.rglob("*"))
+        if file.is_file()
+    }
+
+
+def test_a_data_set_has_the_same_bytes_as_on_one_machine(nodes: Cluster, tmp_path: Path) -> None:
+    here = collected(tmp_path / "here", "--jobs", "1")
+    there = collected(tmp_path / "there", "--ray", nodes.address)
+    assert there == here
+    assert any(name.endswith("front.mp4") for name in there)
+    assert collected(tmp_path / "there", "--ray", nodes.address) == here
+
+
+def test_a_node_that_dies_while_it_collects_costs_its_time_alone(
+    nodes: Cluster, tmp_path: Path
+) -> None:
+    plan = CollectPlan(("reach",), 12, policies=(PolicyShare("random"),), keep_failures=True)
+    collect(plan, tmp_path / "here")
+    third = nodes.add_node(num_cpus=1)
+    killed = []
+
+    def kill(progress: CollectProgress) -> None:
+        if progress.kept == 2 and not killed:
+            killed.append(nodes.remove_node(third, allow_graceful=False))
+
+    with cluster(nodes.address) as spread:
+        collect(plan, tmp_path / "there", nodes=spread, report=kill)
+    assert killed
+    check = check_dataset(tmp_path / "there", 1.0)
+    assert check.ok
+    assert not check.elsewhere
+    manifests = (tmp_path / name / layout.MANIFEST for name in ("here", "there"))
+    assert len({manifest.read_bytes() for manifest in manifests}) == 1
+
+
+def test_collecting_on_nodes_goes_on_where_it_was(nodes: Cluster, tmp_path: Path) -> None:
+    plan = CollectPlan(("reach",), 3)
+    collect(plan, tmp_path / "out")
+    before = layout.read_json(tmp_path / "out" / layout.MANIFEST)
+    (tmp_path / "out" / layout.MANIFEST).unlink()
+    episode = next((tmp_path / "out" / layout.EPISODES).iterdir())
+    (episode / layout.ARRAYS).write_bytes(b"half")
+    with cluster(nodes.address) as spread:
+        collect(plan, tmp_path / "out", nodes=spread)
+    assert layout.read_json(tmp_path / "out" / layout.MANIFEST) == before
+
+
+def test_trained_policies_travel_to_the_nodes(
+    nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copyfile(policy_file("zoo:handover/demos"), tmp_path / "mine.npz")
+    words = ("--policy", "./mine.npz", "--keep-failures", "--episodes", "2")
+    there = collected(tmp_path / "there", *words, "--ray", nodes.address)
+    assert there == collected(tmp_path / "here", *words, "--jobs", "1")
+
+
+def test_a_hopeless_task_stops_on_nodes_too(
+    nodes: Cluster, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ["collect", "reach", "--policy", "nothing", "--out", str(tmp_path / "out")]
+    assert main([*words, "--episodes", "40", "--ray", nodes.address]) == 1
+    said = capfd.readouterr().err
+    assert "0 of 20 attempts at reach succeeded" in said
+    assert "Exception ignored" not in said
 
 
 def test_tasks_are_validated_on_nodes(nodes: Cluster, capfd: pytest.CaptureFixture[str]) -> None:

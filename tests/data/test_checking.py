@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from taskbuilder.data import checking, layout
+from taskbuilder.arrays import write_arrays
+from taskbuilder.data import layout, machines
 from taskbuilder.data.checking import check_dataset
 
 
@@ -64,7 +65,7 @@ def edited(copied):
     arrays = layout.read_episode_arrays(place)
     arrays["agents/left/joint_position"] = arrays["agents/left/joint_position"].copy()
     arrays["agents/left/joint_position"][7, 2] += 1e-9
-    layout.write_arrays(place / layout.ARRAYS, arrays, {"kind": "episode"})
+    write_arrays(place / layout.ARRAYS, arrays, {"kind": "episode"})
     (copied / layout.MANIFEST).unlink()
     layout.write_manifest(copied)
 
@@ -77,9 +78,25 @@ def test_an_episode_that_was_not_played_so_is_found(copied):
     assert said == "agents/left/joint_position from row 7 on, by at most 1e-09"
 
 
+def test_episodes_of_another_node_are_named(copied):
+    """Last digits of another kind of machine are no sign of damage."""
+    edited(copied)
+    file = sorted(copied.glob("episodes/*/episode.json"))[1]
+    about = json.loads(file.read_bytes())
+    about["machine"] = {"processor": "Another CPU", "digest": "0" * 64}
+    layout.write_json(file, about)
+    (copied / layout.MANIFEST).unlink()
+    layout.write_manifest(copied)
+    result = check_dataset(copied, 1.0)
+    assert result.ok
+    assert result.differs
+    (line,) = result.elsewhere
+    assert line == f"{file.parent.name} was played by another machine (Another CPU)"
+
+
 def test_another_processor_is_no_damage(copied, monkeypatch):
     edited(copied)
-    monkeypatch.setattr(checking, "processor", lambda: {"architecture": "riscv64"})
+    monkeypatch.setattr(machines, "processor", lambda: {"architecture": "riscv64"})
     result = check_dataset(copied, 0.1)
     assert result.differs
     assert result.ok
@@ -88,8 +105,8 @@ def test_another_processor_is_no_damage(copied, monkeypatch):
 
 def test_another_kernel_is_no_excuse(copied, monkeypatch):
     edited(copied)
-    here = checking.system()
-    monkeypatch.setattr(checking, "system", lambda: {**here, "kernel": "Linux 99"})
+    here = machines.system()
+    monkeypatch.setattr(machines, "system", lambda: {**here, "kernel": "Linux 99"})
     result = check_dataset(copied, 0.1)
     assert (result.ok, result.elsewhere) == (False, ())
 

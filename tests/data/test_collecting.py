@@ -10,6 +10,8 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,8 @@ from tree import bytes_of
 
 from taskbuilder.data import layout
 from taskbuilder.data.collecting import CollectingError, collect
+from taskbuilder.data.dataset import make_from
+from taskbuilder.data.machines import machine_of_episode
 from taskbuilder.data.plan import CollectPlan, attempt_of
 from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras
@@ -37,7 +41,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def fails_with(monkeypatch, number, after=2):
+def fails_with(monkeypatch, number, after=3):
     """The disk fails with an error number once some files have been written."""
     written = []
 
@@ -164,6 +168,28 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     with pytest.raises(CollectingError, match="is no folder"):
         collect(REACH, tmp_path / "file" / "below")
     assert (tmp_path / "file").read_text() == "mine"
+
+
+# --- machines and renderers
+
+
+def test_every_episode_names_the_machine_that_played_it(whole):
+    about = layout.read_about(whole)
+    machine = layout.read_episode(next((whole / layout.EPISODES).iterdir()))["machine"]
+    assert machine == machine_of_episode(about)
+    assert machine["processor"] in about["processor"].values()
+
+
+def test_a_renderer_is_chosen_and_another_refused(tmp_path):
+    plan = CollectPlan(("reach",), 1, cameras=Cameras(("front",), (32, 32)), renderer="tiny")
+    collect(plan, tmp_path / "tiny")
+    assert layout.read_about(tmp_path / "tiny")["renderer"] == "tiny"
+    with closing(make_from(tmp_path / "tiny")) as env:
+        assert env.options.renderer == "tiny"
+    with closing(make_from(tmp_path / "tiny", renderer="raster")) as env:
+        assert env.options.renderer == "raster"
+    with pytest.raises(UsageError, match="renderer is raster now and was tiny"):
+        collect(replace(plan, renderer="raster"), tmp_path / "tiny")
 
 
 # --- folders that hold something

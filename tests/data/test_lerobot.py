@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import json
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import av
@@ -96,6 +98,28 @@ def test_every_number_is_that_of_the_episode(exported, pictured):
         assert np.allclose(frames["timestamp"][span], np.arange(steps) / 10, atol=1e-6)
         assert set(frames["episode_index"][span]) == {row["episode_index"]}
     assert frames["index"].tolist() == list(range(len(frames["index"])))
+
+
+def test_its_environment_is_that_of_the_data_set(exported, pictured):
+    """The recorded actions lead to the recorded states and pictures, as LeRobot's policies see."""
+    spec = importlib.util.spec_from_file_location("exported_env", exported / "env.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    episode = load_dataset(pictured)[1]
+    recorded = lerobot.numbers_of(episode)
+    states = recorded["observation.state"].astype(np.float32)
+    ((env,),) = (suite.values() for suite in module.make_env(n_envs=1).values())
+    with closing(env):
+        seen, _ = env.reset(seed=[episode.seed])
+        assert env.call("task_description") == (episode.instruction,)
+        for row, action in enumerate(recorded["action"]):
+            np.testing.assert_array_equal(seen["agent_pos"][0], states[row])
+            seen, _, _, truncated, info = env.step(action[None])
+        assert truncated.all()
+        assert info["final_info"]["is_success"].tolist() == [True]
+    assert list(seen["pixels"]) == list(CAMERAS)
+    picture = info["final_obs"][0]["pixels"]["front"].astype(float)
+    assert np.abs(picture - episode.images("front")[-1]).mean() < 8  # video is lossy
 
 
 def test_every_column_is_a_feature_of_its_type_and_shape(exported):

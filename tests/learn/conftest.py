@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
-TRAINING = ("test_maddpg.py", "test_maddpg_openai.py", "test_networks.py", "test_training.py")
+TRAINING = (
+    *("test_bc.py", "test_maddpg.py", "test_maddpg_openai.py", "test_networks.py"),
+    *("test_training.py",),
+)
 
 
 class Training(pytest.Module):

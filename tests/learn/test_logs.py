@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import sys
 
@@ -144,3 +145,18 @@ def test_what_is_no_run_is_refused(run, tmp_path):
     (run / "run.json").write_text(json.dumps({**about, "format": 2}))
     with pytest.raises(UsageError, match="run is a run of format 2; this version reads 1"):
         read_run(run)
+
+
+def test_a_table_may_be_compressed(run):
+    before = read_run(run).episodes
+    file = run / "episodes.csv"
+    packed = gzip.compress(file.read_bytes())
+    file.unlink()
+    (run / "episodes.csv.gz").write_bytes(packed)
+    after = read_run(run).episodes
+    assert list(after) == list(before)
+    assert all(np.array_equal(after[name], before[name]) for name in before)
+    for damaged in (packed[:-20], b"no gzip", packed[:40] + b"x" * 40 + packed[80:]):
+        (run / "episodes.csv.gz").write_bytes(damaged)
+        with pytest.raises(LogError, match=r"episodes\.csv\.gz is damaged"):
+            read_run(run)

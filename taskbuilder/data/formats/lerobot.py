@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.data.dataset import Dataset, RecordedEpisode
+from taskbuilder.data.formats.lerobot_env import ENV_FILE, env_text
 from taskbuilder.data.formats.lerobot_tables import (
     episode_table,
     frame_table,
@@ -94,6 +95,7 @@ class _Writer:
         total = {name: combined([stats[name] for stats in every]) for name in every[0]}
         self._write_json("stats.json", {n: _listed(stats) for n, stats in total.items()})
         self._write_json("info.json", self._info())
+        write_whole(self._folder / ENV_FILE, env_text(self._dataset.about).encode())
 
     def _write_json(self, name: str, data: Any) -> None:
         write_whole(self._folder / "meta" / name, (json.dumps(data, indent=4) + "\n").encode())

@@ -1,0 +1,179 @@
+"""Behaviour cloning from 200 demonstrations: three tasks, from states and from pictures, two seeds.
+
+    python benchmarks/cloning.py [--only handover/states] [--seeds 1 2] [--device cuda] [--jobs 2]
+
+Collects what is not collected yet, trains what is not trained yet, goes on with what was stopped,
+plays each policy in 300 episodes that neither training nor the choice of a policy has seen, and
+writes
+
+- benchmarks/results/cloning.csv: every episode of every run, and
+- benchmarks/results/cloning.json: what came of each run, with the commands that make it again.
+
+A run from states takes minutes on one core. One from pictures takes hours there; a GPU helps.
+Nothing is left out: a run that failed is there as it is. `--demos`, `--size`, `--states`,
+`--pictures` and `--episodes` change how much is done, to try this program quickly.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from machine import describe_machine
+
+TASKS = ("pick_push_place", "collaborative_lift", "handover")
+INPUTS = ("states", "pictures")
+CAMERAS = "front,top"
+RUNS = tuple(f"{task}/{inputs}" for task, inputs in product(TASKS, INPUTS))
+FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
+TASKBUILDER = (sys.executable, "-m", "taskbuilder")
+EVALUATION, COMMANDS = "evaluation.json", "commands.json"
+
+
+def main() -> int:
+    arguments = parse()
+    data = arguments.folder / "data"
+    for task in TASKS:
+        if any(name.startswith(f"{task}/") for name in arguments.only):
+            collect(task, data / task, arguments)
+    wanted = [(name, seed) for seed in arguments.seeds for name in arguments.only]
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        for line in pool.map(partial(run, arguments=arguments), wanted):
+            print(line, flush=True)
+    write(arguments)
+    return 0
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", default=RUNS, choices=RUNS, metavar="TASK/INPUTS")
+    parser.add_argument("--seeds", nargs="+", type=int, default=(1, 2))
+    parser.add_argument("--device", default="cpu", help="device of the networks: cpu or cuda")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at once")
+    parser.add_argument("--demos", type=int, default=200, help="demonstrations of each task")
+    parser.add_argument("--size", default="128", help="size of the pictures")
+    parser.add_argument("--states", type=int, default=5_000, help="updates from states")
+    parser.add_argument("--pictures", type=int, default=20_000, help="updates from pictures")
+    parser.add_argument("--episodes", type=int, default=300, help="episodes of each evaluation")
+    parser.add_argument("--set", nargs="+", default=(), metavar="K=V", help="settings of bc")
+    parser.add_argument("--folder", type=Path, default=Path("runs/cloning"), help="of the runs")
+    parser.add_argument("--results", type=Path, default=Path(__file__).parent / "results")
+    return parser.parse_args()
+
+
+def taskbuilder(*words: str, log: Path | None = None) -> str:
+    """Run a command, append what it says to a log, and return what it prints."""
+    ran = subprocess.run([*TASKBUILDER, *words], capture_output=True, text=True, check=False)
+    if log is not None:
+        with log.open("a") as file:
+            file.write(ran.stdout + ran.stderr)
+    if ran.returncode:
+        raise SystemExit(f"taskbuilder {' '.join(words)}\n{ran.stderr}")
+    return ran.stdout
+
+
+def collect(task: str, folder: Path, arguments: argparse.Namespace) -> None:
+    """Collect the demonstrations of a task, or what is missing of them."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    pictures = ("--cameras", CAMERAS, "--size", arguments.size)
+    seeds = ("--episodes", str(arguments.demos), "--seed", str(FIRST_DEMO))
+    taskbuilder("collect", task, *seeds, "--observe", "scene", *pictures, "--out", str(folder))
+
+
+def run(wanted: tuple[str, int], arguments: argparse.Namespace) -> str:
+    """Train and evaluate one run, as far as this has not been done; say what came of it."""
+    name, seed = wanted
+    out, folder = folder_of(name, seed, arguments), arguments.folder
+    if not (out / EVALUATION).exists():
+        train = train_command(name, seed, arguments)
+        again = ["train", "--resume", str(out)] if (out / "run.json").exists() else train
+        taskbuilder(*again, log=folder / f"{out.name}.log")
+        first, count = str(FIRST_EPISODE), str(arguments.episodes)
+        evaluate = ["evaluate", str(out), "--seed", first, "--episodes", count]
+        played = taskbuilder(*evaluate, "--controls", "0", "--jobs", "1", "--json")
+        commands = [" ".join(["taskbuilder", *words]) for words in (train, evaluate)]
+        (out / COMMANDS).write_text(json.dumps(commands))
+        (out / EVALUATION).write_text(played)
+    result = json.loads((out / EVALUATION).read_text())
+    return f"{out.name}: {result['success_rate']:.1%} of {result_episodes(result)} episodes"
+
+
+def folder_of(name: str, seed: int, arguments: argparse.Namespace) -> Path:
+    return Path(arguments.folder) / f"{name.replace('/', '-')}-{seed}"
+
+
+def train_command(name: str, seed: int, arguments: argparse.Namespace) -> list[str]:
+    """What trains a run from the beginning."""
+    task, inputs = name.split("/")
+    steps = getattr(arguments, inputs)
+    every = str(max(steps // 5, 1))
+    words = ["train", "--algorithm", "bc", "--data", str(arguments.folder / "data" / task)]
+    words += ["--cameras", CAMERAS] if inputs == "pictures" else []
+    words += ["--seed", str(seed), "--steps", str(steps), "--device", arguments.device]
+    words += ["--evaluate-every", every, "--checkpoint-every", every]
+    words += ["--set", *arguments.set] if arguments.set else []
+    return [*words, "--out", str(folder_of(name, seed, arguments))]
+
+
+def result_episodes(result: dict[str, Any]) -> int:
+    return len(result["episodes"])
+
+
+def write(arguments: argparse.Namespace) -> None:
+    """Write what came of all runs that there are."""
+    runs, rows = [], []
+    for name, seed in product(RUNS, range(100)):
+        out = folder_of(name, seed, arguments)
+        if not (out / EVALUATION).exists():
+            continue
+        result = json.loads((out / EVALUATION).read_text())
+        task, inputs = name.split("/")
+        runs.append(
+            {
+                "task": task,
+                "inputs": inputs,
+                "seed": seed,
+                "demonstrations": arguments.demos,
+                "updates": result["about"]["step"],
+                "minutes": minutes(out),
+                "episodes": result_episodes(result),
+                **{key: result[key] for key in ("success_rate", "interval", "stages")},
+                "commands": json.loads((out / COMMANDS).read_text()),
+            }
+        )
+        rows += [[task, inputs, seed, p["seed"], int(p["success"])] for p in result["episodes"]]
+    arguments.results.mkdir(parents=True, exist_ok=True)
+    with (arguments.results / "cloning.csv").open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["task", "inputs", "seed", "episode_seed", "success"])
+        writer.writerows(rows)
+    data = {
+        "command": "python benchmarks/cloning.py",
+        "machine": describe_machine(),
+        "device": arguments.device,
+        "picture_size": arguments.size,
+        "runs": runs,
+    }
+    (arguments.results / "cloning.json").write_text(json.dumps(data, indent=2) + "\n")
+
+
+def minutes(out: Path) -> float | None:
+    """How long a run took, with its evaluations, if it is long enough to say so."""
+    file = out / "updates.csv"
+    if not file.exists():
+        return None
+    with file.open(newline="") as lines:
+        *_, last = csv.DictReader(lines)
+    return round(float(last["seconds"]) / 60.0, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

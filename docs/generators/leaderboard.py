@@ -1,0 +1,107 @@
+"""The leaderboard: what the certificates in the repository say."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from generators.results import RESULTS
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.reference.markdown import table
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.sources import digests_of_task
+from taskbuilder.task import Task, load_task
+from taskbuilder.trial.certificate import read_certificate
+from taskbuilder.trial.verification import compare_seals
+
+CERTIFICATES = RESULTS / "certificates"
+VERIFIED = "verified.json"
+"""Who has verified which certificate: lists of ``by``, ``processor`` and ``date``, by its path."""
+
+_SEES = {"scene": "the whole scene", "task": "as the task lists"}
+
+
+class Entry(NamedTuple):
+    """A certificate of the leaderboard.
+
+    Attributes:
+        path: Its path in the folder of certificates.
+        data: What it says.
+        task: The task as it is now.
+    """
+
+    path: str
+    data: Mapping[str, Any]
+    task: Task
+
+
+def rows(_: str) -> str:
+    """All certificates by task, those with the most success at the last step first."""
+    verified = json.loads((CERTIFICATES / VERIFIED).read_text(encoding="utf-8"))
+    found = [entry(file) for file in sorted(CERTIFICATES.rglob("*.json")) if file.name != VERIFIED]
+    unknown = set(verified) - {each.path for each in found}
+    if unknown:
+        raise ValueError(f"{VERIFIED} names {', '.join(sorted(unknown))}, which are not there")
+    ordered = sorted(
+        found, key=lambda each: (each.data["task"], -each.data["results"]["success_at_end_rate"])
+    )
+    head = ["task", "policy", "success at the last step", "at some step", "return, the expert's"]
+    head += ["robots", "observes", "seeds", "certificate", "made on", "verified by"]
+    return table(head, [_row(each, verified.get(each.path, [])) for each in ordered])
+
+
+def entry(file: Path) -> Entry:
+    """A certificate, after it was checked as far as this is possible without playing.
+
+    Raises:
+        ValueError: It was edited, or its task is not in the library.
+        UsageError: It is damaged, or no certificate.
+    """
+    data = read_certificate(file)
+    edited = [said for point in compare_seals(data) for said in point.differs]
+    if edited:
+        raise ValueError(f"{file.name} is not as it was written: {', '.join(edited)}")
+    robots = {name: str(model) for name, model in data["options"].get("robots", ())}
+    try:
+        task = load_task(Catalogue.discover().named_task(data["task"]).file, robots=robots)
+    except UnknownNameError as error:
+        raise ValueError(f"{file.name}: its task is not in the library ({error})") from None
+    return Entry(file.relative_to(CERTIFICATES).as_posix(), data, task)
+
+
+def _row(found: Entry, verifications: list[Mapping[str, str]]) -> list[str]:
+    data, results = found.data, found.data["results"]
+    changed = data["digests"]["task"] != digests_of_task(found.task)
+    seeds, options = data["seeds"], data["options"]
+    robots = ", ".join(
+        f"{name} ({robot.model})" for name, robot in found.task.file.spec.scene.robots.items()
+    )
+    return [
+        data["task"] + (", an earlier version" if changed else ""),
+        f"`{data['policy']}`",
+        _share(results["success_at_end_rate"], results["interval_at_end"]),
+        _share(results["success_rate"], results["interval"]),
+        _returns(results),
+        robots,
+        _SEES.get(options.get("observe", "task"), "not known"),
+        f"{len(seeds)} from {seeds[0]}",
+        f"`{found.path}`",
+        f"{data['processor'].get('name', 'not known')}, {data['made'][:10]}",
+        "; ".join(f"{v['by']}, {v['processor']}, {v['date']}" for v in verifications)
+        or "nobody yet",
+    ]
+
+
+def _share(rate: float, interval: tuple[float, float]) -> str:
+    low, high = (100.0 * bound for bound in interval)
+    return f"{100.0 * rate:.1f} % ({low:.1f}–{high:.1f} %)"
+
+
+def _returns(results: Mapping[str, Any]) -> str:
+    """The return of the policy and of the expert on the seeds that both have played."""
+    expert = results["controls"].get("expert")
+    if expert is None:
+        return f"{results['return']:.1f}, no expert"
+    return f"{expert['policy_return']:.1f}, {expert['return']:.1f} ({expert['episodes']} seeds)"

@@ -1,0 +1,112 @@
+"""Demonstrations on a device: standardised observations, pictures and chunks of actions."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from taskbuilder.learn.policy import Array
+from taskbuilder.learn.recordings import Demonstrations
+
+LEAST_SCALE = 0.02
+"""Minimum scale of an observed number, so that those that hardly vary are not amplified."""
+
+
+class ChunkData:
+    """The training data of `BehaviourCloning`.
+
+    With pictures, policies observe only the numbers of their own robot besides; without, all.
+
+    Args:
+        demonstrations: The demonstrations.
+        device: Where the tensors are.
+
+    Attributes:
+        sizes: Number of observed numbers, by agent.
+        pictures: (n, height, width, 3) uint8 by camera.
+        scene: (n, numbers) the standardised numbers that policies do not observe.
+    """
+
+    def __init__(self, demonstrations: Demonstrations, device: torch.device) -> None:
+        self._device = device
+        seen = demonstrations.observations
+        self._mean = {agent: x.mean(0) for agent, x in seen.items()}
+        self._scale = {agent: np.maximum(x.std(0), LEAST_SCALE) for agent, x in seen.items()}
+        self._own = {
+            agent: own if demonstrations.pictures else np.ones_like(own)
+            for agent, own in demonstrations.own.items()
+        }
+        normal = {a: (x - self._mean[a]) / self._scale[a] for a, x in seen.items()}
+        self.sizes = {agent: x.shape[1] for agent, x in seen.items()}
+        self._mask = {agent: self._tensor(own) for agent, own in self._own.items()}
+        self._observations = {a: self._tensor(x) * self._mask[a] for a, x in normal.items()}
+        rest = [x[:, ~self._own[agent]] for agent, x in normal.items()]
+        self.scene = self._tensor(np.concatenate(rest, 1))
+        self.pictures = {
+            camera: torch.from_numpy(shown).to(device)
+            for camera, shown in demonstrations.pictures.items()
+        }
+        self._actions = {a: self._tensor(done) for a, done in demonstrations.actions.items()}
+        self._ends = torch.from_numpy(demonstrations.ends).to(device)
+
+    @property
+    def action_sizes(self) -> dict[str, int]:
+        """Size of each agent's action."""
+        return {agent: done.shape[1] for agent, done in self._actions.items()}
+
+    def draw(self, count: int, rng: np.random.Generator) -> Tensor:
+        """Rows, drawn uniformly: (count,)."""
+        return torch.from_numpy(rng.integers(len(self._ends), size=count)).to(self._device)
+
+    def observations(
+        self, rows: Tensor, noise: float, rng: np.random.Generator
+    ) -> dict[str, Tensor]:
+        """Standardised observations of some rows, by agent.
+
+        Args:
+            rows: (n,) rows.
+            noise: Standard deviation of Gaussian noise on the numbers that policies observe.
+            rng: Generator of the noise.
+        """
+        observed = {agent: seen[rows] for agent, seen in self._observations.items()}
+        if noise:
+            for agent, seen in observed.items():
+                drawn = self._tensor(rng.standard_normal(seen.shape, dtype=np.float32))
+                observed[agent] = seen + noise * drawn * self._mask[agent]
+        return observed
+
+    def chunks(self, rows: Tensor, length: int) -> tuple[Tensor, Tensor]:
+        """The actions from some rows on, of all agents in order.
+
+        Args:
+            rows: (n,) rows.
+            length: Actions in a chunk.
+
+        Returns:
+            The actions (n, length * joint action), agent by agent; and whether each of these
+            numbers is within the episode, else it repeats the last action.
+        """
+        ahead = rows[:, None] + torch.arange(length, device=self._device)
+        ends = self._ends[rows, None]
+        ahead, inside = torch.minimum(ahead, ends - 1), ahead < ends
+        actions = [done[ahead].flatten(1) for done in self._actions.values()]
+        counted = [inside.repeat_interleave(size, 1) for size in self.action_sizes.values()]
+        return torch.cat(actions, 1), torch.cat(counted, 1)
+
+    def statistics(self, features: int) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Mean and scale of each agent's input: its observed numbers, then features as they are.
+
+        A number that the policy does not observe has an infinite scale, and so no weight.
+        """
+        zeros = np.zeros(features, dtype=np.float32)
+        mean = {agent: np.concatenate([x, zeros]) for agent, x in self._mean.items()}
+        scale = {
+            agent: np.concatenate([np.where(self._own[agent], x, np.float32(np.inf)), zeros + 1.0])
+            for agent, x in self._scale.items()
+        }
+        return mean, scale
+
+    def _tensor(self, array: NDArray[np.generic]) -> Tensor:
+        return torch.from_numpy(array.astype(np.float32)).to(self._device)

@@ -1,0 +1,248 @@
+"""Recorded data sets as training data: what a run takes from one, and whether it fits the run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.data import layout
+from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, options_of_dataset
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.errors import UsageError, display_path
+from taskbuilder.learn.demonstrations import explicit_gripper
+from taskbuilder.learn.policy import Array
+from taskbuilder.task import Task
+from taskbuilder.wording import suggestion
+
+OPTIONS = ("observe", "frame", "rotation", "randomize")
+"""Options of the environment that a data set determines."""
+
+SMALLEST_PICTURE = 24
+"""Minimum width and height of pictures; the convolutions leave two by two positions of it."""
+
+
+@dataclass(frozen=True)
+class Demonstrations:
+    """The successful episodes of a data set, one after the other: a row for each control step.
+
+    Attributes:
+        observations: (n, numbers) by agent.
+        actions: (n, numbers) by agent; commands to binary grippers are repeated at every step.
+        ends: (n,) the row after the last of each row's episode.
+        own: (numbers,) bool by agent: whether a number is of the robot itself or the time left,
+            and not of the rest of the scene.
+        pictures: (n, height, width, 3) uint8 by camera.
+    """
+
+    observations: Mapping[str, Array]
+    actions: Mapping[str, Array]
+    ends: NDArray[np.int64]
+    own: Mapping[str, NDArray[np.bool_]]
+    pictures: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """The agents, in order."""
+        return tuple(self.observations)
+
+
+def read_demonstrations(
+    folder: str | Path, task: str, cameras: Sequence[str] = ()
+) -> Demonstrations:
+    """Read the successful episodes of a data set.
+
+    Args:
+        folder: The data set.
+        task: Id of the task; only its episodes are read.
+        cameras: Cameras whose pictures are read.
+
+    Raises:
+        UsageError: There is no such data set, or it has no such episodes.
+        UnknownNameError: A camera was not recorded.
+        StoreError: It is damaged.
+        VideoError: A video is damaged.
+    """
+    dataset = load_dataset(folder)
+    episodes = successes(dataset, task)
+    robots = dataset.about["tasks"][task]["robots"]
+    binary = {agent for agent, robot in robots.items() if _has_binary_gripper(robot)}
+    agents = tuple(robots)
+    ends = np.cumsum([episode.steps for episode in episodes])
+    return Demonstrations(
+        {agent: _joined(e.observations[agent][:-1] for e in episodes) for agent in agents},
+        {
+            agent: _joined(
+                explicit_gripper(e.actions[agent]) if agent in binary else e.actions[agent]
+                for e in episodes
+            )
+            for agent in agents
+        },
+        np.repeat(ends, [episode.steps for episode in episodes]),
+        {agent: _own(agent, robots[agent]["observation_names"]) for agent in agents},
+        {c: np.concatenate([e.images(c)[:-1] for e in episodes]) for c in cameras},
+    )
+
+
+def _own(agent: str, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Which of the numbers that a robot observes are its own, or the time left."""
+    return np.array([name.startswith(f"{agent}.") or name == "time_left" for name in names])
+
+
+def _has_binary_gripper(robot: Mapping[str, Any]) -> bool:
+    """Whether a robot, as a data set describes it, has a gripper that is told to open or close."""
+    name: str = robot["action_names"][-1]
+    return bool(robot["action"]["gripper"] == "binary") and name.endswith(".gripper")
+
+
+def _joined(parts: Iterable[NDArray[Any]]) -> Array:
+    return np.concatenate(list(parts)).astype(np.float32)
+
+
+def successes(dataset: Dataset, task: str) -> Sequence[RecordedEpisode]:
+    """The successful episodes of a task.
+
+    Raises:
+        UsageError: There are none.
+    """
+    lines = dataset.contents["episodes"]
+    good = {line["name"] for line in lines if line["success"] and line["task"] == task}
+    episodes = [episode for episode in dataset if episode.name in good]
+    if not episodes:
+        raise UsageError(
+            f"{display_path(dataset.folder)} has no successful episode of {task}, and others are "
+            f"not learned from; taskbuilder collect {task} --out DIR collects some of the expert"
+        )
+    return episodes
+
+
+# --- what fits
+
+
+def task_in(folder: Path) -> str:
+    """The name of the only task of a data set.
+
+    Raises:
+        UsageError: There is no such data set, or it has several tasks.
+    """
+    names = list(layout.read_about(folder)["tasks"])
+    if len(names) != 1:
+        where = display_path(folder)
+        raise UsageError(f"{where} has several tasks; name one before --data: {', '.join(names)}")
+    return str(names[0])
+
+
+def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a plan that a data set determines.
+
+    Args:
+        folder: The data set.
+        asked: Fields of the plan that were asked for.
+
+    Raises:
+        UsageError: There is no such data set, or it was recorded otherwise than is asked for.
+    """
+    dataset = load_dataset(folder)
+    where = display_path(folder)
+    options = {"frame": "task", "rotation": "quaternion", "observe": "task", "randomize": False}
+    options |= options_of_dataset(dataset.about, cameras=False)
+    recorded = {name: options[name] for name in OPTIONS}
+    for name, value in recorded.items():
+        if name in asked and asked[name] != value:
+            raise UsageError(
+                f"{where} was recorded with {name} {value}, not {asked[name]}; leave "
+                f"--{name} out, or collect another data set"
+            )
+    variations = dataset.about["collected"]["variations"]
+    recorded["variation"] = "random" if variations == "all" else variations[0]
+    return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
+
+
+def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dict[str, Any]:
+    """Size and renderer of the recorded cameras that are asked for.
+
+    Raises:
+        UsageError: One was not recorded, or not all have the same size.
+    """
+    if not asked:
+        return {}
+    tasks = about["tasks"].values()
+    known = about["collected"]["cameras"]
+    for camera in asked:
+        if camera not in known:
+            help_ = suggestion(camera, known, what="it has") if known else "it has none"
+            raise UsageError(f'{where} has no pictures of "{camera}"; {help_}')
+    sizes = {(t["cameras"][c]["width"], t["cameras"][c]["height"]) for t in tasks for c in asked}
+    if len(sizes) > 1:
+        raise UsageError(
+            f"{where} has pictures of several sizes; collect them in one by --size, such as 128"
+        )
+    (size,) = sizes
+    if min(size) < SMALLEST_PICTURE:
+        raise UsageError(
+            f"{where} has pictures of {size[0]}x{size[1]} pixels; bc needs at least "
+            f"{SMALLEST_PICTURE}x{SMALLEST_PICTURE}"
+        )
+    return {"camera_size": size, "renderer": about["renderer"]}
+
+
+def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None:
+    """Check that a data set is of a task as it is now.
+
+    Args:
+        folder: The data set.
+        task: The task.
+        options: Options of the environment that a policy will play in.
+
+    Raises:
+        UsageError: It is of another task, has no successful episodes, or its robots act or observe
+            in another way.
+    """
+    dataset = load_dataset(folder)
+    where = display_path(folder)
+    if task.name not in dataset.tasks:
+        raise UsageError(
+            f"{where} is of {', '.join(dataset.tasks)}, not of {task.name}; leave the task out, "
+            f"or collect episodes of {task.name}"
+        )
+    successes(dataset, task.name)
+    with closing(parallel_env(task, **options)) as env:
+        for difference in _differences(dataset.about["tasks"][task.name]["robots"], env):
+            raise UsageError(f"{where} does not fit {task.name} as it is now: {difference}")
+
+
+def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Iterable[str]:
+    """How robots differ from those of a data set, in words."""
+    if list(recorded) != env.possible_agents:
+        there, here = ", ".join(recorded), ", ".join(env.possible_agents)
+        yield f"it has {there}, and the task {here}; collect anew"
+        return
+    for agent, robot in recorded.items():
+        action = env.episode.world.scene.robots[agent].action.model_dump(mode="json")
+        for name in (name for name in action if action[name] != robot["action"].get(name)):
+            yield (
+                f"action: {name} of {agent} was {robot['action'].get(name)} and is now "
+                f"{action[name]}; collect anew, or put the task file back"
+            )
+        now = env.observation_names[agent]
+        was = robot["observation_names"]
+        missing, new = ([n for n in a if n not in b] for a, b in ((was, now), (now, was)))
+        if missing or new or list(was) != list(now):
+            changed = ", ".join((missing or new)[:3]) or "their order"
+            verb = "no longer observes" if missing else "observes more or in another order:"
+            yield f"{agent} {verb} {changed}; collect anew, or put the task file back"
+
+
+def identity(folder: Path) -> str:
+    """What tells a data set from any other: the seal of its manifest.
+
+    Raises:
+        UsageError: There is no such data set, or collecting has not come to its end.
+    """
+    load_dataset(folder)
+    return str(layout.read_json(folder / layout.MANIFEST)["seal"])
