@@ -289,11 +289,11 @@ def _obstacle(
     boxes = [thing.body.occupied() for thing in bodies]
     around = bounding_box([corner for box in boxes for corner in (box.low, box.high)])
     near = [other for other in others if _may_meet(around, other.box)]
-    surface = (place.surface or "").partition(".")[0]
+    holders = {(name or "").partition(".")[0] for name in (place.surface, place.frame)}
     for thing, box in zip(bodies, boxes, strict=True):
         for other in near:
-            below = other.name in (surface, thing.spec.frame.partition(".")[0])
-            gap = -SINK if below and not other.is_robot else GAP
+            holds = other.name in {*holders, thing.spec.frame.partition(".")[0]}
+            gap = -SINK if holds and not other.is_robot else GAP
             if _may_meet(box, other.box) and _too_near(thing, other.body, gap):
                 return other.name
     return None

@@ -222,3 +222,32 @@ def _places(world, seed):
     except PlacementError as refusal:
         return not refusal.findings
     return True
+
+
+BOX = """
+    box:
+      parts:
+        floor: {box: [0.3, 0.3, 0.02], at: [0, 0, 0.01]}
+        wall: {box: [0.3, 0.02, 0.1], at: [0, 0.16, 0.05]}
+      fixed: true
+      position: [0.2, 0.1, 0.5]
+    block:
+      shape: {box: [0.06, 0.06, 0.06]}
+      mass: 0.1
+      place: {in: box, center: [0, 0, 0.0505], size: [0.1, 0.1, 0]}
+"""
+
+
+def test_a_thing_may_lie_in_what_it_is_placed_relative_to(build):
+    world = build(ROOM + BOX)
+    for seed in range(10):
+        world.reset(seed)
+        at = world.pose("box").inverse().apply(world.position("block"))
+        assert at[2] == pytest.approx(0.05, abs=1e-3)
+        assert max(abs(at[0]), abs(at[1])) < 0.051
+
+
+def test_a_thing_is_not_put_into_what_it_is_placed_relative_to(build):
+    world = build(ROOM + BOX.replace("0.0505", "0.04"))
+    with pytest.raises(PlacementError, match="box"):
+        world.reset(0)
