@@ -46,7 +46,7 @@ ENTRIES = {
     "TB305": Code(
         "No room for an object",
         "A hundred placements were tried. In each of them the object was less than 5 mm from "
-        "something else.",
+        "something other than what it stands on or is placed in.",
         block(
             "place: {surface: table, center: [0.4, 0], size: [0.05, 0.05]}",
             "place: {surface: table, center: [0, 0.3], size: [0.05, 0.05]}",
