@@ -24,6 +24,7 @@ DOCS = Path(__file__).resolve().parents[1]
 GENERATORS: Mapping[str, Callable[[str], str]] = {
     "api": api.names,
     "channels": vocabulary.channels,
+    "cloning": results.cloning,
     "codes": codes.entries,
     "colours": keys.colours,
     "commands": commands.helps,

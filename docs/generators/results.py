@@ -126,6 +126,31 @@ def learning(_: str) -> str:
     return table([*head, "furthest stage", "minutes"], rows)
 
 
+def cloning(_: str) -> str:
+    """The results of behaviour cloning, every seed."""
+    found = _read("cloning.json")
+    rows = []
+    for run in found["runs"]:
+        low, high = (100.0 * bound for bound in run["interval"])
+        rows.append(
+            [
+                run["task"],
+                run["inputs"],
+                str(run["seed"]),
+                f"{run['demonstrations']}",
+                f"{run['updates']:,}",
+                f"{100.0 * run['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)",
+                _stages(run["stages"]),
+                f"{run['minutes']:.0f}",
+            ]
+        )
+    head = ["task", "from", "seed", "demonstrations", "updates", "success (95 % interval)"]
+    episodes = {run["episodes"] for run in found["runs"]}
+    count = ", ".join(map(str, sorted(episodes)))
+    told = f"Success over {count} episodes with seeds from 2000000. Minutes are of one core."
+    return f"{table([*head, 'furthest stage', 'minutes'], rows)}\n\n{told}"
+
+
 def phases(run: str) -> str:
     """The training episodes of a run of the paper's learner, 5,000 at a time."""
     table_of = read_run(RESULTS / "paper" / run).episodes
