@@ -20,7 +20,7 @@ CERTIFICATES = RESULTS / "certificates"
 VERIFIED = "verified.json"
 """Who has verified which certificate: lists of ``by``, ``processor`` and ``date``, by its path."""
 
-_SEES = {"scene": "the whole scene", "task": "as the task lists"}
+_SEES = {"scene": "observing the whole scene", "task": "observing what the task lists"}
 
 
 class Entry(NamedTuple):
@@ -38,18 +38,36 @@ class Entry(NamedTuple):
 
 
 def rows(_: str) -> str:
-    """All certificates by task, those with the most success at the last step first."""
+    """A table for each task, with the most success at the last step first."""
     verified = json.loads((CERTIFICATES / VERIFIED).read_text(encoding="utf-8"))
     found = [entry(file) for file in sorted(CERTIFICATES.rglob("*.json")) if file.name != VERIFIED]
     unknown = set(verified) - {each.path for each in found}
     if unknown:
         raise ValueError(f"{VERIFIED} names {', '.join(sorted(unknown))}, which are not there")
-    ordered = sorted(
-        found, key=lambda each: (each.data["task"], -each.data["results"]["success_at_end_rate"])
+    found.sort(key=lambda each: -each.data["results"]["success_at_end_rate"])
+    groups: dict[tuple[str, str], list[Entry]] = {}
+    for each in found:
+        groups.setdefault((each.data["task"], _compared(each)), []).append(each)
+    head = ["policy", "at the last step", "at some step", "return, the expert's", "seeds"]
+    head += ["made on", "verified by"]
+    parts = []
+    for (task, compared), entries in sorted(groups.items()):
+        if f"## {task}" not in parts:
+            parts.append(f"## {task}")
+        rows = [_row(each, verified.get(each.path, [])) for each in entries]
+        parts += [f"{compared}:", table(head, rows)]
+    return "\n\n".join(parts)
+
+
+def _compared(found: Entry) -> str:
+    """Robots and observations: policies that differ in these cannot be compared."""
+    data = found.data
+    robots = ", ".join(
+        f"{name} {robot.model}" for name, robot in found.task.file.spec.scene.robots.items()
     )
-    head = ["task", "policy", "success at the last step", "at some step", "return, the expert's"]
-    head += ["robots", "observes", "seeds", "certificate", "made on", "verified by"]
-    return table(head, [_row(each, verified.get(each.path, [])) for each in ordered])
+    seen = _SEES.get(data["options"].get("observe", "task"), "unknown observations")
+    changed = data["digests"]["task"] != digests_of_task(found.task)
+    return f"{'An earlier version; ' * changed}{robots}, {seen}"
 
 
 def entry(file: Path) -> Entry:
@@ -73,21 +91,13 @@ def entry(file: Path) -> Entry:
 
 def _row(found: Entry, verifications: list[Mapping[str, str]]) -> list[str]:
     data, results = found.data, found.data["results"]
-    changed = data["digests"]["task"] != digests_of_task(found.task)
-    seeds, options = data["seeds"], data["options"]
-    robots = ", ".join(
-        f"{name} ({robot.model})" for name, robot in found.task.file.spec.scene.robots.items()
-    )
+    seeds = data["seeds"]
     return [
-        data["task"] + (", an earlier version" if changed else ""),
-        f"`{data['policy']}`",
+        f"[{data['policy']}](../benchmarks/results/certificates/{found.path})",
         _share(results["success_at_end_rate"], results["interval_at_end"]),
         _share(results["success_rate"], results["interval"]),
         _returns(results),
-        robots,
-        _SEES.get(options.get("observe", "task"), "not known"),
         f"{len(seeds)} from {seeds[0]}",
-        f"`{found.path}`",
         f"{data['processor'].get('name', 'not known')}, {data['made'][:10]}",
         "; ".join(f"{v['by']}, {v['processor']}, {v['date']}" for v in verifications)
         or "nobody yet",
@@ -96,7 +106,7 @@ def _row(found: Entry, verifications: list[Mapping[str, str]]) -> list[str]:
 
 def _share(rate: float, interval: tuple[float, float]) -> str:
     low, high = (100.0 * bound for bound in interval)
-    return f"{100.0 * rate:.1f} % ({low:.1f}–{high:.1f} %)"
+    return f"{100.0 * rate:.0f} % ({low:.0f}–{high:.0f})"
 
 
 def _returns(results: Mapping[str, Any]) -> str:
@@ -104,4 +114,4 @@ def _returns(results: Mapping[str, Any]) -> str:
     expert = results["controls"].get("expert")
     if expert is None:
         return f"{results['return']:.1f}, no expert"
-    return f"{expert['policy_return']:.1f}, {expert['return']:.1f} ({expert['episodes']} seeds)"
+    return f"{expert['policy_return']:.0f}, {expert['return']:.0f} ({expert['episodes']} seeds)"
