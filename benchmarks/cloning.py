@@ -19,6 +19,7 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import shlex
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -156,7 +157,7 @@ def write(arguments: argparse.Namespace) -> None:
         writer.writerow(["task", "inputs", "seed", "episode_seed", "success"])
         writer.writerows(rows)
     data = {
-        "command": "python benchmarks/cloning.py",
+        "command": shlex.join(["python", "benchmarks/cloning.py", *sys.argv[1:]]),
         "machine": describe_machine(),
         "device": arguments.device,
         "picture_size": arguments.size,
