@@ -129,7 +129,7 @@ def result_episodes(result: dict[str, Any]) -> int:
 
 
 def write(arguments: argparse.Namespace) -> None:
-    """Write what came of all runs that there are."""
+    """Write the results of all runs so far."""
     runs, rows = [], []
     for name, seed in product(RUNS, range(100)):
         out = folder_of(name, seed, arguments)

@@ -84,6 +84,7 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         joint_space = self._joint.observation_space
         if isinstance(joint_space, spaces.Dict) and PIXELS in joint_space.spaces:
             seen[PIXELS] = joint_space[PIXELS]
+        self._pictured = PIXELS in seen
         self.observation_space = spaces.Dict(seen)
 
     @property
@@ -121,7 +122,7 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
 
     def _seen(self, observation: Any) -> dict[str, Any]:
         seen: dict[str, Any] = {AGENT_POS: self._state()}
-        if PIXELS in self.observation_space.spaces:  # type: ignore[attr-defined]
+        if self._pictured:
             seen[PIXELS] = observation[PIXELS]
         return seen
 

@@ -203,7 +203,7 @@ def make_plan(
 
 
 def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
-    """Check that there is a data set exactly if the algorithm learns from one.
+    """Check that a data set is given if, and only if, the algorithm learns from one.
 
     Raises:
         UsageError: It is otherwise.

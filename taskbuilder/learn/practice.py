@@ -121,7 +121,7 @@ def _check_finite(actions: Arrays, step: int) -> None:
         if not np.isfinite(action).all():
             raise DivergenceError(
                 f"learning diverged: after {step:,} control steps the actions of {agent} are not "
-                "finite. Its logs and checkpoints are kept; begin anew with a smaller lr, or with "
+                "finite. Its logs and checkpoints are kept; start again with a smaller lr, or with "
                 "another seed"
             )
 
@@ -153,7 +153,7 @@ class Batches:
         if not np.isfinite(list(losses.values())).all():
             raise DivergenceError(
                 f"learning diverged: after {step:,} updates the loss is not finite. Its logs and "
-                "checkpoints are kept; begin anew with a smaller lr, or with another seed"
+                "checkpoints are kept; start again with a smaller lr, or with another seed"
             )
         return PracticeResult(losses, ())
 

@@ -1,4 +1,4 @@
-"""Policies of servers: the protocol of openpi's servers, and what is said if one fails."""
+"""Policy servers: the protocol of openpi's servers, and the errors if one fails."""
 
 from __future__ import annotations
 
