@@ -107,6 +107,7 @@ FAMILIES = {
     "TB53": ("solvable",),
     "TB534": (),
     "TB54": ("needs its robots",),
+    "TB545": ("reach",),
     "TB55": ("pays for success",),
     "TB553": ("needs its robots", "pays for success"),
     "TB554": ("needs its robots", "pays for success"),

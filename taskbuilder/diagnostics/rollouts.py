@@ -239,7 +239,8 @@ ENTRIES = {
     "TB545": Code(
         "An object starts within reach of several robots",
         "The task requires cooperation, but an object that one robot is meant to fetch starts "
-        "where another could fetch it. No single robot succeeded, but a better policy might. "
+        "where another one can take it: it did so in the simulation. A policy might learn to do "
+        "the task with that robot alone, even where the attempts of single robots (TB542) fail. "
         "Objects that several robots hold or carry together, or push to each other, may start "
         "within reach of all of them. This is a warning.",
         within(

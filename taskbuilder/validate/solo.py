@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.expert.script.dry_run import dry_run
 from taskbuilder.expert.script.joints import displaced
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.expert.ways import Kind, Way
@@ -24,7 +23,6 @@ from taskbuilder.schema.expert import ExpertStage, Repeat, Together, listed, ord
 from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.checks.reach import reaches
 from taskbuilder.validate.playing import DropAll
 from taskbuilder.world.world import World
 
@@ -279,10 +277,3 @@ def _each(
             yield from _each(stage.stages)
         elif isinstance(stage, dict | Together):
             yield stage
-
-
-def within_reach(world: World, robot: str, grasp: str) -> bool:
-    """Whether a robot could take an object by a grasp point where it is now."""
-    asked = list(dry_run(world, [{robot: Order(grasp=grasp)}]))
-    arm = world.robots[robot]
-    return bool(asked) and all(any(reaches(arm, pose) for pose in one.choices) for one in asked)

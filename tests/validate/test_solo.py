@@ -11,7 +11,7 @@ import pytest
 from taskbuilder.schema.expert import Together
 from taskbuilder.schema.order import Order
 from taskbuilder.task import load_task
-from taskbuilder.validate.checks.necessity import _in_reach
+from taskbuilder.validate.checks.belonging import find_takable
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.solo import play_solo, sharers, solos
 
@@ -56,11 +56,20 @@ class Bar(Description):
 """
 
 
-def in_reach(folder, stages):
-    (folder / "bar.yaml").write_text(BAR + stages)
+ROOF = """\
+    roof:
+      shape: {box: [0.9, 0.5, 0.02]}
+      fixed: true
+      position: [0, 0, 0.06]
+  sites:
+"""
+
+
+def in_reach(folder, stages, scene=BAR):
+    (folder / "bar.yaml").write_text(scene + stages)
     (folder / "bar.py").write_text(DESCRIPTION)
     with closing(EnvCache(load_task(folder / "bar.yaml"))) as cache:
-        return list(_in_reach(cache, Start(0, 0)))
+        return find_takable(cache, Start(0, 0))
 
 
 @pytest.mark.parametrize("taken", [TAKEN_AT_ONCE, TAKEN_IN_TURN])
@@ -70,7 +79,12 @@ def test_one_load_of_three_robots_may_start_in_the_reach_of_all(tmp_path, taken)
 
 def test_what_one_robot_is_to_fetch_may_not(tmp_path):
     alone = "  - one: {grasp: bar.left}\n" + GIVEN
-    assert in_reach(tmp_path, alone)[:1] == [("two", "bar.left")]
+    assert in_reach(tmp_path, alone) == [("three", "bar.left")]
+
+
+def test_what_lies_under_a_roof_is_out_of_reach_wherever_the_arms_could_get_to(tmp_path):
+    alone = "  - one: {grasp: bar.left}\n" + GIVEN
+    assert in_reach(tmp_path, alone, BAR.replace("  sites:\n", ROOF)) == []
 
 
 def test_those_who_share_an_object_are_its_carriers_and_who_pushes_it():

@@ -16,40 +16,20 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.expert.ways import NOTHING, RANDOM, Kind, Way
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.task import Task
+from taskbuilder.validate.checks.belonging import must_cooperate
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
-from taskbuilder.validate.locate import finding_in_description, finding_in_file
+from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import play_nothing, play_random
 from taskbuilder.validate.proportion import Proportion
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.solo import (
-    fetched,
-    first_grasps,
-    play_solo,
-    sharers,
-    solos,
-    within_reach,
-)
+from taskbuilder.validate.solo import play_solo, solos
 
 MOST_SOLOS = 3
-
-
-class Tried(NamedTuple):
-    """The episodes of all probes from a start.
-
-    Attributes:
-        plays: The episodes, by probe.
-        in_reach: Robots with grasp points in reach that another robot should take.
-    """
-
-    plays: dict[Way, Rollout]
-    in_reach: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -98,23 +78,13 @@ _SHORTCUTS = (
 def needs_family(context: Context) -> FamilyResult:
     """Try to succeed without some of the robots, and without a plan."""
     starts = context.some_starts()
-    in_reach: dict[tuple[str, str], list[Start]] = {}
-    for start, tried in zip(starts, context.ask(try_ways, starts, "needs its robots"), strict=True):
-        for way, play in tried.plays.items():
+    for start, plays in zip(starts, context.ask(try_ways, starts, "needs its robots"), strict=True):
+        for way, play in plays.items():
             context.plays.setdefault(way, {})[start] = play
-        for pair in tried.in_reach:
-            in_reach.setdefault(pair, []).append(start)
     results = list(_judged(context))
-    if all(check.ok for check, _ in results) and _matters(context.task) and context.has_expert:
-        results.append(_check_out_of_reach(context, in_reach, len(starts)))
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     return FamilyResult("needs its robots", checks, findings, _summary(context))
-
-
-def _matters(task: Task) -> bool:
-    """Whether the task must need several robots."""
-    return task.file.spec.cooperation == "required" and len(task.agents) > 1
 
 
 def _summary(context: Context) -> str:
@@ -139,15 +109,15 @@ def _called(way: Way) -> str:
 # --- in each process
 
 
-def try_ways(cache: EnvCache, start: Start) -> Tried:
+def try_ways(cache: EnvCache, start: Start) -> dict[Way, Rollout]:
     """Play all probes that must not succeed, from a start."""
     task, env = cache.task, cache.env(start.variation)
-    plays = {
+    plays: dict[Way, Rollout] = {
         NOTHING: play_nothing(env, start.seed),
         RANDOM: play_random(env, start.seed),
     }
     if not cache.has_expert or len(task.agents) < 2:
-        return Tried(plays, ())
+        return plays
     expert = cache.expert(start.variation)
     for robot in task.agents:
         plays[Way(Kind.WITHOUT, robot=robot)] = expert.play(
@@ -159,22 +129,7 @@ def try_ways(cache: EnvCache, start: Start) -> Tried:
     turns = [(first + offset) % len(listed) for offset in range(min(MOST_SOLOS, len(listed)))]
     for solo in (listed[turn] for turn in turns):
         plays[solo.way] = play_solo(expert, start.seed, solo)
-    return Tried(plays, tuple(_in_reach(cache, start)))
-
-
-def _in_reach(cache: EnvCache, start: Start) -> Iterator[tuple[str, str]]:
-    """Robots that could take, at the start, an object that another one should take first."""
-    task, env = cache.task, cache.env(start.variation)
-    env.reset(seed=start.seed)
-    world = env.episode.world
-    things = fetched(task, world.scene)
-    shared = sharers(task.file.spec.expert)
-    for grasp, taker in first_grasps(task.file.spec.expert).items():
-        thing = grasp.partition(".")[0]
-        if thing in things:
-            apart = {taker} | shared.get(thing, set())
-            others = [robot for robot in task.agents if robot not in apart]
-            yield from ((r, grasp) for r in others if within_reach(world, r, grasp))
+    return plays
 
 
 # --- the checks
@@ -188,7 +143,7 @@ def _judged(context: Context) -> Iterator[Result]:
             continue
         counts = {way: sum(p.success for p in found.values()) for way, found in plays.items()}
         total = sum(counts.values())
-        excused = shortcut.code in ("TB541", "TB542") and not _matters(context.task)
+        excused = shortcut.code in ("TB541", "TB542") and not must_cooperate(context.task)
         findings: list[Finding] = []
         if total and not excused:
             worst = max(counts, key=counts.__getitem__)
@@ -204,21 +159,3 @@ def _judged(context: Context) -> Iterator[Result]:
         yield Check(shortcut.code, shortcut.name, not findings, total, limit, "episodes"), findings
         if findings:
             return
-
-
-def _check_out_of_reach(
-    context: Context, in_reach: dict[tuple[str, str], list[Start]], episodes: int
-) -> Result:
-    """An object of one robot starts out of reach of the others; otherwise a warning."""
-    findings = []
-    for (robot, grasp), starts in in_reach.items():
-        message = (
-            f"{robot} could take {grasp} at the start of {len(starts)} of {episodes} episodes "
-            f"({starts[0]}), which another robot is to take; put it out of reach"
-        )
-        path = ("scene", "objects", grasp.partition(".")[0])
-        found = finding_in_file(context.task, "TB545", message, *path, severity="warning")
-        findings.append(found)
-    count = max((len(starts) for starts in in_reach.values()), default=0)
-    check = Check("TB545", "objects start out of the others' reach", True, count, None, "episodes")
-    return check, findings

@@ -15,21 +15,17 @@ import math
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from taskbuilder.errors import Finding
 from taskbuilder.expert.script.dry_run import Asked, dry_run
 from taskbuilder.geometry import Pose, Vec3, add, norm, scale, subtract
-from taskbuilder.sim.kinematics import solve
+from taskbuilder.validate.checks.belonging import check_belonging
 from taskbuilder.validate.checks.suction import check_suction
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.locate import finding_in_file, in_variation
+from taskbuilder.validate.reaching import reaches
 from taskbuilder.validate.report import Check, FamilyResult
 from taskbuilder.world.robot import Robot
-
-NEAR_M, NEAR_TURN = 0.004, math.radians(3.0)
-"""Maximum deviation of the tcp from a pose (m, rad), the same as for experts."""
 
 FARTHEST_M = 0.5
 """Maximum distance from a pose at which the edge of the workspace is searched, in metres."""
@@ -102,9 +98,10 @@ def reach_family(context: Context) -> FamilyResult:
     value = worst.metres * 100.0 if worst and math.isfinite(worst.metres) else None
     ok = all(verdict == "warning" for _, verdict in missed)
     check = Check("TB511", "the expert's poses can be reached", ok, value, 0.0, "cm")
-    meets, missing = check_suction(context)
-    summary = _summary(context, found, worst)
-    return FamilyResult("reach", (check, meets), (*findings, *missing), summary)
+    others = [check_suction(context), *(check_belonging(context) if ok else ())]
+    checks = (check, *(each for each, _ in others))
+    rest = (finding for _, each in others for finding in each)
+    return FamilyResult("reach", checks, (*findings, *rest), _summary(context, found, worst))
 
 
 def _play_missed(context: Context, found: Sequence[Reached]) -> Sequence[Reached]:
@@ -219,20 +216,6 @@ def find_margin(cache: EnvCache, reached: Reached) -> Margin:
         else:
             beyond = middle
     return Margin(reached, within)
-
-
-def reaches(robot: Robot, pose: Pose, attempts: int = 20) -> bool:
-    """Whether joint positions within a robot's limits bring its tcp to a pose in the world."""
-    found = solve(
-        robot.chain,
-        robot.body.pose().inverse() @ pose,
-        start=robot.home,
-        rng=np.random.default_rng(0),
-        attempts=attempts,
-        position_tolerance_m=NEAR_M,
-        angle_tolerance=NEAR_TURN,
-    )
-    return found.ok
 
 
 def _shoulder(robot: Robot) -> Vec3:
