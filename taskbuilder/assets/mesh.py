@@ -2,20 +2,20 @@
 
 Bullet ends the process on an OBJ whose face refers to a vertex that does not exist, and loads
 an ASCII or empty STL as a body that nothing collides with. So every number is read here, which
-takes about a second for the largest mesh allowed and a few milliseconds for a usual one.
+takes about a second for the largest mesh allowed and a few milliseconds for a usual one. A file
+is read once in a process for as long as it does not change.
 """
 
 from __future__ import annotations
 
 import math
-import re
 from array import array
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 
 from taskbuilder.assets import codes
+from taskbuilder.assets.obj import Obj, ObjError
 from taskbuilder.assets.paths import AssetError, require_readable, resolve
 from taskbuilder.geometry import Box, Vec3
 
@@ -27,8 +27,6 @@ PLAUSIBLE_M = 1e3
 _MAX_LINE = 4_000
 _THINNEST_M = 1e-9
 _UNIT_SCALE: Vec3 = (1.0, 1.0, 1.0)
-
-_CORNER = re.compile(rb"-?\d{1,9}(?:/-?\d{1,9}|/(?:-?\d{1,9})?/-?\d{1,9})?")
 
 _STL_HEADER_BYTES = 84
 _STL_TRIANGLE_BYTES = 50  # a normal, three corners, an attribute
@@ -45,6 +43,10 @@ class Mesh:
         corners: Numbers of the three vertices of one triangle after the other, polygons split
             into fans; in an STL each triangle has vertices of its own.
         bounds: Smallest box around the vertices.
+        texture_points: u and v of one texture point after the other; number 0 is (0, 0), for
+            corners without one. Empty for an STL.
+        texture_corners: Numbers of the texture points of the same corners. Empty for an STL.
+        material_files: The material files that it names.
         warnings: What is odd about the file without forbidding its use.
     """
 
@@ -52,6 +54,9 @@ class Mesh:
     points: array[float] = field(repr=False)
     corners: array[int] = field(repr=False)
     bounds: Box
+    texture_points: array[float] = field(default_factory=lambda: array("d"), repr=False)
+    texture_corners: array[int] = field(default_factory=lambda: array("I"), repr=False)
+    material_files: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
@@ -70,8 +75,17 @@ def read_mesh(path: Path) -> Mesh:
     require_readable(path, path.name)
     require_supported(path)
     absolute = path.resolve()
-    data = absolute.read_bytes()
-    mesh = _read_stl(absolute, data) if _suffix(path) == ".stl" else _read_obj(absolute, data)
+    status = absolute.stat()
+    mesh = _read(absolute, status.st_mtime_ns, status.st_size)
+    warnings = [w for name in mesh.material_files for w in _material_warnings(absolute, name)]
+    return replace(mesh, warnings=tuple(warnings)) if warnings else mesh
+
+
+@lru_cache(maxsize=128)
+def _read(path: Path, _modified_ns: int, _size: int) -> Mesh:
+    """Read a file once for as long as it does not change."""
+    data = path.read_bytes()
+    mesh = _read_stl(path, data) if _suffix(path) == ".stl" else _read_obj(path, data)
     if sum(half < _THINNEST_M for half in mesh.bounds.half) >= 2:
         raise _bad(path, "all its vertices lie on one line; a mesh needs an extent in two axes")
     return mesh
@@ -146,88 +160,23 @@ def _stl_triangle_count(path: Path, data: bytes) -> int:
     return count
 
 
-class _Obj:
-    """An OBJ file as far as it is read, one method a kind of line."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._line = 0
-        self._texture_points = 0
-        self._normals = 0
-        self.points = array("d")
-        self.corners = array("I")
-        self.warnings: list[str] = []
-
-    def read(self, data: bytes) -> None:
-        """Reads all lines; unknown kinds are ignored, as the physics engine does."""
-        readers = {
-            b"v": self._vertex,
-            b"vt": self._texture_point,
-            b"vn": self._normal,
-            b"f": self._face,
-            b"mtllib": self._material_file,
-        }
-        for self._line, line in enumerate(data.split(b"\n"), start=1):
-            words = line.split()
-            if words and words[0] in readers:
-                readers[words[0]](words[1:])
-
-    def _bad(self, message: str) -> AssetError:
-        return _bad(self._path, message, self._line)
-
-    def _floats(self, words: Sequence[bytes], at_least: int) -> list[float]:
-        try:
-            numbers = [float(word) for word in words]
-        except ValueError:
-            numbers = []
-        # Python reads 1_0 as ten, the physics engine as one.
-        if len(numbers) < at_least or any(b"_" in word for word in words):
-            raise self._bad(
-                f"{_shown(words)} should be {at_least} or more numbers; decimals take a point"
-            )
-        return numbers
-
-    def _vertex(self, words: Sequence[bytes]) -> None:
-        self.points.extend(self._floats(words, 3)[:3])
-
-    def _texture_point(self, words: Sequence[bytes]) -> None:
-        self._floats(words, 2)
-        self._texture_points += 1
-
-    def _normal(self, words: Sequence[bytes]) -> None:
-        self._floats(words, 3)
-        self._normals += 1
-
-    def _face(self, words: Sequence[bytes]) -> None:
-        if len(words) < 3:
-            raise self._bad(f"a face of {len(words)} corners; it needs three or more")
-        # Only what came before counts: the engine may build the shape at the next group.
-        known = (len(self.points) // 3, self._texture_points, self._normals)
-        for word in words:
-            if not _CORNER.fullmatch(word):
-                raise self._bad(f"{_shown([word])} is no corner of a face; write 1, 1/1 or 1/1/1")
-            for index, count in zip(word.split(b"/"), known, strict=False):
-                if index and not 1 <= abs(int(index)) <= count:
-                    raise self._bad(
-                        f"a face refers to item {int(index)} of {count}; "
-                        "indices run from 1, or from -1 backwards, over the lines above"
-                    )
-        numbers = [int(word.partition(b"/")[0]) for word in words]
-        first, *others = [n - 1 if n > 0 else known[0] + n for n in numbers]
-        for second, third in pairwise(others):
-            self.corners.extend((first, second, third))
-
-    def _material_file(self, words: Sequence[bytes]) -> None:
-        for word in words:
-            self.warnings += _material_warnings(self._path, word.decode())
-
-
 def _read_obj(path: Path, data: bytes) -> Mesh:
     _require_text(path, data)
-    obj = _Obj(path)
-    obj.read(data)
+    obj = Obj()
+    try:
+        obj.read(data)
+    except ObjError as error:
+        raise _bad(path, str(error), error.line) from None
     _require_count(path, len(obj.corners) // 3)
-    return Mesh(path, obj.points, obj.corners, _bounds(path, obj.points), tuple(obj.warnings))
+    return Mesh(
+        path,
+        obj.points,
+        obj.corners,
+        _bounds(path, obj.points),
+        texture_points=obj.texture_points,
+        texture_corners=obj.texture_corners,
+        material_files=tuple(obj.material_files),
+    )
 
 
 def _require_text(path: Path, data: bytes) -> None:
@@ -303,8 +252,3 @@ def _bounds(path: Path, points: array[float]) -> Box:
         if not math.isfinite(sum(values)) or max(high[axis], -low[axis]) > MAX_COORDINATE:
             raise _bad(path, f"has a coordinate that is not finite or beyond {MAX_COORDINATE:g}")
     return Box.around((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-
-
-def _shown(words: Sequence[bytes]) -> str:
-    text = b" ".join(words).decode(errors="replace")
-    return repr(text if len(text) <= 40 else text[:37] + "…")

@@ -61,14 +61,21 @@ def crease_normals(points: Array, triangles: Array, cosine: float) -> Array:
 @njit(cache=True, nogil=True)
 def nearest(points: Array, others: Array) -> Array:
     """The nearest of other points to each point: (p,) of (p, 3) and (o, 3)."""
+    order = np.argsort(others[:, 0])
+    ordered = others[order]
+    starts = np.searchsorted(ordered[:, 0], points[:, 0])
     found = np.empty(len(points), np.intp)
     for p in range(len(points)):
-        x, y, z = points[p, 0], points[p, 1], points[p, 2]
         least = math.inf
-        for o in range(len(others)):
-            dx, dy, dz = others[o, 0] - x, others[o, 1] - y, others[o, 2] - z
-            distance = dx * dx + dy * dy + dz * dz
-            if distance < least:
-                least = distance
-                found[p] = o
+        # From the start in both directions, until x alone is farther away than the nearest.
+        for place, stop, step in ((starts[p], len(others), 1), (starts[p] - 1, -1, -1)):
+            for o in range(place, stop, step):
+                dx = ordered[o, 0] - points[p, 0]
+                if dx * dx > least:
+                    break
+                dy, dz = ordered[o, 1] - points[p, 1], ordered[o, 2] - points[p, 2]
+                distance = dx * dx + dy * dy + dz * dz
+                if distance < least or (distance == least and order[o] < found[p]):
+                    least = distance
+                    found[p] = order[o]
     return found

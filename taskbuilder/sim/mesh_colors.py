@@ -6,13 +6,14 @@ for palettes, which is how robots are painted, and coarse for photographs.
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.paths import AssetError, resolve
 
 WHITE = (1.0, 1.0, 1.0)
@@ -22,23 +23,20 @@ _LEVELS = 16
 Color = tuple[float, float, float]
 
 
-def face_colors(path: Path, count: int) -> tuple[list[Color], NDArray[np.intp]]:
+def face_colors(mesh: Mesh) -> tuple[list[Color], NDArray[np.intp]]:
     """The colours of a mesh's triangles.
 
     Args:
-        path: A mesh file that was read by `read_mesh`.
-        count: Number of its triangles.
+        mesh: The mesh.
 
     Returns:
         Colours from 0 to 1, and the number of each triangle's; white without a texture.
     """
-    plain = [WHITE], np.zeros(count, np.intp)
-    if path.suffix.lower() != ".obj":
-        return plain
-    middles, material_file = _middles(path)
-    texture = _texture(path, material_file)
-    if texture is None or len(middles) != count:
-        return plain
+    texture = _texture(mesh.path, mesh.material_files)
+    if texture is None:
+        return [WHITE], np.zeros(mesh.triangles, np.intp)
+    points = np.asarray(mesh.texture_points).reshape(-1, 2)
+    middles = points[np.asarray(mesh.texture_corners).reshape(-1, 3)].mean(axis=1)
     height, width, _ = texture.shape
     columns = (np.mod(middles[:, 0], 1.0) * width).astype(np.intp) % width
     rows = (np.mod(1.0 - middles[:, 1], 1.0) * height).astype(np.intp) % height
@@ -53,33 +51,12 @@ def _mean(colors: NDArray[np.uint8]) -> Color:
     return (red, green, blue)
 
 
-def _middles(path: Path) -> tuple[NDArray[np.float64], str]:
-    """Texture coordinates of the middles of triangles, and the name of the material file."""
-    points = [(0.0, 0.0)]  # of corners without texture coordinates, as in Bullet
-    corners: list[tuple[int, int, int]] = []
-    material_file = ""
-    for line in path.read_bytes().split(b"\n"):
-        words = line.split()
-        if not words:
-            continue
-        if words[0] == b"vt":
-            points.append((float(words[1]), float(words[2])))
-        elif words[0] == b"mtllib" and len(words) > 1:
-            material_file = words[1].decode(errors="replace")
-        elif words[0] == b"f":
-            numbers = [[*word.split(b"/"), b""][1] for word in words[1:]]
-            first, *others = [int(number or 0) for number in numbers]  # 1 is the first, -1 the last
-            corners += [(first, *pair) for pair in pairwise(others)]
-    middles = np.array(points)[np.array(corners, np.intp).reshape(-1, 3)].mean(axis=1)
-    return middles, material_file
-
-
-def _texture(mesh: Path, material_file: str) -> NDArray[np.uint8] | None:
-    """The picture that the material file names, (h, w, 3) RGB; None if there is none."""
-    if not material_file:
+def _texture(mesh: Path, material_files: Sequence[str]) -> NDArray[np.uint8] | None:
+    """The picture that the last material file names, (h, w, 3) RGB; None if there is none."""
+    if not material_files:
         return None
     try:
-        materials = resolve(material_file, mesh.parent, [mesh.parent])
+        materials = resolve(material_files[-1], mesh.parent, [mesh.parent])
         for line in materials.read_text(encoding="utf-8", errors="replace").splitlines():
             words = line.split()
             if len(words) > 1 and words[0] == "map_Kd":

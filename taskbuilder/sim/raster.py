@@ -140,7 +140,7 @@ def _from_file(path: Path, scale: tuple[float, ...]) -> Iterator[tuple[TriangleM
     mesh = read_mesh(path)
     points = np.asarray(mesh.points, np.float64).reshape(-1, 3) * np.asarray(scale)
     triangles: NDArray[np.int32] = np.asarray(mesh.corners, np.int32).reshape(-1, 3)
-    colors, color_of = face_colors(path, len(triangles))
+    colors, color_of = face_colors(mesh)
     points, triangles, origin = simplified(points, triangles, MOST_TRIANGLES)
     most = np.median(color_of[origin], axis=1).astype(np.intp)  # what two of three corners have
     left, part = np.unique(most, return_inverse=True)

@@ -1,5 +1,6 @@
 """Meshes: what is read from good ones, and that broken ones are refused."""
 
+import os
 import struct
 import time
 from pathlib import Path
@@ -171,3 +172,49 @@ def test_any_content_is_read_or_refused(tmp_path: Path, data: st.DataObject) -> 
     except AssetError:
         return
     assert mesh.triangles > 0
+
+
+def test_a_file_that_changes_is_read_again(tmp_path: Path) -> None:
+    path = written(tmp_path, "a.obj", TETRAHEDRON)
+    assert read_mesh(path) is read_mesh(path)
+    written(tmp_path, "a.obj", TETRAHEDRON.replace("3", "4", 1))
+    os.utime(path, ns=(1, 1))
+    assert read_mesh(path).bounds.high == (1, 2, 4)
+
+
+def test_warnings_follow_the_material_file(tmp_path: Path) -> None:
+    material = written(tmp_path, "a.mtl", "newmtl a\nmap_Kd D:\\me\\wood.png\n")
+    path = written(tmp_path, "a.obj", "mtllib a.mtl\n" + TETRAHEDRON)
+    assert read_mesh(path).warnings
+    material.write_text("newmtl a\n")
+    assert not read_mesh(path).warnings
+
+
+def test_corners_know_their_texture_points(tmp_path: Path) -> None:
+    text = TETRAHEDRON.split("f")[0] + "vt 0 0.5\nvt 1 0.5\nf 1/1 2/-1 3\nf 1/2 3/2 4/1\n"
+    mesh = read_mesh(written(tmp_path, "a.obj", text))
+    assert mesh.texture_points.tolist() == [0, 0, 0, 0.5, 1, 0.5]
+    assert mesh.texture_corners.tolist() == [1, 2, 0, 2, 2, 1]
+
+
+FORMS = st.sampled_from(["{0}", "{0}/{1}", "{0}//{2}", "{0}/{1}/{2}"])
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(form=FORMS, size=st.integers(3, 5), data=st.data())
+def test_lines_that_are_alike_are_read_as_each_alone(
+    tmp_path: Path, form: str, size: int, data: st.DataObject
+) -> None:
+    """A comment between two lines keeps them from being read together."""
+    index = st.tuples(st.integers(1, 4), st.integers(1, 2), st.integers(1, 1))
+    faces = data.draw(st.lists(st.lists(index, min_size=size, max_size=size), min_size=1))
+    lines = [
+        *TETRAHEDRON.splitlines()[:4],
+        *("vt 0 0", "vt 1 1", "vn 0 0 1"),
+        *("f " + " ".join(form.format(*corner) for corner in face) for face in faces),
+    ]
+    together = read_mesh(written(tmp_path, "a.obj", "\n".join(lines)))
+    apart = read_mesh(written(tmp_path, "b.obj", "\n#\n".join(lines)))
+    assert together.points == apart.points
+    assert together.corners == apart.corners
+    assert together.texture_corners == apart.texture_corners

@@ -17,6 +17,7 @@ from taskbuilder.raster import (
     simplified,
     sphere,
 )
+from taskbuilder.raster.geometry import nearest
 
 SIZES = st.floats(0.01, 2.0)
 
@@ -95,3 +96,12 @@ def test_parts_of_a_mesh_are_smooth_where_they_meet():
     for part in parts:
         outward_normals = part.vertices / np.linalg.norm(part.vertices, axis=1, keepdims=True)
         np.testing.assert_allclose(part.normals, outward_normals, atol=0.05)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 60))
+def test_the_nearest_point_is_the_first_of_those_that_are(seed, count, others):
+    rng = np.random.default_rng(seed)
+    points, places = (rng.integers(-4, 5, (n, 3)) / 4.0 for n in (count, others))
+    distances = ((points[:, None] - places[None]) ** 2).sum(axis=2)
+    assert nearest(points, places).tolist() == distances.argmin(axis=1).tolist()
