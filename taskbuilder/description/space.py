@@ -22,7 +22,6 @@ from taskbuilder.description.view import WorldView
 from taskbuilder.geometry import norm, subtract, turn_between
 from taskbuilder.schema.names import SceneNames
 
-
 AXES = ("xyz", "xy", "xz", "yz", "x", "y", "z")
 
 

@@ -91,7 +91,8 @@ def test_a_sound_description_has_no_findings(found, tmp_path):
         ),
         (
             'Near("cube", "goal", within=0.1, axes="zy")',
-            "5:15: error[TB212] Near(\"cube\", …): axes is 'zy'; it must be 'xyz' or 'xy' or 'xz' or 'yz' or 'x' or 'y' or 'z'",
+            "5:15: error[TB212] Near(\"cube\", …): axes is 'zy'; it must be 'xyz' or 'xy' or 'xz' "
+            "or 'yz' or 'x' or 'y' or 'z'",
         ),
         (
             'Upright("cube", within_deg=-5)',
