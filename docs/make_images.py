@@ -40,6 +40,7 @@ THUMBNAIL = (480, 360)
 FILMS = (
     *(((480, 360), 12), ((400, 300), 12), ((360, 270), 12), ((320, 240), 12)),
     *(((320, 240), 8), ((280, 210), 8), ((240, 180), 8), ((240, 180), 6)),
+    *(((220, 165), 6), ((200, 150), 6), ((200, 150), 5)),
 )
 """Size and frames a second of a film of the gallery: the first that is no larger than allowed."""
 FILM_BYTES = 300_000
