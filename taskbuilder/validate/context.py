@@ -15,6 +15,8 @@ from taskbuilder.task import Task
 from taskbuilder.validate.env_cache import EnvCache, EnvSource, Start, at_work, open_cache
 from taskbuilder.validate.playing import play_expert
 from taskbuilder.validate.report import Progress
+from taskbuilder.world.building import build_world
+from taskbuilder.world.world import World
 
 
 @dataclass
@@ -32,6 +34,7 @@ class Context:
         measures: Figures by name, for the report.
         demonstrations: The expert's episodes, by start.
         plays: The episodes of the probes, by name and start.
+        worlds: The worlds that were built and are still of use, by variation.
     """
 
     task: Task
@@ -44,6 +47,23 @@ class Context:
     measures: dict[str, float] = field(default_factory=dict)
     demonstrations: dict[Start, Rollout] = field(default_factory=dict)
     plays: dict[Way, dict[Start, Rollout]] = field(default_factory=dict)
+    worlds: dict[int, World] = field(default_factory=dict)
+
+    def world(self, variation: int) -> World:
+        """The world of a variation, built the first time it is asked for.
+
+        Raises:
+            FileError: The scene cannot be built.
+        """
+        if variation not in self.worlds:
+            self.worlds[variation] = build_world(self.task.file, variation=variation)
+        return self.worlds[variation]
+
+    def close_world(self, variation: int) -> None:
+        """Close the world of a variation, if there is one; the next one is built anew."""
+        world = self.worlds.pop(variation, None)
+        if world is not None:
+            world.close()
 
     @property
     def state(self) -> Any:

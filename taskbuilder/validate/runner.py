@@ -220,6 +220,8 @@ def _play(
             report = replace(_with(report, context, family), measures=context.measures)
             listener.done(Kept(report, context.state))
     finally:
+        for variation in range(context.variations):
+            context.close_world(variation)
         close_cache(source)
     return report
 

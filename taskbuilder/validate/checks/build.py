@@ -19,7 +19,6 @@ from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.world.building import build_world
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.shapes import distance_from
@@ -45,7 +44,7 @@ def build_family(context: Context) -> FamilyResult:
         wrong: list[Finding] = []
         started = time.perf_counter()
         try:
-            world = build_world(task.file, variation=variation)
+            world = context.world(variation)
         except FileError as error:
             findings += in_variation(variation, error.findings, findings)
             continue
@@ -60,8 +59,7 @@ def build_family(context: Context) -> FamilyResult:
             wrong += [finding_at(task, f.code, f.message, f.path, "place") for f in error.findings]
         except ExplosionError as error:
             wrong.append(finding_of_scene(task, "TB307", str(error)))
-        finally:
-            world.close()
+            context.close_world(variation)
         findings += in_variation(variation, wrong, findings)
     for code in {finding.code for finding in findings if finding.severity == "error"}:
         count = sum(finding.code == code for finding in findings)

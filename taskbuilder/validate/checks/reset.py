@@ -23,7 +23,6 @@ from taskbuilder.validate.locate import (
     in_variation,
 )
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
 SETTLING_M = 0.003
@@ -50,7 +49,7 @@ def reset_family(context: Context) -> FamilyResult:
     task, measures = context.task, context.measures
     tally = _Tally()
     for variation in range(context.variations):
-        world = build_world(task.file, variation=variation)
+        world = context.world(variation)
         referee = Referee(task.description, task.agents)
         world.watch_forces(referee.force_pairs)
         label = f"reset, variation {variation}" if variation else "reset"
@@ -59,7 +58,7 @@ def reset_family(context: Context) -> FamilyResult:
                 if not _begin(world, referee, Start(variation, seed), tally):
                     break
         finally:
-            world.close()
+            context.close_world(variation)
     if tally.seconds:
         measures["reset_ms"] = statistics.median(tally.seconds) * 1000.0
     results = list(_checks(task, tally))
