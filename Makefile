@@ -16,7 +16,7 @@ types:
 	cd tests/typing && mypy uses.py # as users do: from elsewhere, with what is installed
 
 tests:
-	pytest -n 2 --dist worksteal
+	pytest -n 3 --dist worksteal
 
 docs:
 	cd docs && python -m generators # writes anew what pages show of the library

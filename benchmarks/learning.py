@@ -24,20 +24,18 @@ import argparse
 import csv
 import json
 import shutil
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from machine import describe_machine
+from training_runs import EPISODES, summary, trained
 
 RESULTS = Path(__file__).parent / "results"
 ZOO = Path(__file__).parents[1] / "taskbuilder" / "learn" / "models"
 TASKS = ("handover", "pick_push_place", "collaborative_lift")
 SEEDS = (1, 2, 3)
-EPISODES = 300
 
 COMMON = ("--observe", "scene", "--evaluate-episodes", "100", "--stop-at", "0.99")
 LONG = ("--steps", "300000", "--evaluate-every", "10000")
@@ -61,8 +59,6 @@ SETTINGS = {
 
 WORTH_KEEPING = 0.9
 """Success in an evaluation during training from which on a policy is one for the zoo."""
-
-KEPT = ("run.json", "episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
 
 
 def main() -> int:
@@ -95,29 +91,9 @@ def command(name: str, seed: int, folder: Path) -> list[str]:
 
 def run(wanted: tuple[str, int], folder: Path) -> str:
     """Train, evaluate and keep one run; say what came of it."""
-    name, seed = wanted
-    words = command(name, seed, folder)
-    out = Path(words[-1])
-    again = ["train", "--resume", str(out)] if (out / "run.json").exists() else words
-    with (folder / f"{out.name}.log").open("a") as log:
-        subprocess.run([*TASKBUILDER, *again], stdout=log, stderr=log, check=True)
-    evaluate = ["evaluate", str(out), "--episodes", str(EPISODES), "--jobs", "1", "--json"]
-    played = subprocess.run([*TASKBUILDER, *evaluate], capture_output=True, text=True, check=True)
-    (out / "evaluation.json").write_text(played.stdout)
-    keep(out)
-    result = json.loads(played.stdout)
-    return f"{out.name}: {result['success_rate']:.1%} of {EPISODES} episodes"
-
-
-TASKBUILDER = (sys.executable, "-m", "taskbuilder")
-
-
-def keep(out: Path) -> None:
-    """Copy what is to be kept of a run."""
-    folder = RESULTS / "learning" / out.name
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in KEPT:
-        shutil.copyfile(out / name, folder / name)
+    words = command(*wanted, folder)
+    result = trained(words, RESULTS / "learning")
+    return f"{Path(words[-1]).name}: {result['success_rate']:.1%} of {EPISODES} episodes"
 
 
 def publish(name: str, folder: Path) -> None:
@@ -152,25 +128,6 @@ def write_summary() -> None:
         "runs": [summary(folder) for folder in folders],
     }
     (RESULTS / "learning.json").write_text(json.dumps(data, indent=2) + "\n")
-
-
-def summary(folder: Path) -> dict[str, Any]:
-    """What came of a kept run."""
-    plan = json.loads((folder / "run.json").read_text())
-    result = json.loads((folder / "evaluation.json").read_text())
-    rows = (folder / "evaluations.csv").read_text().splitlines()
-    last_update = (folder / "updates.csv").read_text().splitlines()[-1].split(",")
-    return {
-        "run": folder.name,
-        "command": plan["command"],
-        "task": plan["task"],
-        "track": plan["track"],
-        "seed": plan["seed"],
-        "observe": plan["observe"],
-        "steps": int(rows[-1].split(",")[0]),
-        "minutes": round(float(last_update[1]) / 60.0, 1),
-        **{key: result[key] for key in ("success_rate", "interval", "return", "stages")},
-    }
 
 
 if __name__ == "__main__":

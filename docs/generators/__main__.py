@@ -10,7 +10,10 @@ from taskbuilder.schema.summaries import INDEX
 for page, text in tasks.missing_pages():
     page.write_text(text, encoding="utf-8")
 for page in pages():
-    text = page.read_text(encoding="utf-8")
-    page.write_text(fill(text), encoding="utf-8")
+    try:
+        text = fill(page.read_text(encoding="utf-8"))
+    except (LookupError, ValueError) as error:
+        raise SystemExit(f"{page.name}: {error}") from None
+    page.write_text(text, encoding="utf-8")
 library = folder("tasks")
 (library / INDEX).write_text(index_text(library), encoding="utf-8")

@@ -54,8 +54,10 @@ def _literal(value: object) -> str:
 
 
 def _summands(node: Sum) -> Iterator[Measure]:
-    for part in node.of:
-        yield from _summands(part) if isinstance(part, Sum) else (part,)
+    """What is added without brackets: from left to right, as Python does."""
+    first, *others = node.of
+    yield from _summands(first) if isinstance(first, Sum) else (first,)
+    yield from others
 
 
 def _signed(part: Measure) -> str:
@@ -65,4 +67,4 @@ def _signed(part: Measure) -> str:
         return f" - ({expression(rest)})" if isinstance(rest, Sum) else f" - {expression(rest)}"
     if isinstance(part, Constant) and part.number < 0:
         return f" - {-part.number:g}"
-    return f" + {expression(part)}"
+    return f" + ({expression(part)})" if isinstance(part, Sum) else f" + {expression(part)}"

@@ -20,7 +20,7 @@ PHASE = 5_000
 
 def proof(task: str) -> str:
     """When and how a task was proved, and how its expert does it."""
-    found = _read(f"proofs/{task}.json")
+    found = _proof(task)
     making, expert = found["making"], found["expert"]
     checks = {check["code"]: check for check in found["checks"]}
     head = (
@@ -51,7 +51,7 @@ def _percent(fraction: float) -> str:
 
 def probes(task: str) -> str:
     """The returns of the expert and the probes of a task, the best first."""
-    report = _read(f"proofs/{task}.json")
+    report = _proof(task)
     ways = sorted(report["probes"], key=lambda way: -way["return"])
     return table(
         ["", "return", "discounted by 0.95"],
@@ -207,6 +207,18 @@ def zoo(_: str) -> str:
     made = "\n".join(["These commands trained them:", "", "```text", *commands, "```"])
     asked = f"Measured by `{measured['command']}`."
     return f"{table(head, rows)}\n\n{asked}\n\n{made}"
+
+
+def _proof(task: str) -> Any:
+    """The proof of a task.
+
+    Raises:
+        LookupError: It has none.
+    """
+    try:
+        return _read(f"proofs/{task}.json")
+    except FileNotFoundError:
+        raise LookupError(f"{task} has no proof; run python benchmarks/proofs.py {task}") from None
 
 
 def _read(name: str) -> Any:

@@ -22,6 +22,8 @@ from taskbuilder.description.view import WorldView
 from taskbuilder.geometry import norm, subtract, turn_between
 from taskbuilder.schema.names import SceneNames
 
+AXES = ("xyz", "xy", "xz", "yz", "x", "y", "z")
+
 
 @dataclass(frozen=True)
 class Near(Condition):
@@ -31,16 +33,14 @@ class Near(Condition):
     second: FrameName
     _: KW_ONLY
     within: float
-    axes: Literal["xyz", "xy", "z"] = "xyz"
+    axes: Literal["xyz", "xy", "xz", "yz", "x", "y", "z"] = "xyz"
 
     def holds(self, world: WorldView) -> bool:
         return self._gap(world) <= self.within
 
     def _gap(self, world: WorldView) -> float:
-        x, y, z = subtract(world.position(self.first), world.position(self.second))
-        if self.axes == "xy":
-            return math.hypot(x, y)
-        return abs(z) if self.axes == "z" else math.hypot(x, y, z)
+        apart = subtract(world.position(self.first), world.position(self.second))
+        return math.hypot(*(apart["xyz".index(axis)] for axis in self.axes))
 
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         now, bound = meters(self._gap(world), self.within)
@@ -49,8 +49,8 @@ class Near(Condition):
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("within", self.within, "metres")
-        if self.axes not in ("xyz", "xy", "z"):
-            yield f'axes is {self.axes!r}; "xyz", "xy" or "z"'
+        if self.axes not in AXES:
+            yield f"axes is {self.axes!r}; one of {', '.join(AXES)}"
 
 
 @dataclass(frozen=True)

@@ -90,8 +90,9 @@ def test_a_sound_description_has_no_findings(found, tmp_path):
             '5:15: error[TB212] Near("cube", …): within is True; it must be a finite number',
         ),
         (
-            'Near("cube", "goal", within=0.1, axes="yz")',
-            "5:15: error[TB212] Near(\"cube\", …): axes is 'yz'; it must be 'xyz' or 'xy' or 'z'",
+            'Near("cube", "goal", within=0.1, axes="zy")',
+            "5:15: error[TB212] Near(\"cube\", …): axes is 'zy'; it must be 'xyz' or 'xy' or 'xz' "
+            "or 'yz' or 'x' or 'y' or 'z'",
         ),
         (
             'Upright("cube", within_deg=-5)',

@@ -87,6 +87,13 @@ def test_equal_conditions_are_one_value():
         ((0.06, 0.09, 0.0), "xy", False),
         ((9.0, 9.0, -0.1), "z", True),
         ((0.0, 0.0, -0.11), "z", False),
+        ((0.05, 9.0, 9.0), "x", True),
+        ((0.11, 0.0, 0.0), "x", False),
+        ((9.0, 0.05, 9.0), "y", True),
+        ((0.0, 0.11, 0.0), "y", False),
+        ((0.08, 9.0, 0.08), "xz", False),
+        ((0.05, 9.0, 0.05), "xz", True),
+        ((9.0, 0.08, 0.08), "yz", False),
     ],
 )
 def test_near_is_a_distance_along_the_axes_asked_for(world, now, position, axes, value):

@@ -1,0 +1,61 @@
+"""Training runs of benchmarks: resumed where they stopped, evaluated on fresh seeds, and kept."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+TASKBUILDER = (sys.executable, "-m", "taskbuilder")
+EPISODES = 300
+"""Episodes that a claim is made on; neither training nor the choice of a policy has seen them."""
+
+KEPT = ("run.json", "episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
+
+
+def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
+    """Train, or go on with what was stopped; evaluate, keep, and return the evaluation.
+
+    Args:
+        words: Arguments of ``taskbuilder``; the last is the folder of the run.
+        results: Where a folder with the tables of the run is kept.
+    """
+    out = Path(words[-1])
+    out.parent.mkdir(parents=True, exist_ok=True)
+    found = out / "evaluation.json"
+    if not found.exists():
+        again = ["train", "--resume", str(out)] if (out / "run.json").exists() else words
+        with out.with_name(f"{out.name}.log").open("a") as log:
+            subprocess.run([*TASKBUILDER, *again], stdout=log, stderr=log, check=True)
+        evaluate = ["evaluate", str(out), "--episodes", str(EPISODES), "--jobs", "1", "--json"]
+        command = [*TASKBUILDER, *evaluate]
+        found.write_text(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
+    kept = results / out.name
+    kept.mkdir(parents=True, exist_ok=True)
+    for name in KEPT:
+        shutil.copyfile(out / name, kept / name)
+    result: dict[str, Any] = json.loads(found.read_text())
+    return result
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    """What came of a kept run."""
+    plan = json.loads((folder / "run.json").read_text())
+    result = json.loads((folder / "evaluation.json").read_text())
+    rows = (folder / "evaluations.csv").read_text().splitlines()
+    last_update = (folder / "updates.csv").read_text().splitlines()[-1].split(",")
+    return {
+        "run": folder.name,
+        "command": plan["command"],
+        "task": plan["task"],
+        "track": plan["track"],
+        "seed": plan["seed"],
+        "observe": plan["observe"],
+        "steps": int(rows[-1].split(",")[0]),
+        "minutes": round(float(last_update[1]) / 60.0, 1),
+        **{key: result[key] for key in ("success_rate", "interval", "return", "stages")},
+    }
