@@ -35,7 +35,9 @@ SHOWN = {
     "collaborative_lift": "Collaborative Lift",
     "handover": "Handover",
 }
-SIZE = (800, 600)
+SIZES = ((800, 600), (640, 480))
+"""Sizes of a task's picture: the first that is small enough."""
+PICTURE_BYTES = 150_000
 THUMBNAIL = (480, 360)
 FILMS = (
     *(((480, 360), 12), ((400, 300), 12), ((360, 270), 12), ((320, 240), 12)),
@@ -53,12 +55,21 @@ def make_task(name: str) -> None:
     """Make the pictures of a task anew."""
     camera = next(iter(load_task(name).file.spec.scene.cameras))
     with tempfile.TemporaryDirectory() as folder:
-        _call("render", name, "--camera", camera, "--out", folder, *_options())
-        _keep(Path(folder, f"{name}-{camera}.png"), f"{name}.png")
+        _picture(name, camera, Path(folder, f"{name}-{camera}.png"))
         _call("demo", name, "--camera", camera, "--out", folder, *_drawn())
         _film(name, camera, Path(folder, name))
         for ending in (".gif", "-strip.png", "-rewards.png"):
             _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
+
+
+def _picture(name: str, camera: str, file: Path) -> None:
+    """Draw a task as large as a picture of the documentation may be."""
+    for width, height in SIZES:
+        size = ("--size", f"{width}x{height}")
+        _call("render", name, "--camera", camera, "--out", str(file.parent), *_drawn(), *size)
+        if file.stat().st_size < PICTURE_BYTES:
+            break
+    _keep(file, f"{name}.png")
 
 
 def _film(name: str, camera: str, stem: Path) -> None:
@@ -104,10 +115,6 @@ def make_all() -> None:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
                 _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
     save_image(IMAGES / "tasks.png", _side_by_side())
-
-
-def _options() -> tuple[str, ...]:
-    return (*_drawn(), "--size", f"{SIZE[0]}x{SIZE[1]}")
 
 
 def _filmed() -> tuple[str, ...]:

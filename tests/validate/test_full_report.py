@@ -107,7 +107,8 @@ def test_figures_are_measured_without_a_verdict(report):
 
 
 def test_progress_is_told_of_every_seed_once_it_is_done(report, told):
-    assert [item for item in told if item[0].startswith("reach") and "margins" not in item[0]] == [
+    dry_runs = ("reach", "reach, variation 1")
+    assert [item for item in told if item[0] in dry_runs] == [
         *(("reach", seed) for seed in range(SEEDS)),
         *(("reach, variation 1", seed) for seed in range(SEEDS)),
     ]
