@@ -1,4 +1,4 @@
-"""What makes Handover learnable: seven ways of training it from nothing, two seeds each.
+"""An ablation of Handover with `maddpg`: seven training setups, two seeds each.
 
     python benchmarks/deadlock.py [--only team local] [--seeds 1 2] [--jobs 1] [--folder runs/here]
 
