@@ -1,5 +1,5 @@
 # make check runs all that must be clean before a change lands.
-.PHONY: check format lint types tests docs benchmarks interop soak
+.PHONY: check format lint types tests docs benchmarks interop data-interop soak
 
 check: lint types tests docs
 
@@ -31,6 +31,9 @@ benchmarks:
 
 interop:
 	tests/interop/run.sh
+
+data-interop:
+	tests/data_interop/run.sh
 
 soak:
 	python benchmarks/soak.py

@@ -186,23 +186,23 @@ def zoo(_: str) -> str:
     measured = _read("zoo.json")
     for name in zoo_names():
         about = load_policy(name).about
-        run = runs[f"{about['task']}-{about['track']}-{about['seed']}"]
+        run = runs.get(f"{about['task']}-{about['track']}-{about['seed']}")
         found = measured["policies"][name]
         low, high = (100.0 * bound for bound in found["interval"])
         rows.append(
             [
                 f"`{name}`",
-                f"{about['step']:,}",
+                f"{about['step']:,} {'updates' if about['algorithm'] == 'bc' else 'steps'}",
                 f"{found['successes']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
                 f"{100.0 * found['success_at_end_rate']:.1f} %",
                 f"{found['peak_robot_force']['median']:.0f} N",
-                f"{100.0 * run['success_rate']:.1f} %",
+                f"{100.0 * run['success_rate']:.1f} %" if run else "",
             ]
         )
-        commands.append(run["command"])
+        commands.append(run["command"] if run else about["command"])
     if not rows:
         return "None yet."
-    head = ["policy", "control steps", "success (95 % interval)", "at the last step"]
+    head = ["policy", "training", "success (95 % interval)", "at the last step"]
     head += ["force between robots, median peak", "success under the earlier definition"]
     made = "\n".join(["These commands trained them:", "", "```text", *commands, "```"])
     asked = f"Measured by `{measured['command']}`."

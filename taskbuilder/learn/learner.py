@@ -155,6 +155,12 @@ def _no_collection(*_: Any) -> Collection:
     raise TypeError("it learns from a data set and collects nothing")
 
 
+def _no_preset(given: Mapping[str, Any]) -> str:
+    """The default preset of algorithms that have none, whatever is given."""
+    del given
+    return ""
+
+
 @dataclass(frozen=True)
 class Algorithm:
     """An algorithm that `train` finds by name; see `taskbuilder.learn.algorithms`.
@@ -168,8 +174,8 @@ class Algorithm:
         collection: `OffPolicy` or `OnPolicy`, or a class with the same interface; none with
             ``from_data``.
         presets: The presets by name.
-        default_preset: The preset of a run that names none; "" for none. It is called with two
-            flags: whether there are demonstrations, and whether the run starts from a policy.
+        default_preset: The preset of a run that names none, from the fields of its plan that are
+            given; "" for none.
         cannot: Fields of a plan that the algorithm does not support, with the reason.
         settings_of: The settings that match the networks of a trained policy to start from.
         from_data: Whether it learns from a data set, in place of episodes of its own.
@@ -180,7 +186,7 @@ class Algorithm:
     learner: Callable[..., Any]
     collection: Callable[..., Collection] = _no_collection
     presets: Mapping[str, Preset] = field(default_factory=dict)
-    default_preset: Callable[[bool, bool], str] = lambda demos, init: ""  # noqa: ARG005  # the default ignores them
+    default_preset: Callable[[Mapping[str, Any]], str] = _no_preset
     cannot: Mapping[str, str] = field(default_factory=dict)
     settings_of: Callable[[TrainedPolicy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005  # the default ignores them
     from_data: bool = False

@@ -255,7 +255,9 @@ def minimize(optimizer: torch.optim.Optimizer, loss: Tensor) -> None:
     parameters = parameters_of(optimizer)
     gradients = torch.autograd.grad(loss, parameters)
     for parameter, gradient in zip(parameters, gradients, strict=True):
-        parameter.grad = gradient
+        # Convolutions of images may give gradients with another order in memory, which fused
+        # optimisers do not see: they would update the wrong weights.
+        parameter.grad = gradient.contiguous()
     optimizer.step()
 
 

@@ -175,7 +175,7 @@ def make_plan(
     algorithm = find_algorithm(chosen.get("algorithm", Plan.algorithm))
     init = load_policy(chosen["init"]) if chosen.get("init") else None
     if not chosen.get("preset"):
-        chosen["preset"] = algorithm.default_preset(bool(chosen.get("demos")), init is not None)
+        chosen["preset"] = algorithm.default_preset(chosen)
     preset = Preset("")
     if chosen["preset"]:
         if not algorithm.presets:

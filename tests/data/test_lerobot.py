@@ -119,7 +119,7 @@ def test_its_environment_is_that_of_the_data_set(exported, pictured):
         assert info["final_info"]["is_success"].tolist() == [True]
     assert list(seen["pixels"]) == list(CAMERAS)
     picture = info["final_obs"][0]["pixels"]["front"].astype(float)
-    assert np.abs(picture - episode.images("front")[-1]).mean() < 8  # video is lossy
+    assert np.array_equal(picture, episode.images("front")[-1])
 
 
 def test_every_column_is_a_feature_of_its_type_and_shape(exported):

@@ -63,7 +63,8 @@ def test_what_the_loader_asks_for_is_there(exported):
             assert {len(values) for values in demo["obs"].values()} == {rows}
             assert {values.ndim > 1 for values in demo["obs"].values()} == {True}
             assert set(demo["next_obs"]) == set(demo["obs"])
-        assert [name.decode() for name in file["mask/train"]] == list(file["data"])
+        masked = [name.decode() for part in ("train", "valid") for name in file["mask"][part]]
+        assert masked == list(file["data"])
 
 
 def test_every_tenth_episode_is_for_validation(pictured, tmp_path, monkeypatch):

@@ -92,8 +92,9 @@ def test_presets_and_refusals_speak_of_what_there_is(name):
         assert preset.summary
         assert {*preset.plan} <= plan
         assert {*preset.settings} <= settings
-    for demos, init in product((False, True), repeat=2):
-        assert algorithm.default_preset(demos, init) in {"", *algorithm.presets}
+    for demos, init, cameras in product((0, 200), ("", "zoo:handover/demos"), ((), ("front",))):
+        given = {"demos": demos, "init": init, "cameras": cameras}
+        assert algorithm.default_preset(given) in {"", *algorithm.presets}
 
 
 def test_it_learns_and_goes_on_as_it_was_kept(acting):

@@ -15,6 +15,7 @@ from taskbuilder.learn.networks import (
     optimizer_arrays,
     set_lr,
 )
+from taskbuilder.learn.vision import PictureEncoders
 
 SIZES = (3, 5, 4, 2)
 
@@ -133,3 +134,21 @@ def test_adam_can_be_set_back_to_its_beginning():
     assert optimizer_arrays(adam).keys() != nothing.keys()
     load_optimizer(adam, nothing)
     assert optimizer_arrays(adam) == nothing == {}
+
+
+@pytest.mark.parametrize("fused", [False, True])
+def test_a_step_goes_down_the_slope_for_convolutions_of_images_too(fused):
+    """The gradients of their weights come in another order in memory."""
+    generator = torch.Generator().manual_seed(0)
+    encoders = PictureEncoders(("front",), (8, 16, 16), generator)
+    images = torch.randint(0, 255, (16, 32, 32, 3), dtype=torch.uint8, generator=generator)
+    weights = [p for p in encoders.parameters() if p.ndim == 4]
+    before = [weight.detach().clone() for weight in weights]
+    slopes = torch.autograd.grad(encoders({"front": images}).square().sum(), weights)
+    adam = torch.optim.AdamW(weights, lr=1e-3, weight_decay=0.0, fused=fused)
+    minimize(adam, encoders({"front": images}).square().sum())
+    for weight, was, slope in zip(weights, before, slopes, strict=True):
+        # The first step of Adam is against the sign of each weight's slope.
+        steep = slope.abs() > 1e-4
+        moved = (weight.detach() - was)[steep]
+        torch.testing.assert_close(moved, -1e-3 * slope.sign()[steep], atol=1e-5, rtol=0.0)

@@ -27,10 +27,11 @@ def test_the_handover_is_there():
     assert {"zoo:handover/demos", "zoo:handover/scratch"} <= set(NAMES)
 
 
-# All of these were trained while success was a moment. Each still gets to where it was trained to
-# get to, the stage of that name, and keeps it for a second in as many of 300 episodes as
-# benchmarks/results/zoo.json says. Last digits differ between processors and change which episodes
-# those are, so twelve episodes must show what all but one of a thousand such twelves would.
+# Those on the tracks demos and scratch were trained while success was a moment. Each still gets to
+# where it was trained to get to, the stage of that name. All keep success for a second in as many
+# of 300 episodes as benchmarks/results/zoo.json says. Last digits differ between processors and
+# change which episodes those are, so twelve episodes must show what all but one of a thousand such
+# twelves would.
 TRAINED_FOR = {"handover": "at goal", "pick_push_place": "in tray", "collaborative_lift": "at goal"}
 MEASURED = json.loads((ROOT / "benchmarks" / "results" / "zoo.json").read_text())["policies"]
 
@@ -49,7 +50,7 @@ def fewest(rate, episodes=12, luck=0.001):
 def test_a_policy_does_what_it_was_trained_for(name):
     policy = load_policy(name)
     env = parallel_env(policy.about["task"], **options_of(policy))
-    played = [play(env, policy.act, seed) for seed in range(900_000, 900_012)]
+    played = [play(env, policy.player(), seed) for seed in range(900_000, 900_012)]
     stages = list(env.task.description.stages)
     env.close()
     wanted = stages.index(TRAINED_FOR[policy.about["task"]]) + 1
@@ -62,9 +63,10 @@ def test_a_policy_does_what_it_was_trained_for(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_a_policy_is_small_and_has_its_plan_and_its_curve_beside_it(name):
     about = load_policy(name).about
-    assert beside(name, ".npz").stat().st_size < 400_000
+    assert beside(name, ".npz").stat().st_size < 1_500_000
     plan = json.loads(beside(name, ".json").read_text(encoding="utf-8"))
-    assert plan["command"].startswith(f"taskbuilder train {about['task']} ")
+    learns = "--algorithm bc" if about["algorithm"] == "bc" else about["task"]
+    assert plan["command"].startswith(f"taskbuilder train {learns} ")
     assert (plan["task"], plan["track"]) == tuple(name.removeprefix("zoo:").split("/"))
     with beside(name, ".csv").open(newline="", encoding="utf-8") as lines:
         rows = {int(row["step"]): float(row["success_rate"]) for row in csv.DictReader(lines)}

@@ -13,7 +13,7 @@ from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.extras import extra_needed
 
 VALID_EVERY = 10
-"""Every tenth episode is for validation."""
+"""Every tenth episode is for validation; of fewer, the last, as robomimic asks for one."""
 
 _GYM_TYPE = 2  # of robomimic's EnvType
 
@@ -45,7 +45,7 @@ def write_robomimic(dataset: Dataset, folder: Path) -> None:
             total += episode.steps
         data.attrs["total"] = total
         data.attrs["env_args"] = json.dumps(_env_args(name, task, dataset.about))
-        valid = names[VALID_EVERY - 1 :: VALID_EVERY]
+        valid = names[VALID_EVERY - 1 :: VALID_EVERY] or names[1:][-1:]
         train = [demo for demo in names if demo not in set(valid)]
         for part, listed in (("train", train), ("valid", valid)):
             if listed:

@@ -67,7 +67,7 @@ class BcSettings:
     lr: float = 1e-3
     weight_decay: float = 1e-4
     noise: float = 0.05
-    channels: tuple[int, ...] = (16, 32, 32)
+    channels: tuple[int, ...] = (8, 16, 16)
     scene_weight: float = 1.0
 
 
@@ -181,11 +181,16 @@ ALGORITHM = Algorithm(
     learner=BehaviourCloning,
     presets={
         "cloning": Preset(
-            "steps are updates with a batch",
+            "from states; steps are updates with a batch",
             plan={"steps": 5_000, "evaluate_every": 1_000, "checkpoint_every": 1_000},
-        )
+        ),
+        "visuomotor": Preset(
+            "from pictures of about 64×64",
+            settings={"batch": 64, "lr": 3e-3},
+            plan={"steps": 10_000, "evaluate_every": 2_000, "checkpoint_every": 2_000},
+        ),
     },
-    default_preset=lambda demos, init: "cloning",  # noqa: ARG005  # there is one
+    default_preset=lambda given: "visuomotor" if given.get("cameras") else "cloning",
     cannot={
         "init": f"{_ALONE}; leave --init out",
         "demos": f"{_ALONE}; leave --demos out",

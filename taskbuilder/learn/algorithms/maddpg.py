@@ -3,9 +3,8 @@
 Multi-agent deep deterministic policy gradient (Lowe et al. 2017) with the clipped double critics,
 smoothed target actions and delayed actor updates of MATD3 (Ackermann et al. 2019, Fujimoto et al.
 2018). Critics are centralised, have layer norm, and observe all observations, the state and all
-actions. Actors end in a tanh and observe their own observation only. All actors are updated
-together, with the actions of the current policies instead of those in the replay buffer (Peng et
-al. 2021, FACMAC).
+actions. Actors end in a tanh and observe their own observation only. They are updated together,
+with the actions of the current policies in place of those in the replay (Peng et al. 2021, FACMAC).
 """
 
 from __future__ import annotations
@@ -382,8 +381,7 @@ ALGORITHM = Algorithm(
     learner=Maddpg,
     collection=OffPolicy,
     presets={
-        # The initial policy is almost right: strong noise would hide that, and it already moves
-        # as fast as the expert.
+        # The first policy is almost right, and as fast as the expert: strong noise would hide that.
         "demos": Preset(
             "learning with demonstrations",
             {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regulariser": 0.005},
@@ -395,6 +393,8 @@ ALGORITHM = Algorithm(
         ),
         "finetune": Preset("going on from a trained policy", {"noise": 0.1, "final_noise": 0.05}),
     },
-    default_preset=lambda demos, init: "demos" if demos else "finetune" if init else "scratch",
+    default_preset=lambda given: (
+        "demos" if given.get("demos") else "finetune" if given.get("init") else "scratch"
+    ),
     settings_of=_settings_of,
 )

@@ -376,7 +376,7 @@ ALGORITHM = Algorithm(
             {"log_std": -1.6, "lr": 1e-4, "clip": 0.1},
         ),
     },
-    default_preset=lambda demos, init: "finetune" if init else "mappo",  # noqa: ARG005  # PPO takes no demos
+    default_preset=lambda given: "finetune" if given.get("init") else "mappo",
     cannot={"demos": "learns from no demonstrations; maddpg does"},
     settings_of=_settings_of,
 )

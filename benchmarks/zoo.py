@@ -1,0 +1,46 @@
+"""How well the policies of the zoo do, on episodes that nothing was chosen by.
+
+    python benchmarks/zoo.py [zoo:TASK/TRACK...]
+
+Plays each of them, or those that are named, in 300 episodes and writes what came of it to
+benchmarks/results/zoo.json.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.learn.zoo import zoo_names
+
+RESULTS = Path(__file__).parent / "results" / "zoo.json"
+COMMAND = "taskbuilder evaluate zoo:TASK/TRACK --seed 2000000 --episodes 300 --json"
+KEPT = ("success_rate", "interval", "success_at_end_rate", "success_held_s")
+KEPT += ("peak_robot_force", "return", "normalized_return", "stages")
+
+
+def main() -> int:
+    known = json.loads(RESULTS.read_text())["policies"] if RESULTS.exists() else {}
+    for name in sys.argv[1:] or zoo_names():
+        known[name] = measured(name)
+        told = {"command": COMMAND, "policies": dict(sorted(known.items()))}
+        RESULTS.write_text(json.dumps(told, indent=1) + "\n")
+        print(f"{name}: {known[name]['successes']} of {known[name]['episodes']}", flush=True)
+    return 0
+
+
+def measured(name: str) -> dict[str, Any]:
+    """What is kept of an evaluation."""
+    words = COMMAND.replace("zoo:TASK/TRACK", name).split()
+    ran = subprocess.run([sys.executable, "-m", *words], capture_output=True, text=True, check=True)
+    found = json.loads(ran.stdout)
+    successes = sum(bool(episode["success"]) for episode in found["episodes"])
+    counted = {"episodes": len(found["episodes"]), "successes": successes}
+    return counted | {key: found[key] for key in KEPT}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Exported data sets in LeRobot and in robomimic, each in a virtual environment of its own. LeRobot's
+# takes 8 GB and many minutes. One of them alone: tests/data_interop/run.sh robomimic
+# The folder of the environments can be given, to use them again: VENVS=FOLDER tests/data_interop/run.sh
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+export PIP_DISABLE_PIP_VERSION_CHECK=1 HF_HUB_OFFLINE=1
+unset PYTHONPATH
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+[ $# -gt 0 ] || set -- lerobot robomimic
+
+for library in "$@"; do
+  here=tests/data_interop/in_$library
+  venv=${VENVS:-$scratch}/$library
+  [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
+  # The imports of robomimic 0.3.0 need six, which it does not ask for.
+  "$venv/bin/pip" install --quiet ".[data,render]" pytest six "$library" -c "$here/constraints.txt"
+  "$venv/bin/python" -m pytest -q -c /dev/null --rootdir "$here" -p no:cacheprovider "$here"
+done
