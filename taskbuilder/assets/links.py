@@ -27,11 +27,14 @@ _KINDS: tuple[str, ...] = get_args(ShapeKind)
 _TRIANGLE_TOLERANCE = 1e-3
 
 
-def read_link(element: Element, *, jointed: bool, report: Report, files: Files) -> UrdfLink:
+def read_link(
+    element: Element, *, movable: bool = True, jointed: bool, report: Report, files: Files
+) -> UrdfLink:
     """A link; what is wrong with it goes into the report.
 
     Args:
         element: The ``<link>``.
+        movable: Whether it can move at all, with its body or by a joint.
         jointed: Whether a joint with a degree of freedom moves this very link.
         report: Where findings go.
         files: Where meshes and textures are looked up.
@@ -45,7 +48,7 @@ def read_link(element: Element, *, jointed: bool, report: Report, files: Files) 
             read_material(material, subject, report, files)
     inertial = element.first("inertial")
     if inertial is None:
-        if jointed or collisions:
+        if jointed or (movable and collisions):
             message = "has no <inertial>, so Bullet takes 1 kg; write its mass and inertia"
             report.warning(codes.MASS, element, subject, message)
         return UrdfLink(name, None, visuals, collisions)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,13 +24,17 @@ MOST_LINKS = 128
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
 
 
-def read_urdf(path: Path, roots: Sequence[Path], *, trusted: bool = False) -> Urdf:
+def read_urdf(
+    path: Path, roots: Sequence[Path], *, fixed: bool = False, trusted: bool = False
+) -> Urdf:
     """Reads and checks a robot description and the files that it names.
 
     Args:
         path: The URDF file.
         roots: Folders inside which its meshes and textures must lie; those of pybullet_data
             are allowed as well.
+        fixed: Whether its root is fixed to the world, so that the mass of links without a moving
+            joint above them does not matter.
         trusted: Whether to take the content of meshes for good, as of those that come with
             this package and pybullet_data. That they exist is checked all the same.
 
@@ -50,7 +54,8 @@ def read_urdf(path: Path, roots: Sequence[Path], *, trusted: bool = False) -> Ur
     check_names(robot.all("joint"), report)
     root = check_tree(robot, named_links, list(robot.all("joint")), report)
     joints = _joints(robot, report)
-    links = _links(robot, report, files)
+    still = _unmoved(robot) if fixed else frozenset()
+    links = _links(robot, still, report, files)
     for material in robot.all("material"):
         read_material(material, f"material {material.get('name')}", report, files)
     return Urdf(
@@ -179,10 +184,30 @@ def _joints(robot: Element, report: Report) -> tuple[UrdfJoint, ...]:
     return tuple(joint for joint in joints if joint)
 
 
-def _links(robot: Element, report: Report, files: Files) -> tuple[UrdfLink, ...]:
-    ends = [joint.first("child") for joint in robot.all("joint") if joint_moves(joint)]
-    jointed = {end.get("link") for end in ends if end}
-    return tuple(
-        read_link(link, jointed=link.get("name") in jointed, report=report, files=files)
-        for link in robot.all("link")
-    )
+def _links(
+    robot: Element, still: Collection[str | None], report: Report, files: Files
+) -> tuple[UrdfLink, ...]:
+    jointed = {child for joint, _, child in _ends(robot) if joint_moves(joint)}
+    links = []
+    for link in robot.all("link"):
+        name = link.get("name")
+        movable, moved = name not in still, name in jointed
+        links.append(read_link(link, movable=movable, jointed=moved, report=report, files=files))
+    return tuple(links)
+
+
+def _unmoved(robot: Element) -> frozenset[str | None]:
+    """Names of the links that no moving joint is above."""
+    moved = {child for joint, _, child in _ends(robot) if joint_moves(joint)}
+    pending = set(moved)
+    while pending:
+        pending = {child for _, parent, child in _ends(robot) if parent in pending} - moved
+        moved |= pending
+    return frozenset(link.get("name") for link in robot.all("link")) - moved
+
+
+def _ends(robot: Element) -> Iterator[tuple[Element, str | None, str | None]]:
+    """Each joint with the links above and below it."""
+    for joint in robot.all("joint"):
+        parent, child = (joint.first(end) for end in ("parent", "child"))
+        yield joint, parent.get("link") if parent else None, child.get("link") if child else None

@@ -121,7 +121,7 @@ def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None
         path = Path(reference).absolute()
         if not path.exists():
             raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
-        return read_urdf(path, (path.parent,)), None
+        return read_urdf(path, (path.parent,), fixed=True), None
     if Path(reference).is_file() and not reference.endswith((".yaml", ".yml")):
         raise UnknownNameError(f"{reference} is no robot; name a robot.yaml, a .urdf or an .xml")
     robot = load_robot(catalogue.robot(reference, Path()), catalogue.folders)
@@ -139,7 +139,7 @@ def _read_packaged(reference: str, catalogue: Catalogue) -> Urdf:
         path = resolve(reference, here, (here, *catalogue.folders))
     except AssetError as error:
         raise FileError([error.finding()]) from error
-    return read_urdf(path, (path.parent,))
+    return read_urdf(path, (path.parent,), fixed=True)
 
 
 def _open_gripper(robot: RobotModel) -> dict[str, float]:

@@ -22,8 +22,11 @@ ENTRIES = {
     "TB502": Code(
         "Episodes depend on earlier ones",
         "With the same seed and actions, two new processes give the same episode, but after "
-        "other episodes the result differs. The description keeps state in a module variable. "
-        "Use conditions with memory instead, such as Once, Then and Sustained.",
+        "other episodes the result differs. The usual cause is a description that keeps state in "
+        "a module variable: use conditions with memory instead, such as Once, Then and Sustained. "
+        "Several loose objects that lie against each other on a moving link can cause it, too, "
+        "because the physics engine keeps contacts of earlier episodes there: begin with the "
+        "objects apart, or use fewer.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -302,7 +305,11 @@ ENTRIES = {
     "TB555": Code(
         "Failing on purpose earns as much",
         "After one of the expert's stages, dropping a held object or throwing it away earns as "
-        "much as the expert. If failure ends the episode, it may also cut off negative rewards.",
+        "much as the expert. In half of these episodes all grippers open; in the others, all arms "
+        "swing sideways at full speed meanwhile. Episodes that succeed all the same are left out. "
+        "The cause may be a bonus that is paid after a failure, too: write "
+        "`Bonus(..., done & ~Once(failure))`. If failure ends the episode, it may also cut off "
+        "negative rewards.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"), '

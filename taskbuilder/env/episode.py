@@ -293,14 +293,17 @@ class Episode(Single):
         return max(0.0, 1.0 - self.steps / self.horizon)
 
     def holding(self, robot: str) -> float:
-        """1.0 while the robot holds an object, else 0.0."""
+        """1.0 while the robot holds an object, or a moving link of a fixed one, else 0.0."""
         world = self.world
-        return float(any(world.held(name, robot) for name in world.movable))
+        return float(any(world.held(name, robot) for name in world.holdable))
 
     def forces(self, robot: str) -> Sequence[float]:
-        """Force of each finger, or of the tool, on the object that it touches most, in newtons."""
+        """Force of each finger, or of the tool, on what it touches most, in newtons.
+
+        As with `holding`, that is an object, or a moving link of a fixed one.
+        """
         world = self.world
-        pressed = [world.grip_forces(name, robot) for name in world.movable]
+        pressed = [world.grip_forces(name, robot) for name in world.holdable]
         tips = len(world.robots[robot].gripper.tips)
         return max(pressed, key=sum, default=()) or (0.0,) * tips
 

@@ -30,7 +30,7 @@ _CHANNELS: Mapping[str, str] = {
     "tcp": "pose of the tool centre point",
     "tcp_velocity": "its linear and angular velocity",
     "gripper": "how far the gripper is open, 0 to 1",
-    "holding": "1 while it holds an object, else 0",
+    "holding": "1 while it holds an object, or a moving link of a fixed one, else 0",
     "force": "contact force of each finger, N",
     "previous_action": "action of the previous control step",
     "pose": "position and orientation",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import string
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from taskbuilder.assets.mesh import Mesh, read_mesh
@@ -190,11 +191,15 @@ def _read_robots(loading: _Loading) -> None:
 
 
 def _read_assets(loading: _Loading) -> None:
-    readers: tuple[tuple[str, Callable[[Path], Mesh | Urdf]], ...] = (
-        ("mesh", read_mesh),
-        ("urdf", lambda file: read_urdf(file, loading.roots, trusted=loading.entry.trusted)),
-    )
+    def urdf(file: Path, *, fixed: bool) -> Urdf:
+        return read_urdf(file, loading.roots, fixed=fixed, trusted=loading.entry.trusted)
+
     for name, _ in loading.source.entries("scene", "objects"):
+        fixed = loading.source.get("scene", "objects", name, "fixed") is True
+        readers: tuple[tuple[str, Callable[[Path], Mesh | Urdf]], ...] = (
+            ("mesh", read_mesh),
+            ("urdf", partial(urdf, fixed=fixed)),
+        )
         for key, read in readers:
             path = ("scene", "objects", name, "shape", key)
             reference = loading.source.get(*path)

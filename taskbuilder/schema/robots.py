@@ -107,7 +107,9 @@ def _read_urdf(source: Source, entry: CatalogueEntry, roots: Sequence[Path]) -> 
     if not isinstance(reference, str) or not reference:
         return None
     allowed = (entry.root, *roots)
-    return read_urdf(resolve(reference, entry.root, allowed), allowed, trusted=entry.trusted)
+    return read_urdf(
+        resolve(reference, entry.root, allowed), allowed, fixed=True, trusted=entry.trusted
+    )
 
 
 def _check(source: Source, spec: RobotSpec, urdf: Urdf, entry: CatalogueEntry) -> Iterator[Finding]:

@@ -101,6 +101,22 @@ def closest_distance(body_a: Body, body_b: Body, within: float) -> float | None:
     return min((float(point[8]) for point in points), default=None)
 
 
+def nearest_normal(
+    body_a: Body, body_b: Body, within: float, *, link_a: int, link_b: int | None = None
+) -> Vec3 | None:
+    """Unit vector from b towards a where a link of a is nearest to b; None beyond ``within`` (m).
+
+    Unlike `ContactPoint.normal_on_b` it is of this moment: Bullet leaves the normals of a contact
+    as they were when it began, even if both bodies have turned together since.
+    """
+    wanted = _filter(None, None, link_a, link_b)
+    points = body_a.client.bullet.getClosestPoints(body_a.id, body_b.id, within, **wanted)
+    if not points:
+        return None
+    normal: Vec3 = min(points, key=lambda point: float(point[8]))[7]
+    return normal
+
+
 class ClosestPoint(NamedTuple):
     """Two links that are near each other.
 

@@ -175,7 +175,9 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
         if (made := _build_passive(body, index, how))
     }
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
-    return SceneObject(name, spec, body, boxes, _grasp_frames(spec, body), indices, passive)
+    links = tuple(link.name for link in urdf.links if urdf.moving_joints_above(link.name))
+    frames = _grasp_frames(spec, body)
+    return SceneObject(name, spec, body, boxes, frames, indices, links, passive)
 
 
 def _limits(

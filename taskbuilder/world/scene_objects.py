@@ -35,6 +35,7 @@ class SceneObject:
         boxes: Bounding box of each part or link, in its own frame.
         frames: Each part and grasp point.
         joints: Indices of the joints that move.
+        moving_links: Names of the links that they move.
         passive: What acts on those that have more than constant friction, by name.
     """
 
@@ -44,6 +45,7 @@ class SceneObject:
     boxes: Mapping[str, Box]
     frames: Mapping[str, ObjectFrame]
     joints: tuple[int, ...] = ()
+    moving_links: tuple[str, ...] = ()
     passive: Mapping[str, PassiveJoint] = field(default_factory=dict)
 
 

@@ -9,11 +9,13 @@ from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import ORIGIN, Vec3, add, scale
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.contacts import ContactPoint, contacts
+from taskbuilder.sim.contacts import ContactPoint, contacts, nearest_normal
 from taskbuilder.wording import suggestion
 from taskbuilder.world.end_effector import Push
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject
+
+_SKIN_M = 2e-3  # of two that touch, the gap that Bullet may leave
 
 
 class Touch:
@@ -41,8 +43,10 @@ class Touch:
         """Whether a robot holds an object or part with its gripper."""
         known = self._held.get((body, robot))
         if known is None:
-            pushes = partial(self._pushes, body, robot)
-            known = self._robots[robot].gripper.holds(*self.body(body), pushes)
+            holds = partial(self._robots[robot].gripper.holds, *self.body(body))
+            known = holds(partial(self._pushes, body, robot)) or holds(
+                partial(self._pushes_now, body, robot)
+            )
             self._held[body, robot] = known
         return known
 
@@ -95,9 +99,30 @@ class Touch:
         for tip in self._robots[robot].gripper.tips if touches else ():
             own = [contact for contact in touches if contact.link_a in tip]
             force = _total([scale(contact.normal_on_b, -contact.force) for contact in own])
-            middle = _total([scale(contact.position_on_b, 1.0 / len(own)) for contact in own])
-            pushes.append(Push(force, middle))
+            pushes.append(Push(force, _middle(own)))
         return pushes
+
+    def _pushes_now(self, body: str, robot: str) -> list[Push]:
+        """The same along the surface's normals of this moment; none unless two tips touch.
+
+        A look at distances costs more than a contact that is known, so this is the second look: at
+        what turned together with its gripper, whose contacts have the normals that they began with.
+        """
+        touches = self.between(robot, body)
+        gripper, (other, part) = self._robots[robot].gripper, self.body(body)
+        by_tip = [[c for c in touches if c.link_a in tip] for tip in gripper.tips]
+        by_tip = [own for own in by_tip if own]
+        return [self._push_now(robot, own, other, part) for own in by_tip if len(by_tip) > 1]
+
+    def _push_now(
+        self, robot: str, touches: Sequence[ContactPoint], other: Body, part: int | None
+    ) -> Push:
+        """The push of a tip that has these contacts with a body, or with a part of it."""
+        tip = max(touches, key=lambda contact: contact.force).link_a
+        body = self._robots[robot].body
+        normal = nearest_normal(body, other, _SKIN_M, link_a=tip, link_b=part) or ORIGIN
+        force = sum(contact.force for contact in touches)
+        return Push(scale(normal, -force), _middle(touches))
 
     def body(self, name: str) -> tuple[Body, int | None]:
         """The body of a name and, for a part or link, its index.
@@ -123,6 +148,11 @@ class Touch:
         known = (*self._objects, *self._robots)
         help_ = suggestion(owner, known, what="it has")
         raise UnknownNameError(f'the world has no body "{name}"; {help_}')
+
+
+def _middle(touches: Sequence[ContactPoint]) -> Vec3:
+    """The middle of some contacts; the origin where there are none."""
+    return _total([scale(contact.position_on_b, 1.0 / len(touches)) for contact in touches])
 
 
 def _total(vectors: Sequence[Vec3]) -> Vec3:

@@ -287,6 +287,17 @@ class World(Single):
         """The objects that are not fixed, in file order."""
         return tuple(name for name, thing in self.objects.items() if not thing.spec.fixed)
 
+    @cached_property
+    def holdable(self) -> tuple[str, ...]:
+        """What robots can hold: objects that are not fixed, and moving links of those that are."""
+        handles = (
+            f"{name}.{link}"
+            for name, thing in self.objects.items()
+            if thing.spec.fixed
+            for link in thing.moving_links
+        )
+        return (*self.movable, *handles)
+
     def is_solid(self, name: str) -> bool:
         """Whether a name refers to a body, not to a site."""
         return name not in self.sites

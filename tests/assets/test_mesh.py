@@ -151,9 +151,9 @@ def test_a_large_mesh_is_read_in_seconds(tmp_path: Path) -> None:
     strip = "".join(f"v {i} {i % 2} 0\n" for i in range(100_002))
     faces = "".join(f"f {i} {i + 1} {i + 2}\n" for i in range(1, 100_001))
     path = written(tmp_path, "a.obj", strip + faces)
-    start = time.perf_counter()
+    start = time.process_time()
     assert read_mesh(path).triangles == 100_000
-    assert time.perf_counter() - start < 5
+    assert time.process_time() - start < 5
 
 
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])

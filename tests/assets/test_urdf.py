@@ -263,6 +263,16 @@ def test_warns(read: Reader, text: str, code: str) -> None:
     assert {finding.code for finding in read(text).warnings} == {code}
 
 
+def test_what_is_fixed_to_the_world_needs_no_mass(read: Reader) -> None:
+    shape = "<collision><geometry><box size='1 1 1'/></geometry></collision>"
+    wall = f'<link name="wall">{shape}</link>' + JOINT.format("holds", "base", "wall")
+    stands = with_more(wall)
+    assert [finding.code for finding in read(stands).warnings] == [codes.MASS]
+    assert read(stands, fixed=True).warnings == ()
+    moved = changed(ARM[ARM.index("<inertial>") : ARM.index("    <visual>")], "")
+    assert {finding.code for finding in read(moved, fixed=True).warnings} == {codes.MASS}
+
+
 def test_what_belongs_to_other_programs_is_left_out_in_silence(read: Reader) -> None:
     arm = read(with_more('<gazebo reference="hand"><x/></gazebo><transmission name="t"/>'))
     assert arm.warnings == ()

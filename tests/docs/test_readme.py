@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import textwrap
 from pathlib import Path
@@ -70,3 +71,10 @@ def test_its_links_lead_somewhere():
     targets = re.findall(r"\]\((?!https?:)([^)#]+)", README.read_text(encoding="utf-8"))
     assert targets
     assert [target for target in targets if not (README.parent / target).exists()] == []
+
+
+def test_it_tells_how_many_proved_tasks_the_library_has():
+    told = re.search(r"library of (\d+) proved tasks", README.read_text(encoding="utf-8"))
+    proofs = json.loads((README.parent / "tasks" / "proofs.json").read_text(encoding="utf-8"))
+    assert told
+    assert int(told[1]) == len(proofs)

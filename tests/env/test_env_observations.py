@@ -25,6 +25,8 @@ from hypothesis import strategies as st
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import FileError, UsageError
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.rollout import play
 
 EVERYTHING = facing(
     "left:",
@@ -308,6 +310,24 @@ def test_gripper_holding_and_forces_tell_of_a_grasp(make):
         views, *_ = env.step({"left": {"arm": np.zeros(4), "gripper": np.ones(1)}, "right": close})
     assert views["left"]["self.holding"] == 0.0
     assert views["left"]["self.gripper"] == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_drawer_that_is_held_is_felt(make):
+    env = make("open_drawer")
+    expert = Expert(env)
+    robot = env.possible_agents[0]
+    felt = []
+
+    def look(env):
+        world = env.episode.world
+        held = world.held("cabinet.drawer", robot)
+        felt.append((held, env.episode.holding(robot), max(env.episode.forces(robot))))
+
+    assert play(env, expert, 0, watch=look).success
+    expert.close()
+    assert any(held for held, _, _ in felt)
+    assert all(held == holding for held, holding, _ in felt)
+    assert all(force > 5.0 for held, _, force in felt if held)
 
 
 @pytest.mark.parametrize("normalize", [True, False])

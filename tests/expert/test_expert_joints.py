@@ -9,10 +9,13 @@ from pathlib import Path
 import pytest
 from written_experts import made
 
+from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import FileError
 from taskbuilder.expert.script.dry_run import dry_run
 from taskbuilder.expert.script.player import Expert
+from taskbuilder.task import load_task
 
+TASKS = Path(__file__).resolve().parents[2] / "tasks"
 URDFS = Path(__file__).resolve().parents[1] / "proven_tasks"
 CHEST = """\
     chest:
@@ -185,3 +188,21 @@ def test_what_is_wrong_with_a_joint_is_said_before_anything_moves(said):
     assert said("arm: {press: button, to: 0.02}", objects=BUTTON) == [
         "TB302 expert[0].arm.to: 0.02 m is beyond the limits of press; from 0 m to 0.015 m"
     ]
+
+
+def test_a_handle_stays_held_while_gripper_and_leaf_turn_together(tmp_path):
+    """Bullet leaves the normals of a contact as they were when it began."""
+    files = [*TASKS.glob("double_door.*"), TASKS / "objects" / "double_door_cabinet.urdf"]
+    for file in files:
+        made_of = file.read_text(encoding="utf-8")
+        for said, instead in (("friction: 0.6", "friction: 1.2"), ("to_deg: 65", "to_deg: 75")):
+            made_of = made_of.replace(said, instead)
+        copied = tmp_path / file.relative_to(TASKS)
+        copied.parent.mkdir(exist_ok=True)
+        copied.write_text(made_of, encoding="utf-8")
+    env = parallel_env(load_task(tmp_path / "double_door.yaml"))
+    expert = Expert(env)
+    rollout = expert.play(900_007)
+    expert.close()
+    env.close()
+    assert rollout.success, rollout.log

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from plan_scenes import Scene, facing, made
 
+from taskbuilder.expert.planning.clearance import CLEARANCE_M, Clearance, Posture
 from taskbuilder.expert.planning.collision_world import CollisionWorld
+from taskbuilder.geometry import Pose
 from taskbuilder.sim.contacts import closest_distance, gaps, pose_joints
+from taskbuilder.sim.kinematics import solve
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +73,33 @@ def test_a_copy_has_arms_where_they_are_commanded_and_the_rest_where_it_is(
         copied_pose, pose = collision_world.world.objects[name].body.pose(), thing.body.pose()
         assert copied_pose.position == pytest.approx(pose.position, abs=1e-12)
         assert copied_pose.quaternion == pytest.approx(pose.quaternion, abs=1e-12)
+
+
+@pytest.mark.parametrize("gap_mm", [8.6, 9.4])
+def test_a_motion_may_sag_a_little_from_where_it_begins(both: Scene, collision_world, gap_mm):
+    """On either side of the clearance, the distance at the start has the same tolerance."""
+    left = both.world.robots["left"]
+    start = left.arm.command.values
+
+    def tool_at(height: float) -> Posture:
+        tool = Pose((-0.2, -0.15, height), both.commanded("left").quaternion)
+        goal = left.body.pose().inverse() @ tool
+        found = solve(left.chain, goal, start=start, rng=np.random.default_rng(0))
+        assert found.ok
+        return Posture({"left": found.joints}, {"left": tool})
+
+    def gap(height: float) -> float:
+        collision_world.pose_arm("left", tool_at(height).joints["left"])
+        found = closest_distance(collision_world.world.robots["left"].body, there, within=0.1)
+        assert found is not None
+        return found
+
+    there = collision_world.world.objects["table"].body
+    low = 0.15 - gap(0.15) + gap_mm * 1e-3
+    assert gap(low) == pytest.approx(gap_mm * 1e-3, abs=1e-4)
+    clearance = Clearance(collision_world, ["left"], [], {}, {})
+    clearance.between(tool_at(low), tool_at(0.3))
+    assert clearance.trouble(tool_at(low - 8e-4)) is None
+    too_near = clearance.trouble(tool_at(low - 1.6e-3))
+    assert too_near is not None
+    assert too_near.distance < CLEARANCE_M

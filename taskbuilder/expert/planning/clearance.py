@@ -10,7 +10,7 @@ from taskbuilder.expert.planning.collision_world import AttachedObject, Collisio
 from taskbuilder.expert.planning.errors import PlanningError
 from taskbuilder.geometry import Pose, norm, subtract
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.contacts import gaps
+from taskbuilder.sim.contacts import ClosestPoint, gaps
 
 CLEARANCE_M = 0.009
 """Minimum distance between bodies that need not touch, in metres."""
@@ -29,6 +29,8 @@ close as at that end. Farther on, they must separate by a tenth of the way."""
 PARTING = 0.1
 
 Key = tuple[int, int, int]
+
+_WHOLE = -2  # in place of the link of an object, whose links count as one
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ class ClearanceViolation:
             return f"{self.a} would be {size:.0f} mm inside {self.b}{self.advice}"
         needed = CLEARANCE_M * 1000.0
         kept = f"and {needed:.0f} mm are kept{self.advice}"
-        return f"{self.a} would be {size:.0f} mm from {self.b}, {kept}"
+        return f"{self.a} would be {int(size)} mm from {self.b}, {kept}"
 
 
 @dataclass(frozen=True)
@@ -86,10 +88,11 @@ class _Solid:
     limbs: bool
 
     def called(self, link: int) -> str:
-        if not self.limbs:
-            return f"the {self.name}"
         names = {index: name for name, index in self.body.links.items()}
-        return f"{self.name}'s {names[link]}"
+        if self.limbs:
+            return f"{self.name}'s {names[link]}"
+        named = len(names) > 1 and link in names
+        return f"the {names[link]} of the {self.name}" if named else f"the {self.name}"
 
 
 class Clearance:
@@ -130,13 +133,13 @@ class Clearance:
         """
         self._ends = (start, goal)
         at_start, at_goal = self._nearest(start), self._nearest(goal)
-        deepest = min(at_goal, key=lambda key: at_goal[key], default=None)
+        self._allowed = (_distances(at_start), _distances(at_goal))
+        deepest = min(at_goal, key=lambda key: at_goal[key].distance, default=None)
         if deepest is not None:
-            deep = at_goal[deepest]
-            if deep < min(-DEEPEST_M, at_start.get(deepest, 0.0) - SLACK_M):
-                near = self._near(deepest, deep)
+            gap = at_goal[deepest]
+            if gap.distance < min(-DEEPEST_M, self._allowed[0].get(deepest, 0.0) - SLACK_M):
+                near = self._near(deepest[0], gap)
                 raise PlanningError(near.robot, "in collision", f"where it is to go, {near}")
-        self._allowed = (at_start, at_goal)
 
     def trouble(self, posture: Posture) -> ClearanceViolation | None:
         """Bodies that are too close to each other on the way."""
@@ -145,7 +148,7 @@ class Clearance:
             for gap in gaps(one.body, other.body, CLEARANCE_M):
                 key = _key(number, one, other, gap.link_a, gap.link_b)
                 if gap.distance < CLEARANCE_M - 1e-9 and gap.distance < self._least(key, posture):
-                    return self._near(key, gap.distance)
+                    return self._near(number, gap)
         return None
 
     def _least(self, key: Key, posture: Posture) -> float:
@@ -162,14 +165,18 @@ class Clearance:
         )
         return min(CLEARANCE_M, (at or 0.0) - SLACK_M + PARTING * max(0.0, away - GRACE_M))
 
-    def _nearest(self, posture: Posture) -> dict[Key, float]:
-        """The smallest distance of each close pair in a posture."""
+    def _nearest(self, posture: Posture) -> dict[Key, ClosestPoint]:
+        """Where each close pair is nearest in a posture.
+
+        Pairs a little farther apart than `CLEARANCE_M` belong to them, so that these have the same
+        `SLACK_M` as pairs a little nearer.
+        """
         self._place(posture)
-        found: dict[Key, float] = {}
+        found: dict[Key, ClosestPoint] = {}
         for number, (one, other) in enumerate(self._pairs):
-            for gap in gaps(one.body, other.body, CLEARANCE_M):
+            for gap in gaps(one.body, other.body, CLEARANCE_M + SLACK_M):
                 key = _key(number, one, other, gap.link_a, gap.link_b)
-                found[key] = min(gap.distance, found.get(key, CLEARANCE_M))
+                found[key] = min(gap, found.get(key, gap), key=lambda gap: gap.distance)
         return found
 
     def _place(self, posture: Posture) -> None:
@@ -179,13 +186,11 @@ class Clearance:
             body = self._collision_world.world.objects[rider.name].body
             body.place(posture.tools[rider.robot] @ rider.pose)
 
-    def _near(self, key: Key, distance: float) -> ClearanceViolation:
-        number, link_a, link_b = key
+    def _near(self, number: int, gap: ClosestPoint) -> ClearanceViolation:
         one, other = self._pairs[number]
-        advice = self._advice(other, distance)
-        return ClearanceViolation(
-            one.called(link_a), other.called(link_b), one.driver, distance, advice
-        )
+        advice = self._advice(other, gap.distance)
+        names = one.called(gap.link_a), other.called(gap.link_b)
+        return ClearanceViolation(*names, one.driver, gap.distance, advice)
 
     def _advice(self, other: _Solid, distance: float) -> str:
         thing = self._collision_world.world.objects.get(other.name)
@@ -197,6 +202,10 @@ class Clearance:
 
     def _drivers(self, key: Key) -> Iterator[str]:
         return (solid.driver for solid in self._pairs[key[0]] if solid.driver)
+
+
+def _distances(nearest: Mapping[Key, ClosestPoint]) -> dict[Key, float]:
+    return {key: gap.distance for key, gap in nearest.items()}
 
 
 def _solids(collision_world: CollisionWorld, drivers: Mapping[str, str]) -> Iterator[_Solid]:
@@ -226,4 +235,4 @@ def _pairs(
 
 
 def _key(number: int, one: _Solid, other: _Solid, link_a: int, link_b: int) -> Key:
-    return (number, link_a if one.limbs else 0, link_b if other.limbs else 0)
+    return (number, link_a if one.limbs else _WHOLE, link_b if other.limbs else _WHOLE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 
@@ -287,6 +287,7 @@ class Executor:
             missed[robot] = 0 if world.held(load, robot) else missed[robot] + 1
             if missed[robot] > LOST_STEPS:
                 message = f"{robot} has lost {load} on the way, at {_place(world.position(load))}"
+                message += self._locks({load.partition(".")[0]})
                 raise StageError(_whose(robot, told), robot, "lost on the way", message)
 
     def _shifted(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
@@ -321,24 +322,23 @@ class Executor:
                 what = go.subject or f"{robot}.tcp"
                 gap = self._gap(go)
                 far = f"stays {gap * 100:.1f} cm away" if math.isfinite(gap) else "is lost"
-                touched = self._touched(robot)
+                touched = ", ".join(self._touched(robot))
                 by = f"; {robot} touches {touched}" if touched else ""
-                by += self._locks_at(robot)
+                by += self._locks(self._touched(robot))
                 message = f"{what} {far} from where it is to be{by}"
                 raise StageError(told[who], robot, "not arrived", message)
 
-    def _touched(self, robot: str) -> str:
+    def _touched(self, robot: str) -> list[str]:
         world = self._env.episode.world
         others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
-        return ", ".join(n for n in others if world.touching(robot, n))
+        return [n for n in others if world.touching(robot, n)]
 
-    def _locks_at(self, robot: str) -> str:
-        """What is locked of the objects that a robot touches."""
-        world = self._env.episode.world
+    def _locks(self, objects: Collection[str]) -> str:
+        """What is locked of some objects."""
         shut = [
             f'{joint} is locked unless "{condition}" holds'
-            for joint, condition in world.locked.items()
-            if world.touching(robot, joint.partition(".")[0])
+            for joint, condition in self._env.episode.world.locked.items()
+            if joint.partition(".")[0] in objects
         ]
         return "".join(f"; {each}" for each in shut)
 
@@ -372,12 +372,12 @@ class Executor:
     def _missed(self, grip: Grip) -> str:
         world = self._env.episode.world
         state = world.robots[grip.robot].gripper.words()
+        touched = ", ".join(self._touched(grip.robot))
+        state += f" and touches {touched}" if touched else ""
         if grip.opening:
-            return f"{grip.robot} does not let go of {grip.thing or 'anything'}: {state}"
+            return f"{grip.robot} does not let go of {grip.thing or 'what it touches'}: {state}"
         forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
         felt = f"pressing with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
-        touched = self._touched(grip.robot)
-        state += f" and touches {touched}" if touched else ""
         return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from taskbuilder.expert.planning.planner import Move
 from taskbuilder.expert.planning.subspaces import Arc
 from taskbuilder.expert.script.joints import Joint
@@ -13,6 +15,9 @@ from taskbuilder.expert.script.situation import (
 )
 from taskbuilder.geometry import Pose, dot, norm, scale, subtract
 from taskbuilder.schema.order import Order
+
+TURN_TOLERANCE = math.radians(7.5)
+"""Default tolerance of a joint that is turned, so that a handle near its axis is not far off."""
 
 
 def move_joint(now: Situation, robot: str, order: Order) -> Go:
@@ -51,5 +56,6 @@ def move_joint(now: Situation, robot: str, order: Order) -> Go:
         speed=order.speed,
         touching=(*order.touching, joint.thing),
     )
-    tolerance = order.tolerance or LOAD_TOLERANCE_M
+    usual = LOAD_TOLERANCE_M if joint.slides else min(LOAD_TOLERANCE_M, TURN_TOLERANCE * radius)
+    tolerance = order.tolerance or usual
     return Go((move,), "", tolerance, joint=(joint.name, target), holds=handle or "", gap=gap)

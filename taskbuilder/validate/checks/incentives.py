@@ -200,6 +200,7 @@ class _Rival:
         expert: Mean return of the expert.
         earned: Mean return of the probe.
         lead: The expert's return minus the probe's, pair by pair.
+        successes: The number of the probe's episodes that succeeded, and are left out.
         steps: Discounted number of control steps of the episode.
     """
 
@@ -208,11 +209,13 @@ class _Rival:
     expert: float
     earned: float
     lead: PairedDifference
+    successes: int
     steps: float
 
 
 def _pairs(rival: _Rival) -> str:
-    return f"{rival.lead.pairs} pair{'s' * (rival.lead.pairs > 1)}"
+    left_out = f", without {rival.successes} that succeeded" if rival.successes else ""
+    return f"{rival.lead.pairs} pair{'s' * (rival.lead.pairs > 1)}{left_out}"
 
 
 def _closeness(rival: _Rival) -> tuple[bool, float]:
@@ -235,7 +238,9 @@ def _beside_expert(
     Successful episodes of the probe are left out, since the reward is meant for them. A probe is
     left out if some of its episodes succeed and fewer than `LEAST_PAIRS` others remain.
     """
-    common = [start for start, play in found.items() if start in expert and not play.success]
+    both = [start for start in found if start in expert]
+    common = [start for start in both if not found[start].success]
+    successes = len(both) - len(common)
     if len(common) < (LEAST_PAIRS if len(common) < len(found) else 1):
         return
     steps = max(expert[start].steps for start in common)
@@ -245,7 +250,7 @@ def _beside_expert(
         )
         weighted = steps if discount == 1.0 else (1.0 - discount**steps) / (1.0 - discount)
         lead = PairedDifference.of(ours, theirs)
-        yield _Rival(way, discount, _mean(ours), _mean(theirs), lead, weighted)
+        yield _Rival(way, discount, _mean(ours), _mean(theirs), lead, successes, weighted)
 
 
 def _finding(context: Context, sort: _Sort, rival: _Rival, better: int) -> Finding:
