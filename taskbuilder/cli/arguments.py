@@ -248,8 +248,8 @@ def _add_render(adder: Adder) -> None:
         "--randomize",
         type=whole(1, 100),
         metavar="N",
-        help="instead, one sheet of N episodes, in which light, colours of furniture and "
-        "background, cameras, and what the task lists under randomize are drawn",
+        help="instead, one sheet of N episodes, in which the looks, and the quantities that the "
+        "task lists under randomize, are drawn",
     )
     add_json(parser)
 

@@ -42,7 +42,7 @@ def add_randomize(parser: ArgumentParser) -> None:
         const="quantities",
         choices=("quantities", "looks", "all"),
         help="quantities (the default of the option): draw what the task lists under randomize; "
-        "looks: draw light, colours of furniture and background, and cameras; all: both",
+        "looks: draw light, colours, textures, distractors and cameras; all: both",
     )
 
 

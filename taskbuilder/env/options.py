@@ -50,7 +50,8 @@ class Options:
         variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
             episode.
         randomize: True: draw the quantities that the task lists under ``randomize``; ``looks``:
-            draw light, background, colours of furniture and cameras instead; ``all``: both.
+            draw how the scene looks instead: light, colours, textures, distractors and cameras;
+            ``all``: both.
         position_noise: Standard deviation in metres of Gaussian noise on every number of an
             observed position, besides the noise of the task file; the state has none.
         observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,

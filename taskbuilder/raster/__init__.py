@@ -15,6 +15,7 @@ from taskbuilder.raster.meshes import (
     simplified,
     sphere,
 )
+from taskbuilder.raster.patterns import Pattern
 from taskbuilder.raster.scene import Camera, Drawing, Lamp, MeshInstance, Scene
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "Drawing",
     "Lamp",
     "MeshInstance",
+    "Pattern",
     "Scene",
     "TriangleMesh",
     "box",

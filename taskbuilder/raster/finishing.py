@@ -107,12 +107,7 @@ def darken(
         for column in range(width):
             if ids[row, column] < 0 or shades[row, column] <= ambient:
                 continue
-            z = 1.0 / keys[row, column]
-            x = (column + 0.5 - lens[1]) / lens[0] * z
-            y = (row + 0.5 - lens[2]) / lens[0] * z
-            wx = world[0, 0] * x + world[0, 1] * y + world[0, 2] * z + world[0, 3]
-            wy = world[1, 0] * x + world[1, 1] * y + world[1, 2] * z + world[1, 3]
-            wz = world[2, 0] * x + world[2, 1] * y + world[2, 2] * z + world[2, 3]
+            wx, wy, wz, _ = seen_point(row, column, keys[row, column], lens, world)
             u = _along(lamp_view, 0, wx, wy, wz) * lamp_lens[0] + lamp_lens[1] - 0.5
             v = _along(lamp_view, 1, wx, wy, wz) * lamp_lens[0] + lamp_lens[2] - 0.5
             key = -_along(lamp_view, 2, wx, wy, wz) + bias
@@ -138,6 +133,30 @@ def darken(
                         lit += weight
             left_over = 1.0 - darkness * (1.0 - lit / 9.0)
             shades[row, column] = ambient + (shades[row, column] - ambient) * left_over
+
+
+@njit(cache=True, nogil=True, inline="always")
+def seen_point(
+    row: int, column: int, key: float, lens: Array, world: Array
+) -> tuple[float, float, float, float]:
+    """The point in the world that a pixel shows, and its depth, m.
+
+    Args:
+        row: Of the pixel.
+        column: Of the pixel.
+        key: Of the pixel, in a z-buffer under perspective.
+        lens: As for `filling.draw`.
+        world: (3, 4) rotation and position of the camera in the world.
+    """
+    z = 1.0 / key
+    x = (column + 0.5 - lens[1]) / lens[0] * z
+    y = (row + 0.5 - lens[2]) / lens[0] * z
+    return (
+        world[0, 0] * x + world[0, 1] * y + world[0, 2] * z + world[0, 3],
+        world[1, 0] * x + world[1, 1] * y + world[1, 2] * z + world[1, 3],
+        world[2, 0] * x + world[2, 1] * y + world[2, 2] * z + world[2, 3],
+        z,
+    )
 
 
 @njit(cache=True, nogil=True, inline="always")

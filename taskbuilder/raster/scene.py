@@ -10,10 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.raster import filling, finishing
+from taskbuilder.raster import filling, finishing, patterns
 from taskbuilder.raster.meshes import TriangleMesh
+from taskbuilder.raster.patterns import Pattern
 
 Array = NDArray[np.float64]
+
+_PLAIN = Pattern("checks", (0.0, 0.0, 0.0), 1.0, 0.0)
+"""In the place of a shape that has no pattern."""
 
 SHADOW_SIDE = 1024
 """Width and height of the depth map in which shadows are looked up."""
@@ -36,6 +40,7 @@ class MeshInstance:
         color: Red, green, blue and opacity, 0 to 1. What is translucent is drawn over the rest; it
             has no depth and is not in the segmentation.
         casts_shadow: Whether it is between the lamp and others.
+        pattern: Alternates with the colour, on what is opaque; None for one colour.
     """
 
     mesh: TriangleMesh
@@ -43,6 +48,7 @@ class MeshInstance:
     pose: Array
     color: tuple[float, float, float, float]
     casts_shadow: bool = True
+    pattern: Pattern | None = None
 
 
 @dataclass(frozen=True)
@@ -149,6 +155,12 @@ class Scene:
         self._solid = everything[self._opacity >= 1.0]
         self._glass = everything[(self._opacity > 0.0) & (self._opacity < 1.0)]
         self._casting = self._solid[[shapes[s].casts_shadow for s in self._solid]]
+        found = [shape.pattern or _PLAIN for shape in shapes]
+        self._patterns = np.array([pattern.numbers for pattern in found]).reshape(-1, 4)
+        self._patterns[[shape.pattern is None for shape in shapes], 0] = -1.0
+        self._seconds = np.array([pattern.color for pattern in found], np.float32).reshape(-1, 3)
+        self._seconds *= 255.0
+        self._patterned = any(shape.pattern for shape in shapes)
         self._poses = np.empty((0, 3, 4))
 
     def place(self, links: Array) -> None:
@@ -189,6 +201,10 @@ class Scene:
         rgb, depth = np.empty((*size, 3), np.uint8), np.empty(size, np.float32)
         colors = self._colors * np.array(lamp.color, np.float32)
         finishing.resolve(*buffer, colors, backdrop, camera.far, rgb, depth)
+        if self._patterned:
+            seconds = self._seconds * np.array(lamp.color, np.float32)
+            about = (_inverse(view), lens, self._poses, self._patterns, colors, seconds)
+            patterns.paint(*buffer, *about, rgb)
         if len(self._glass):
             self._glaze(view, lens, light, buffer, colors, rgb)
         return Drawing(rgb, depth, buffer.ids)
@@ -249,9 +265,8 @@ class Scene:
         lamp = _Buffer.empty((SHADOW_SIDE, SHADOW_SIDE), -math.inf)
         light = np.array((*direction, 1.0, 0.0))
         self._fill(self._casting, lamp_view, lamp_lens, light, lamp, flat=True)
-        world = np.concatenate([view[:, :3].T, -(view[:, :3].T @ view[:, 3:])], axis=1)
         finishing.darken(
-            *(*buffer, world, lens, lamp_view, lamp_lens, lamp.keys),
+            *(*buffer, _inverse(view), lens, lamp_view, lamp_lens, lamp.keys),
             *(ambient, SHADOW_BIAS_M, SHADOW_DEPTH),
         )
 
@@ -270,6 +285,11 @@ class Scene:
         view = np.concatenate([turn, -(turn @ middle)[:, None]], axis=1)
         half = SHADOW_SIDE / 2.0
         return view, np.array((half / radius, half, half, 0.0, math.inf))
+
+
+def _inverse(view: Array) -> Array:
+    """(3, 4) rotation and position of the camera in the world."""
+    return np.concatenate([view[:, :3].T, -(view[:, :3].T @ view[:, 3:])], axis=1)
 
 
 def _stacked(arrays: Sequence[NDArray[np.generic]], kind: type) -> NDArray[np.generic]:

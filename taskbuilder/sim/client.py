@@ -11,6 +11,7 @@ from taskbuilder.geometry import Vec3
 from taskbuilder.quiet import captured
 from taskbuilder.sim.bullet import Calls, p
 from taskbuilder.sim.renderers import Renderer, load_egl
+from taskbuilder.sim.scenery import Scenery
 from taskbuilder.sim.single import Single
 
 # Thirty let a held stick slip by 16 mm where 60 do by half a millimetre; a hundred take a fifth
@@ -38,6 +39,7 @@ class Client(Single):
         physics_hz: Physics steps a second.
         renderer: What draws its pictures.
         snapshots: How many snapshots of it are kept.
+        scenery: What is drawn beside the bodies; count its changes in `looks`, too.
         looks: How often the look of a body was changed.
         drawn: What the rasteriser keeps of its bodies, for its next picture.
         holders: Its links that can hold others; see `attachments`.
@@ -58,6 +60,7 @@ class Client(Single):
         self.physics_hz = physics_hz
         self.renderer = renderer
         self.snapshots = 0
+        self.scenery = Scenery()
         self.looks = 0
         self.drawn: object = None
         self.holders: list[Any] = []

@@ -13,6 +13,7 @@ from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.geometry import Pose, Quat, Vec3
 from taskbuilder.raster import (
     MeshInstance,
+    Pattern,
     Scene,
     TriangleMesh,
     box,
@@ -26,9 +27,17 @@ from taskbuilder.sim.body import BASE, inertial_frame
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.mesh_colors import WHITE, Color, face_colors
+from taskbuilder.sim.scenery import Distractor, Texture
+from taskbuilder.sim.shapes import BoxShape, CylinderShape, SphereShape
 
 FLOOR_REACH_M = 1.5
 """What is wider than this, from its middle, casts no shadow that anybody would see."""
+
+TEXTURE_SHARE = 0.55
+"""Of a texture's colour, where it alternates with that of a shape, so that parts stay apart."""
+
+_WORLD = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+"""The pose of the world's frame, for what belongs to no body."""
 
 MOST_TRIANGLES = 2_400
 """Meshes with more are simplified."""
@@ -53,8 +62,8 @@ class RasterWorld:
     Attributes:
         state: As it was given.
         scene: The shapes.
-        bodies: Bullet's number of the body of each shape, and -1.
-        links: Index of the link of each shape, and -1.
+        bodies: Bullet's number of the body of each shape, -1 for a distractor, and -1.
+        links: Index of the link of each shape, -1 for a distractor, and -1.
     """
 
     def __init__(self, client: Client, state: tuple[int, int]) -> None:
@@ -70,11 +79,14 @@ class RasterWorld:
             inertial = inertial_frame(client, body, BASE)
             base = None if inertial == Pose() else inertial.inverse()
             self._bodies.append((body, base, list(range(count))))
+            texture = client.scenery.textures.get(body)
             for data in self._bullet.getVisualShapeData(body):
-                made = _shapes(rows + 1 + data[1], *data[2:8])
+                made = _shapes(rows + 1 + data[1], texture, *data[2:8])
                 shapes += made
                 owners += [(body, data[1])] * len(made)
             rows += 1 + count
+        shapes += [_drawn_only(rows, thing) for thing in client.scenery.distractors]
+        owners += [(-1, -1)] * len(client.scenery.distractors)
         self.scene = Scene(shapes)
         self.bodies = np.array([*(body for body, _ in owners), -1], np.int32)
         self.links = np.array([*(link for _, link in owners), -1], np.int32)
@@ -92,11 +104,42 @@ class RasterWorld:
             if links:
                 states = bullet.getLinkStates(body, links, computeForwardKinematics=1)
                 rows += [state[4] + state[5] for state in states]
+        rows.append(_WORLD)
         self.scene.place(np.array(rows))
+
+
+def _pattern(texture: Texture | None, own: Color) -> Pattern | None:
+    """The rasteriser's form of a texture on a shape of a colour."""
+    if texture is None:
+        return None
+    red, green, blue = (
+        TEXTURE_SHARE * new + (1.0 - TEXTURE_SHARE) * old
+        for new, old in zip(texture.color, own, strict=True)
+    )
+    return Pattern(texture.kind, (red, green, blue), texture.period, texture.angle)
+
+
+def _drawn_only(row: int, thing: Distractor) -> MeshInstance:
+    """The rasteriser's form of a distractor, in the row of the world's frame."""
+    match thing.shape:
+        case BoxShape(size):
+            mesh = box(size)
+        case CylinderShape(radius, length):
+            mesh = cylinder(radius, length)
+        case SphereShape(radius):
+            mesh = sphere(radius)
+    return MeshInstance(mesh, row, _matrix(thing.pose), (*thing.color, 1.0))
+
+
+def _matrix(pose: Pose) -> NDArray[np.float64]:
+    """(3, 4) rotation and position."""
+    columns = [pose.axis(0), pose.axis(1), pose.axis(2), pose.position]
+    return np.ascontiguousarray(np.array(columns).T)
 
 
 def _shapes(
     row: int,
+    texture: Texture | None,
     kind: int,
     sizes: tuple[float, ...],
     file: bytes,
@@ -105,15 +148,14 @@ def _shapes(
     color: tuple[float, float, float, float],
 ) -> list[MeshInstance]:
     """What Bullet's account of a shape looks like; nothing for one that cannot be drawn."""
-    in_link = Pose(position, quaternion)
-    columns = [in_link.axis(0), in_link.axis(1), in_link.axis(2), position]
-    pose = np.ascontiguousarray(np.array(columns).T)
+    pose = _matrix(Pose(position, quaternion))
     red, green, blue, opacity = color
     shapes = []
     for mesh, (r, g, b) in _meshes(kind, tuple(sizes), file):
         wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
-        tinted = (red * r, green * g, blue * b, opacity)
-        shapes.append(MeshInstance(mesh, row, pose, tinted, casts_shadow=not wide))
+        own = (red * r, green * g, blue * b)
+        pattern = _pattern(texture, own)
+        shapes.append(MeshInstance(mesh, row, pose, (*own, opacity), not wide, pattern))
     return shapes
 
 

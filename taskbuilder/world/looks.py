@@ -1,4 +1,4 @@
-"""How an episode looks where looks vary: light, background, furniture and cameras.
+"""How an episode looks where looks vary: light, background, furniture, distractors and cameras.
 
 Nothing of it is felt by the physics. A look is drawn from a random-number generator of its own, so
 that episodes with the same seed happen alike with it and without.
@@ -19,11 +19,21 @@ from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import DAYLIGHT, STUDIO, Backdrop, Light
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.scenery import Distractor, PatternKind, Scenery, Texture
 from taskbuilder.sim.shapes import RGBA
 from taskbuilder.world.scene_objects import SceneObject
 
 PAINT_SHARE = 0.7
 """Of a drawn colour, in what is painted; the rest is its own, so that parts stay apart."""
+
+TEXTURED = 0.6
+"""How often furniture and the floor have a texture."""
+
+FURNITURE_PERIOD_M, FLOOR_PERIOD_M = (0.04, 0.16), (0.15, 0.6)
+"""How often a texture repeats."""
+
+PATTERNS: tuple[PatternKind, ...] = ("checks", "stripes", "grain", "speckles")
 
 ELEVATION_DEG = (40.0, 80.0)
 WARMTH = 0.1
@@ -65,6 +75,9 @@ class Look:
         paints: Colours of furniture, by object.
         floor: Colour of the floor, or None.
         cameras: What differs in each camera.
+        textures: Of furniture, by object.
+        floor_texture: Of the floor, or None.
+        distractors: Things that are only drawn.
     """
 
     light: Light = DAYLIGHT
@@ -72,6 +85,9 @@ class Look:
     paints: Mapping[str, Vec3] = field(default_factory=lambda: frozen({}))
     floor: Vec3 | None = None
     cameras: Mapping[str, CameraChange] = field(default_factory=lambda: frozen({}))
+    textures: Mapping[str, Texture] = field(default_factory=lambda: frozen({}))
+    floor_texture: Texture | None = None
+    distractors: tuple[Distractor, ...] = ()
 
     @property
     def studio(self) -> Backdrop:
@@ -84,7 +100,7 @@ AS_WRITTEN = Look()
 
 
 def draw_look(task: TaskSpec, scene: SceneSpec, rng: np.random.Generator) -> Look:
-    """A look, from the generator of an episode's looks.
+    """A look without distractors, from the generator of an episode's looks.
 
     Args:
         task: The task.
@@ -94,9 +110,14 @@ def draw_look(task: TaskSpec, scene: SceneSpec, rng: np.random.Generator) -> Loo
     light = _light(rng)
     backdrop = Backdrop(_eight_bit(_pale(rng)), _eight_bit(_pale(rng)))
     floor = _pale(rng)
-    paints = {name: _paint(rng) for name in furniture(task, scene)}
+    painted = furniture(task, scene)
+    paints = {name: _paint(rng) for name in painted}
     cameras = {name: _camera(camera, rng) for name, camera in scene.cameras.items()}
-    return Look(light, backdrop, frozen(paints), floor, frozen(cameras))
+    drawn = {name: _texture(rng, FURNITURE_PERIOD_M) for name in painted}
+    textures = {name: texture for name, texture in drawn.items() if texture}
+    floor_texture = _texture(rng, FLOOR_PERIOD_M)
+    about = (frozen(paints), floor, frozen(cameras), frozen(textures), floor_texture)
+    return Look(light, backdrop, *about)
 
 
 def furniture(task: TaskSpec, scene: SceneSpec) -> list[str]:
@@ -120,24 +141,42 @@ class Painter:
     """Paints the floor and furniture, and knows what they looked like before.
 
     Args:
+        client: The world.
         objects: The objects of the scene.
         floor: The floor, if there is one.
         names: Objects that may be painted.
     """
 
     def __init__(
-        self, objects: Mapping[str, SceneObject], floor: Body | None, names: Collection[str]
+        self,
+        client: Client,
+        objects: Mapping[str, SceneObject],
+        floor: Body | None,
+        names: Collection[str],
     ) -> None:
+        self._client = client
         self._bodies = {name: objects[name].body for name in names if name in objects}
         self._floor = floor
         self._own: dict[int, Mapping[int, RGBA]] = {}  # by body, when it is first painted
 
     def paint(self, look: Look) -> None:
-        """Give everything its colours in a look."""
+        """Give everything its colours and textures in a look, and put its distractors there."""
+        self._client.scenery = self._scenery(look)
+        self._client.looks += 1
         for body, color in self._painted(look):
             own = self._own.setdefault(body.id, body.colors())
             for link, rgba in own.items():
                 body.set_color(rgba if color is None else _mixed(color, rgba), link)
+
+    def _scenery(self, look: Look) -> Scenery:
+        textures = {
+            body.id: look.textures[name]
+            for name, body in self._bodies.items()
+            if name in look.textures
+        }
+        if self._floor is not None and look.floor_texture is not None:
+            textures[self._floor.id] = look.floor_texture
+        return Scenery(textures, look.distractors)
 
     def _painted(self, look: Look) -> Iterator[tuple[Body, Vec3 | None]]:
         for name, body in self._bodies.items():
@@ -178,6 +217,14 @@ def _paint(rng: np.random.Generator) -> Vec3:
     """The colour of furniture: any hue, neither glaring nor black."""
     hue, saturation, value = rng.uniform((0.0, 0.0, 0.35), (1.0, 0.55, 0.95)).tolist()
     return colorsys.hsv_to_rgb(hue, saturation, value)
+
+
+def _texture(rng: np.random.Generator, period: tuple[float, float]) -> Texture | None:
+    """A texture, or none. As many numbers are drawn either way."""
+    there, kind = float(rng.random()), PATTERNS[int(rng.integers(len(PATTERNS)))]
+    color, length = _paint(rng), float(rng.uniform(*period))
+    angle = float(rng.uniform(0.0, math.pi))
+    return Texture(kind, color, length, angle) if there < TEXTURED else None
 
 
 def _pale(rng: np.random.Generator) -> Vec3:

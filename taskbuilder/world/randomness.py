@@ -52,8 +52,12 @@ class EpisodeRandomness:
         return self._generator(6)
 
     def looks(self) -> np.random.Generator:
-        """For light, colours of furniture and cameras, where looks vary."""
+        """For light, colours and textures of furniture, and cameras, where looks vary."""
         return self._generator(7)
+
+    def distractors(self) -> np.random.Generator:
+        """For things that are only drawn, where looks vary."""
+        return self._generator(8)
 
     def _generator(self, purpose: int) -> np.random.Generator:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +19,7 @@ from taskbuilder.sim.client import Client
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, release, restore, save
 from taskbuilder.world.cameras import camera_view
+from taskbuilder.world.distractors import scattered
 from taskbuilder.world.forces import ForceMeter, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
@@ -87,7 +89,7 @@ class World(Single):
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
         self.look = AS_WRITTEN
-        self._painter = Painter(objects, floor, furniture(task.spec, scene))
+        self._painter = Painter(client, objects, floor, furniture(task.spec, scene))
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
         self._springs = tuple(
@@ -117,7 +119,7 @@ class World(Single):
             seed: Seed for placement and for randomisation; each has its own random-number
                 generator.
             randomized: Draw the quantities that the task file lists under ``randomize``.
-            looks: Draw light, background, colours of furniture and cameras.
+            looks: Draw how the scene looks: light, colours, textures, distractors and cameras.
 
         Raises:
             PlacementError: The objects do not fit.
@@ -129,10 +131,12 @@ class World(Single):
         self.restore(self._built or self.keep_as_built())
         if randomized:
             self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
-        if looks:
-            self._set_look(draw_look(self.spec, self.scene, randomness.looks()))
         place_all(self, randomness.placement())
         self._run({}, self._settling_steps)
+        if looks:
+            look = draw_look(self.spec, self.scene, randomness.looks())
+            things = scattered(self, randomness.distractors())
+            self._set_look(replace(look, distractors=things))
         self.time = 0.0
         self._forces.clear()
 

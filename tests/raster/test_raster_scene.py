@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taskbuilder.raster import Camera, Drawing, Lamp, MeshInstance, Scene, box, sphere
+from taskbuilder.raster import Camera, Drawing, Lamp, MeshInstance, Pattern, Scene, box, sphere
 
 NOWHERE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 IN_LINK = np.eye(3, 4)
@@ -130,3 +130,49 @@ def test_the_same_scene_gives_the_same_picture_to_the_bit():
     one, two = picture(), picture()
     assert one.rgb.tobytes() == two.rgb.tobytes()
     assert one.depth.tobytes() == two.depth.tobytes()
+
+
+def board(kind: str, distance: float, period: float = 0.1) -> Drawing:
+    """A red and green board across the picture."""
+    pattern = Pattern(kind, (0.0, 1.0, 0.0), period, 0.3)
+    shape = MeshInstance(box((8.0, 8.0, 0.02)), 0, IN_LINK, RED, pattern=pattern)
+    return drawn([shape], [at(0, 0, distance)])
+
+
+@pytest.mark.parametrize("kind", ["checks", "stripes", "grain", "speckles"])
+def test_a_pattern_alternates_between_two_colours(kind):
+    seen = board(kind, 0.5)
+    red, green, blue = np.moveaxis(seen.rgb.astype(int), -1, 0)
+    assert (blue == 0).all()
+    assert (np.abs(red + green - 255) <= 1).all()
+    for channel in (red, green):
+        assert channel.max() > 230
+        assert 0.15 < channel.mean() / 255 < 0.85
+    np.testing.assert_array_equal(seen.rgb, board(kind, 0.5).rgb)
+
+
+def test_a_pattern_finer_than_pixels_is_seen_as_its_mean():
+    fine = board("checks", 5.0, period=0.01).rgb.astype(int)
+    assert (np.abs(fine[..., 0] - 128) <= 4).all()
+    assert (np.abs(fine[..., 1] - 128) <= 4).all()
+
+
+def test_a_pattern_moves_with_its_shape():
+    period = 0.4
+    one = board("stripes", 1.0, period).rgb
+    pattern = Pattern("stripes", (0.0, 1.0, 0.0), period, 0.3)
+    shape = MeshInstance(box((8.0, 8.0, 0.02)), 0, IN_LINK, RED, pattern=pattern)
+    # 10 pixels at 60 pixels of focal length, and 0.99 m from the face of the board.
+    moved = drawn([shape], [at(10 * 0.99 / 60, 0, 1.0)]).rgb
+    difference = np.abs(moved[:, 10:].astype(int) - one[:, :-10])
+    assert np.median(difference) <= 1
+    assert np.abs(moved.astype(int) - one).mean() > 20
+
+
+def test_only_the_shape_with_the_pattern_has_it():
+    pattern = Pattern("stripes", (0.0, 0.0, 1.0), 0.1, 0.0)
+    behind = MeshInstance(box((8.0, 8.0, 0.02)), 0, IN_LINK, RED)
+    before = MeshInstance(box((0.4, 0.4, 0.02)), 1, IN_LINK, GREEN, pattern=pattern)
+    seen = drawn([behind, before], [at(0, 0, 2.0), at(0, 0, 1.0)])
+    assert (seen.rgb[seen.shapes == 0] == (255, 0, 0)).all()
+    assert (seen.rgb[seen.shapes == 1][:, 2] > 200).any()

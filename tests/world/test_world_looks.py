@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from taskbuilder import load_task, parallel_env
 from taskbuilder.errors import UsageError
 from taskbuilder.sim.cameras import capture
+from taskbuilder.sim.shapes import BoxShape, SphereShape
+from taskbuilder.world.distractors import CLEAR_M, HALF_M
 from taskbuilder.world.looks import AS_WRITTEN, SHIFT_M
 
 SCENE = """
@@ -113,6 +118,57 @@ def test_a_saved_state_keeps_its_look(build):
     assert picture(world) != seen
     world.restore(state)
     assert picture(world) == seen
+
+
+def test_furniture_and_the_floor_have_textures_in_some_episodes(build):
+    world = build(SCENE)
+    seen = set()
+    for seed in range(12):
+        world.reset(seed, looks=True)
+        seen |= set(world.look.textures)
+        seen |= {"floor"} if world.look.floor_texture else set()
+    assert seen == {"table", "shelf", "floor"}
+    world.reset(0)
+    assert not world.client.scenery.textures
+
+
+def test_distractors_stand_beside_what_the_episode_is_about(build):
+    world = build(SCENE)
+    found = []
+    for seed in range(10):
+        world.reset(seed, looks=True)
+        cube = world.pose("cube").position
+        for thing in world.look.distractors:
+            x, y, z = thing.pose.position
+            assert math.hypot(x - cube[0], y - cube[1]) > CLEAR_M + HALF_M[0]
+            low = z - bottom(thing.shape)
+            assert min(abs(low), abs(low - 0.2), abs(low - 0.6)) < 1e-3  # floor, table or shelf
+            found.append(low)
+    assert len(found) >= 20
+    assert any(abs(low - 0.2) < 1e-3 for low in found)
+    world.reset(0)
+    assert not world.look.distractors
+
+
+def bottom(shape):
+    """How far the lowest point of a shape is below its centre."""
+    if isinstance(shape, SphereShape):
+        return shape.radius
+    return (shape.size[2] if isinstance(shape, BoxShape) else shape.length) / 2.0
+
+
+def test_distractors_are_seen_and_are_no_bodies(build):
+    world = build(SCENE)
+    world.reset(2, looks=True)
+    assert world.look.distractors
+    view = world.camera("front")
+    with_them = capture(world.client, view)
+    world.client.scenery = replace(world.client.scenery, distractors=())
+    world.client.looks += 1
+    without = capture(world.client, view)
+    changed = with_them.depth < without.depth - 1e-4
+    assert changed.any()
+    assert (with_them.bodies[changed] == -1).all()
 
 
 def test_looks_change_nothing_in_what_happens():
