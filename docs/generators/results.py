@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,30 +24,47 @@ def proof(task: str) -> str:
     found = _proof(task)
     making, expert = found["making"], found["expert"]
     checks = {check["code"]: check for check in found["checks"]}
+    passed = "All" if found["ok"] else "Not all"
     head = (
-        f"Proved on {making['date']} by `{making['command']}` (taskbuilder "
-        f"{making['versions']['taskbuilder']}, {making['seeds']} seeds per variation): "
-        f"{len(checks)} checks, {'all passed' if found['ok'] else 'not all passed'}. "
-        f"The expert succeeded in {100 * checks['TB531']['value']:.0f} % of the episodes."
+        f"`{making['command']}` proved the task on {making['date']}, with taskbuilder "
+        f"{making['versions']['taskbuilder']} and {making['seeds']} seeds per variation. "
+        f"{passed} {len(checks)} checks passed. {_solved(checks['TB531']['value'])}"
     )
     rows = [
-        ["stages of the expert", str(expert["stages"])],
-        ["control steps to success", f"{expert['steps']:g}"],
+        ["number of stages", str(expert["stages"])],
+        ["control steps until success", f"{expert['steps']:g}"],
     ]
     robots = list(expert["waiting"])
     if len(robots) > 1:
+        moving, touching = expert["moving_together"], expert["touching_together"]
         rows += [
-            ["more than one robot moves", _percent(expert["moving_together"])],
-            ["more than one robot touches the same object", _percent(expert["touching_together"])],
-            *([f"`{r}` waits for another", _percent(expert["waiting"][r])] for r in robots),
+            ["time in which more than one robot moves", _percent(moving)],
+            ["time in which more than one robot touches the same object", _percent(touching)],
+            *(
+                [f"time in which `{r}` stands still while another robot moves", _percent(waiting)]
+                for r, waiting in expert["waiting"].items()
+            ),
         ]
-    rows += [[f"path of `{r}`'s tool", f"{expert['path_m'][r]:.2f} m"] for r in robots]
-    title = f"the expert, medians of {expert['episodes']} episodes"
-    return f"{head}\n\n{table([title, ''], rows)}"
+    rows += [
+        [f"length of the path of `{robot}`'s tool", f"{length:.2f} m"]
+        for robot, length in expert["path_m"].items()
+    ]
+    about = (
+        f"The table shows how the expert does the task: medians over {expert['episodes']} "
+        "episodes, each up to its success."
+    )
+    return f"{head}\n\n{about}\n\n{table(['quantity', 'median'], rows)}"
+
+
+def _solved(share: float) -> str:
+    """How often the expert succeeded, from its share in the worst variation."""
+    if share == 1.0:
+        return "The expert succeeded in every episode."
+    return f"In each variation, the expert succeeded in at least {100 * share:.1f} % of episodes."
 
 
 def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.0f} % of the time"
+    return f"{100 * fraction:.0f} %"
 
 
 def probes(task: str) -> str:
@@ -54,17 +72,34 @@ def probes(task: str) -> str:
     report = _proof(task)
     ways = sorted(report["probes"], key=lambda way: -way["return"])
     return table(
-        ["", "return", "discounted by 0.95"],
+        ["way to play", "return", "discounted return"],
         (
-            [way["name"], _signed(way["return"]), _signed(way["discounted_return"])]
+            [_way(way["way"]), _signed(way["return"]), _signed(way["discounted_return"])]
             for way in ways
             if way["way"]["kind"] != "fail"
         ),
     )
 
 
+def _way(way: Mapping[str, Any]) -> str:
+    """A way to play a task, in words."""
+    match way["kind"]:
+        case "expert":
+            return "the expert plays"
+        case "stall":
+            stage = f"until its stage {way['stage']} is done"
+            return f"the expert plays {stage}, then all robots hold still"
+        case "without":
+            return f"the expert plays, but `{way['robot']}` holds still"
+        case "nothing":
+            return "all robots hold still"
+        case "random":
+            return "all robots act at random"
+    raise LookupError(f"no words for a way {way['kind']!r}")
+
+
 def holding(task: str) -> str:
-    """What the expert earns, and those who stop half-way or do nothing, the best first."""
+    """The returns of the expert, of stalls and of holding still, the highest first."""
     ways = [way for way in _read("holding_on.json")["ways"] if way["task"] == task]
     if not ways:
         raise LookupError(f"holding_on.json has no task {task!r}")
@@ -76,8 +111,8 @@ def holding(task: str) -> str:
             behind = f"{_signed(lead, 2)} ± {half:.2f}"
             row += [_signed(way[column], 2), "" if way["way"] == "expert" else behind]
         rows.append(row)
-    head = ["", "success", "return", "lead of the expert", "discounted return"]
-    return table([*head, "lead of the expert"], rows)
+    head = ["way to play", "success", "return", "lead of the expert"]
+    return table([*head, "discounted return", "discounted lead of the expert"], rows)
 
 
 def experts(_: str) -> str:
@@ -144,10 +179,13 @@ def cloning(_: str) -> str:
                 f"{run['minutes']:.0f}",
             ]
         )
-    head = ["task", "from", "seed", "demonstrations", "updates", "success (95 % interval)"]
+    head = ["task", "inputs", "seed", "demonstrations", "updates", "success (95 % interval)"]
     episodes = {run["episodes"] for run in found["runs"]}
     count = ", ".join(map(str, sorted(episodes)))
-    told = f"Success over {count} episodes with seeds from 2000000. Minutes are of one core."
+    told = (
+        f"Each policy was evaluated in {count} episodes, with seeds from 2000000. The column "
+        "*minutes* is the duration of the training run on one core, with its evaluations."
+    )
     return f"{table([*head, 'furthest stage', 'minutes'], rows)}\n\n{told}"
 
 
@@ -175,7 +213,7 @@ def phases(run: str) -> str:
 
 def _stages(stages: dict[str, int]) -> str:
     """The number of episodes by the last stage that they reached, the furthest first."""
-    reached = [f"{name or 'none'} {count}" for name, count in stages.items() if count]
+    reached = [f"{name or 'none'}: {count}" for name, count in stages.items() if count]
     return ", ".join(reversed(reached))
 
 
@@ -196,16 +234,16 @@ def zoo(_: str) -> str:
                 f"{found['successes']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
                 f"{100.0 * found['success_at_end_rate']:.1f} %",
                 f"{found['peak_robot_force']['median']:.0f} N",
-                f"{100.0 * run['success_rate']:.1f} %" if run else "",
+                f"{100.0 * run['success_rate']:.1f} %" if run else "not measured",
             ]
         )
         commands.append(run["command"] if run else about["command"])
     if not rows:
         return "None yet."
-    head = ["policy", "training", "success (95 % interval)", "at the last step"]
-    head += ["force between robots, median peak", "success under the earlier definition"]
-    made = "\n".join(["These commands trained them:", "", "```text", *commands, "```"])
-    asked = f"Measured by `{measured['command']}`."
+    head = ["policy", "trained for", "success (95 % interval)", "success at the last step"]
+    head += ["largest force between robots, median", "success under the earlier definition"]
+    made = "\n".join(["These commands trained the policies:", "", "```text", *commands, "```"])
+    asked = f"The results were measured with `{measured['command']}`."
     return f"{table(head, rows)}\n\n{asked}\n\n{made}"
 
 

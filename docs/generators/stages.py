@@ -77,7 +77,8 @@ def _manner(order: Order | Together) -> Iterator[str]:
     if order.straight:
         yield "in a straight line"
     if order.touching:
-        yield f"may touch {' and '.join(map(code, order.touching))}"
+        *others, last = map(code, order.touching)
+        yield f"may touch {', '.join(others)} and {last}" if others else f"may touch {last}"
     if order.speed != 1.0:
         yield f"at {number(order.speed * 100)} % of full speed"
     if order.tolerance is not None:

@@ -100,29 +100,29 @@ def _sections(task: Task) -> Iterator[str]:
     yield from (f"> {fill(text, spec.scene)}" for text in spec.instructions)
     seconds = number(timing.episode_steps / timing.control_hz)
     yield (
-        f"An episode has {timing.episode_steps} control steps at {timing.control_hz} Hz "
-        f"({seconds} s), with physics at {timing.physics_hz} Hz. "
-        f"Cooperation is {spec.cooperation}."
+        f"An episode has {timing.episode_steps} control steps at {timing.control_hz} Hz, which is "
+        f"{seconds} s. The physics runs at {timing.physics_hz} Hz.{_cooperation(task)}"
     )
     yield "## Robots"
     yield table(
-        ["robot", "model", "base", "arm", "gripper"],
+        ["robot", "model", "position of the base", "arm action", "gripper action"],
         (
             [
                 code(robot),
                 code(entry.model),
                 _point(entry.base.position),
                 f"`{entry.action.arm}` in `{entry.action.frame}`, "
-                f"{number(entry.action.max_step * 100)} cm a step",
+                f"at most {number(entry.action.max_step * 100)} cm per step",
                 code(entry.action.gripper) if task.file.robots[robot].takes_hold else "none",
             ]
             for robot, entry in spec.scene.robots.items()
         ),
     )
     yield "## Objects"
-    yield table(["object", "shape", "mass", "where"], map(_object, *_pairs(spec.scene.objects)))
+    head = ["object", "shape", "mass", "initial position"]
+    yield table(head, map(_object, *_pairs(spec.scene.objects)))
     yield "## Sites"
-    yield table(["site", "marker", "where"], map(_site, *_pairs(spec.scene.sites)))
+    yield table(["site", "marker", "position"], map(_site, *_pairs(spec.scene.sites)))
     yield "## Observations"
     yield table(
         ["robot", "observes"],
@@ -132,22 +132,27 @@ def _sections(task: Task) -> Iterator[str]:
         ),
     )
     yield "## Success, failure and stages"
-    yield table(["", "holds when"], _conditions(task))
+    yield table(["name", "condition"], _conditions(task))
     yield "## Reward"
-    yield "Every term is evaluated at every control step."
-    yield table(
-        ["term", "agent", "reward", f"in equation {_equation(name)}"],
-        (_term(name, term) for term in task.description.reward),
-    )
+    yield "Every term is evaluated at every control step. The team reward is the sum of all terms."
+    head = ["term", "agent", "reward per control step"]
+    if name in PUBLISHED:
+        head.append(f"in equation {PUBLISHED[name][0]}")
+    yield table(head, (_term(name, term) for term in task.description.reward))
     if isinstance(task.description.progress, Ladder):
         yield "## Progress"
         yield (
-            "How far the task has come, for [training rewards](../descriptions.md#progress); it is "
-            "not part of the reward. The last row whose condition holds gives the value."
+            "Progress measures how far the task has come. It is meant for [training "
+            "rewards](../descriptions.md#progress) and is not part of the reward. The last row "
+            "whose condition holds gives the value."
         )
-        yield table(["while", "progress"], _progress(task.description.progress))
+        yield table(["condition", "progress"], _progress(task.description.progress))
     if spec.expert:
         yield "## Expert"
+        yield (
+            "The [expert](../experts.md) carries out these stages, one after the other. Within a "
+            "stage, robots act at the same time."
+        )
         yield numbered(spec.expert)
         yield f"![The stages of the expert](../images/{name}-strip.png)"
         yield f"![The reward while the expert plays](../images/{name}-rewards.png)"
@@ -156,6 +161,14 @@ def _sections(task: Task) -> Iterator[str]:
     yield "## Files"
     for ending in ("yaml", "py"):
         yield shown_file(f"tasks/{name}.{ending}")
+
+
+def _cooperation(task: Task) -> str:
+    if len(task.agents) == 1:
+        return ""
+    if task.file.spec.cooperation == "optional":
+        return " One robot alone may do the task."
+    return " The task needs all of its robots."
 
 
 def _pairs(things: Mapping[str, Any]) -> tuple[list[str], list[Any]]:
@@ -167,7 +180,7 @@ def _object(name: str, spec: ObjectSpec) -> list[str]:
         shape = "; ".join(f"{part}: {_shape(inner)}" for part, inner in spec.parts.items())
     else:
         shape = _shape(spec.shape) if spec.shape else ""
-    mass = "fixed" if spec.fixed else f"{number(spec.mass)} kg" if spec.mass else "of its URDF"
+    mass = "fixed" if spec.fixed else f"{number(spec.mass)} kg" if spec.mass else "from its URDF"
     return [code(name), shape, mass, _where(spec)]
 
 
@@ -190,19 +203,21 @@ def _shape(shape: Shape | PartSpec | Marker) -> str:
 def _where(spec: ObjectSpec | SiteSpec) -> str:
     if spec.place is not None:
         return _region(spec.place)
-    inside = f" in `{spec.frame}`" if spec.frame != "world" else ""
+    inside = f" in the frame of `{spec.frame}`" if spec.frame != "world" else ""
     return f"at {_point(spec.position or ())}{inside}"
 
 
 def _region(place: Place) -> str:
     where = f"on `{place.surface}`" if place.surface else "in the air"
-    around = f" around {_point(place.center)}"
-    inside = f" of `{place.frame}`" if place.frame != "world" else ""
+    inside = f" in the frame of `{place.frame}`" if place.frame != "world" else ""
+    point = f"{_point(place.center)}{inside}"
     size = " × ".join(number(edge * 100) for edge in place.size)
+    region = f"at random within {size} cm around {point}" if any(place.size) else f"at {point}"
     turned = ""
     if any(place.yaw_deg):
-        turned = f", turned {number(place.yaw_deg[0])}° to {number(place.yaw_deg[1])}°"
-    return f"{where}, {size} cm{around}{inside}{turned}"
+        low, high = map(number, place.yaw_deg)
+        turned = f", rotated by {low}°" if low == high else f", rotated by {low}° to {high}°"
+    return f"{where}, {region}{turned}"
 
 
 def _point(point: tuple[float, ...]) -> str:
@@ -215,33 +230,30 @@ def _conditions(task: Task) -> Iterator[list[str]]:
     yield ["failure", code(expression(description.failure))]
     for number_, (name, stage) in enumerate(description.stages.items(), start=1):
         same = stage == description.success
-        yield [f"stage {number_}: {name}", "same as success" if same else code(expression(stage))]
+        told = "the same as success" if same else code(expression(stage))
+        yield [f"stage {number_}: {name}", told]
 
 
 def _progress(ladder: Ladder) -> Iterator[list[str]]:
-    yield ["no condition below holds", code(expression(ladder.ground))]
+    yield ["none of the conditions below holds", code(expression(ladder.ground))]
     for when, value in ladder.rungs:
         yield [code(expression(when)), code(expression(value))]
 
 
-def _equation(name: str) -> str:
-    return PUBLISHED[name][0] if name in PUBLISHED else "(none)"
-
-
 def _term(task: str, term: Term) -> list[str]:
-    symbols = PUBLISHED[task][1] if task in PUBLISHED else {}
-    agent = code(term.agent) if term.agent else "shared"
-    return [code(term.name), agent, _pay(term), symbols.get(term.name, "not part of it")]
+    agent = code(term.agent) if term.agent else "all, in equal shares"
+    row = [code(term.name), agent, _pay(term)]
+    return [*row, PUBLISHED[task][1].get(term.name, "not part of it")] if task in PUBLISHED else row
 
 
 def _pay(term: Term) -> str:
     if isinstance(term, Bonus):
-        return f"{number(term.amount)} while `{expression(term.condition)}`"
+        return f"{number(term.amount)} while `{expression(term.condition)}` holds"
     if isinstance(term, Distance):
         weight = f"{number(term.weight)} × " if term.weight != 1.0 else ""
-        return f"−{weight}distance between `{term.first}` and `{term.second}`, m"
+        return f"minus {weight}the distance between `{term.first}` and `{term.second}`, in metres"
     if isinstance(term, Potential):
-        return f"{number(term.weight)} × gain of `{expression(term.measure)}`"
+        return f"{number(term.weight)} × the gain in `{expression(term.measure)}`"
     if isinstance(term, Paid):
         return f"{number(term.weight)} × `{expression(term.measure)}`"
     return code(expression(term))

@@ -49,7 +49,7 @@ class Held(Condition):
 
 @dataclass(frozen=True)
 class Released(Condition):
-    """No finger or tool touches a body: none of robot ``by``, or of any robot."""
+    """No finger or tool of any robot touches a body; with ``by``, only that robot counts."""
 
     body: BodyName
     _: KW_ONLY
@@ -120,7 +120,7 @@ class On(Condition):
 
 @dataclass(frozen=True)
 class ForceAbove(Condition):
-    """Two things press on each other with more than ``newtons``; see `ContactForce`."""
+    """The contact force between two things is above ``newtons``; see `ContactForce`."""
 
     first: SolidName
     second: SolidName

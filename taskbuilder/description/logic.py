@@ -37,7 +37,7 @@ class Never(Condition):
 
 @dataclass(frozen=True, init=False)
 class All(AllOf):
-    """All of several conditions hold; ``All(Inside("cubes", "bin"))`` for each cube of a group."""
+    """All given conditions hold; a condition on a group must hold for every member."""
 
     gathers = True
 
@@ -53,7 +53,7 @@ class All(AllOf):
 
 @dataclass(frozen=True, init=False)
 class Any(AnyOf):
-    """One or more of several conditions hold; ``Any(Held("cubes"))`` for any cube of a group."""
+    """At least one given condition holds; a condition on a group must hold for some member."""
 
     gathers = True
 
@@ -74,7 +74,7 @@ def _listed(of: tuple[Condition, ...]) -> Iterator[str]:
 
 @dataclass(frozen=True, init=False)
 class AtLeast(Condition):
-    """At least ``count`` of several conditions hold, or of the members of a group."""
+    """At least ``count`` given conditions hold; a condition on a group counts once per member."""
 
     gathers = True
 
@@ -106,7 +106,7 @@ class AtLeast(Condition):
 
 @dataclass(frozen=True, init=False)
 class Then(Condition):
-    """Several conditions have come true in this order.
+    """Several conditions have come true in the given order.
 
     Each must hold at the control step at which the one before it came true, or at a later one. None
     has to keep holding.

@@ -129,7 +129,7 @@ class Gap(Measure):
 
 @dataclass(frozen=True)
 class Closeness(Measure):
-    """1 - tanh(d / scale) of the distance d between two frames: 1 at the same place, 0 far away."""
+    """1 - tanh(d / scale) for two frames at a distance d: 1 at the same place, near 0 far apart."""
 
     first: FrameName
     second: FrameName
@@ -206,7 +206,7 @@ def one_body(first: str, second: str) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Duration(Measure):
-    """The time for which a condition has held without a break, in seconds; else 0."""
+    """The seconds for which a condition has held without a break; 0 while it does not hold."""
 
     of: Condition
 
@@ -270,7 +270,7 @@ class Minimum(Measure):
 
 @dataclass(frozen=True, init=False)
 class Mean(Measure):
-    """The mean of several measures; ``Mean(Closeness("cubes", "bin"))`` over a group's members."""
+    """The mean of the given measures; for a measure of a group, the mean over its members."""
 
     gathers = True
 
@@ -294,7 +294,7 @@ class Mean(Measure):
 
 @dataclass(frozen=True, init=False)
 class Count(Measure):
-    """How many of several conditions hold; ``Count(Inside("cubes", "bin"))`` for a group."""
+    """The number of given conditions that hold; a condition on a group counts once per member."""
 
     gathers = True
 
@@ -318,7 +318,7 @@ class Count(Measure):
 
 @dataclass(frozen=True, init=False)
 class Ladder(Measure):
-    """The measure of the last rung whose condition holds; the ground while none holds.
+    """The measure of the last rung whose condition holds; ``ground`` while no condition holds.
 
     ::
 

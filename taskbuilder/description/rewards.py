@@ -65,7 +65,7 @@ class Distance(Term):
 
 @dataclass(frozen=True)
 class Potential(Term):
-    """The gain in a measure since the last step: weight * (discount * now - before).
+    """The gain in a measure since the last control step: weight * (discount * now - before).
 
     With the learner's own discount, this does not change the optimal policies (Ng, Harada and
     Russell, "Policy invariance under reward transformations", 1999).

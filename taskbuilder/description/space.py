@@ -185,7 +185,7 @@ def Level(frame: FrameName, *, within_deg: float) -> Condition:  # noqa: N802  #
 
 @dataclass(frozen=True)
 class Moved(Condition):
-    """A frame is at least ``by`` metres from its position when the episode began."""
+    """A frame is at least ``by`` metres away from its position after the reset."""
 
     frame: FrameName
     _: KW_ONLY
@@ -208,7 +208,7 @@ class Moved(Condition):
 
 @dataclass(frozen=True)
 class Turned(Condition):
-    """A frame is turned by at least ``by_deg`` from its orientation when the episode began."""
+    """A frame is rotated by at least ``by_deg`` degrees from its orientation after the reset."""
 
     frame: FrameName
     _: KW_ONLY
@@ -233,7 +233,7 @@ class Turned(Condition):
 
 @dataclass(frozen=True)
 class Stationary(Condition):
-    """A body or tcp moves slower than ``speed`` m/s and turns slower than ``turn_deg`` °/s."""
+    """A body or tool moves slower than ``speed`` m/s and turns slower than ``turn_deg`` °/s."""
 
     frame: FrameName
     _: KW_ONLY
@@ -264,7 +264,7 @@ class Stationary(Condition):
 
 @dataclass(frozen=True)
 class JointPosition(Condition):
-    """A prismatic joint of an articulated object is above or below a position, in metres."""
+    """The position of a prismatic joint is within bounds, in metres; one bound may be left out."""
 
     joint: JointName
     _: KW_ONLY
@@ -286,7 +286,7 @@ class JointPosition(Condition):
 
 @dataclass(frozen=True)
 class JointAngle(Condition):
-    """A revolute joint of an articulated object is above or below an angle, in degrees."""
+    """The angle of a revolute joint is within bounds, in degrees; one bound may be left out."""
 
     joint: JointName
     _: KW_ONLY

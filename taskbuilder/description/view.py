@@ -21,11 +21,11 @@ class WorldView(Protocol):
 
     @property
     def robot_names(self) -> Sequence[str]:
-        """The agents, in the order of the task file."""
+        """The names of the robots, in the order of the task file."""
 
     @property
     def object_names(self) -> Sequence[str]:
-        """The objects, in the order of the task file."""
+        """The names of the objects, in the order of the task file."""
 
     def pose(self, frame: str) -> Pose:
         """The pose of a named frame."""
@@ -37,16 +37,16 @@ class WorldView(Protocol):
         """Linear (m/s) and angular (rad/s) velocity of a body or of a robot's tcp."""
 
     def box(self, body: str) -> Box:
-        """Bounding box, in its own frame, of an object, a part, or a site's marker."""
+        """Bounding box of an object, a part or a site's marker, in the frame of this thing."""
 
     def is_solid(self, name: str) -> bool:
-        """Whether a name is a body (True), or a site, which is only a frame (False)."""
+        """True for the name of an object or a part; False for the name of a site."""
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether a robot holds an object or part: with opposing fingers, or by suction."""
+        """Whether a robot holds an object or a part, with opposing fingers or by suction."""
 
     def touching(self, first: str, second: str) -> bool:
-        """Whether two things touch: objects, parts, or robots (their gripper included)."""
+        """Whether two objects, parts or robots touch; a robot includes its gripper."""
 
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which ``below`` carries ``body``."""

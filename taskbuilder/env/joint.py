@@ -33,7 +33,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
     Attributes:
         observation_names: Name of each number of a flat observation, or of its ``agent_pos``
             where it has images: the observer and what it
-            observes, such as ``left/stick.pose.x``.
+            observes, such as ``left/stick.x``.
         action_names: Name of each number of a flat action, such as ``left.dx``.
         render_mode: "rgb_array" or None.
 

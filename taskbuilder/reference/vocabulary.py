@@ -17,12 +17,12 @@ BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
 _KINDS: Mapping[str, str] = {
     "robot": "a robot",
     "object": "an object",
-    "body": "an object or a part of one: `tray`, `tray.left_handle`",
-    "solid": "a robot, an object or a part of one",
+    "body": "an object or a part of an object: `tray`, `tray.left_handle`",
+    "solid": "a robot, an object or a part of an object",
     "frame": "anything with a pose: `tray`, `goal`, `left.tcp`, `left.base`, a part, a grasp point",
     "site": "a site",
-    "joint": "a joint of an object that is a URDF: `cabinet.drawer_joint`",
-    "container": "a body, or a site with a marker",
+    "joint": "a joint of an object that is loaded from a URDF: `cabinet.drawer_joint`",
+    "container": "an object, a part, or a site with a marker",
 }
 _CHANNELS: Mapping[str, str] = {
     "joints": "positions of the arm's joints, rad or m",
