@@ -29,7 +29,7 @@ from taskbuilder.validate.runner import validate_task
 
 HERE = Path(__file__).parent
 SOUND = HERE / "sound.yaml"
-SEEDS = 5
+SEEDS = 3
 TRIAL_LIMIT_S = 3.0
 MOST_LINES = 20
 """By how many lines a broken task may differ from the sound one."""

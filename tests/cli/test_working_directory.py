@@ -44,7 +44,7 @@ def shadowed(good: Path, tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     "words",
     [
-        ("validate", "good.yaml", "--quick", "--jobs", "2"),
+        ("validate", "good.yaml", "--seeds", "2", "--jobs", "2"),
         ("render", "good.yaml", "--renderer", "auto", *SMALL),
         ("demo", "good.yaml", "--policy", "random", "--episodes", "2", "--jobs", "2", *SMALL),
     ],

@@ -30,13 +30,13 @@ def test_the_handover_is_there():
 # Those on the tracks demos and scratch were trained while success was a moment. Each still gets to
 # where it was trained to get to, the stage of that name. All keep success for a second in as many
 # of 300 episodes as benchmarks/results/zoo.json says. Last digits differ between processors and
-# change which episodes those are, so twelve episodes must show what all but one of a thousand such
-# twelves would.
+# change which episodes those are, so six episodes must show what all but one of a thousand such sixes
+# would.
 TRAINED_FOR = {"handover": "at goal", "pick_push_place": "in tray", "collaborative_lift": "at goal"}
 MEASURED = json.loads((ROOT / "benchmarks" / "results" / "zoo.json").read_text())["policies"]
 
 
-def fewest(rate, episodes=12, luck=0.001):
+def fewest(rate, episodes=6, luck=0.001):
     """The number of successes that is reached but for bad luck."""
     below = 0.0
     for count in range(episodes + 1):
@@ -50,11 +50,11 @@ def fewest(rate, episodes=12, luck=0.001):
 def test_a_policy_does_what_it_was_trained_for(name):
     policy = load_policy(name)
     env = parallel_env(policy.about["task"], **options_of(policy))
-    played = [play(env, policy.player(), seed) for seed in range(900_000, 900_012)]
+    played = [play(env, policy.player(), seed) for seed in range(900_000, 900_006)]
     stages = list(env.task.description.stages)
     env.close()
     wanted = stages.index(TRAINED_FOR[policy.about["task"]]) + 1
-    assert sum(episode.stage[-1] >= wanted for episode in played) >= 10
+    assert sum(episode.stage[-1] >= wanted for episode in played) >= 5
     found = MEASURED[name]
     assert found["episodes"] == 300
     assert sum(episode.success for episode in played) >= fewest(found["success_rate"])
