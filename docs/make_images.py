@@ -1,9 +1,10 @@
-"""Make the pictures of the documentation: `python docs/make_images.py [TASK ...]`.
+"""Make the pictures of the documentation: `python docs/make_images.py [TASK | POLICY ...]`.
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
-strip and the chart of its reward, all from the first camera of the task file; the film and the
-strip of each policy of the zoo; the curves of each task's training; a picture of each robot; and
-tasks.png, the three tasks of the README side by side. Given tasks, it makes theirs only.
+strip and the chart of its reward, all from the first camera of the task file; the film of each
+policy of the zoo; the curves of each task's training; a picture of each robot; and tasks.png, the
+three tasks of the README side by side. Given tasks or policies of the zoo, such as
+zoo:handover/demos, it makes theirs only.
 """
 
 from __future__ import annotations
@@ -20,8 +21,11 @@ import numpy as np
 
 from taskbuilder import load_task, parallel_env
 from taskbuilder.cli import main as taskbuilder
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert import Expert
-from taskbuilder.learn.zoo import zoo_names
+from taskbuilder.learn.evaluation import options_of
+from taskbuilder.learn.zoo import load_policy, zoo_names
+from taskbuilder.rollout import Rollout, play
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
@@ -57,7 +61,8 @@ def make_task(name: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         _picture(name, camera, Path(folder, f"{name}-{camera}.png"))
         _call("demo", name, "--camera", camera, "--out", folder, *_drawn())
-        _film(name, camera, Path(folder, name))
+        with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
+            _film(env, expert.play(0), camera, Path(folder, name))
         for ending in (".gif", "-strip.png", "-rewards.png"):
             _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
 
@@ -72,19 +77,29 @@ def _picture(name: str, camera: str, file: Path) -> None:
     _keep(file, f"{name}.png")
 
 
-def _film(name: str, camera: str, stem: Path) -> None:
-    """Film a task's expert as large as a film of the gallery may be."""
-    with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
-        played = expert.play(0)
-        density = 0.0  # bytes a pixel of the last film; a smaller one has as many, or more
-        for (width, height), fps in FILMS:
-            pixels = width * height * fps
-            if density * pixels > FILM_BYTES and ((width, height), fps) != FILMS[-1]:
-                continue
-            _, film = save_film(env, played, [camera], stem, size=(width, height), fps=fps)
-            density = film.stat().st_size / pixels
-            if film.stat().st_size <= FILM_BYTES:
-                return
+def make_policy(name: str) -> None:
+    """Make the film of a policy of the zoo anew, whatever becomes of its episode."""
+    policy = load_policy(name)
+    task, track = name.removeprefix("zoo:").split("/")
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        closing(parallel_env(task, **options_of(policy))) as env,
+    ):
+        _film(env, play(env, policy.player(), 0), "front", Path(folder, task))
+        _keep(Path(folder, f"{task}.gif"), f"{task}-{track}.gif")
+
+
+def _film(env: TaskEnv, played: Rollout, camera: str, stem: Path) -> None:
+    """Film an episode as large as a film of the gallery may be."""
+    density = 0.0  # bytes a pixel of the last film; a smaller one has as many, or more
+    for (width, height), fps in FILMS:
+        pixels = width * height * fps
+        if density * pixels > FILM_BYTES and ((width, height), fps) != FILMS[-1]:
+            continue
+        _, film = save_film(env, played, [camera], stem, size=(width, height), fps=fps)
+        density = film.stat().st_size / pixels
+        if film.stat().st_size <= FILM_BYTES:
+            return
 
 
 def make_all() -> None:
@@ -94,13 +109,9 @@ def make_all() -> None:
     for name, entry in catalogue.tasks.items():
         if entry.module:
             make_task(name)
+    for policy in zoo_names():
+        make_policy(policy)
     with tempfile.TemporaryDirectory() as folder:
-        for policy in zoo_names():
-            task, track = policy.removeprefix("zoo:").split("/")
-            film = ("--video", "--out", folder, *_filmed())
-            _call("demo", task, "--policy", policy, *film, may_fail=True)  # shown as it is
-            for ending in (".gif", "-strip.png"):
-                _keep(Path(folder, f"{task}{ending}"), f"{task}-{track}{ending}")
         for task in SHOWN:
             for track in ("demos", "scratch", "resets"):
                 runs = sorted(RUNS.glob(f"{task}-{track}-*"))
@@ -117,19 +128,15 @@ def make_all() -> None:
     save_image(IMAGES / "tasks.png", _side_by_side())
 
 
-def _filmed() -> tuple[str, ...]:
-    return ("--camera", "front", *_drawn())
-
-
 def _drawn() -> tuple[str, ...]:
     # The renderer on the CPU draws the same picture on every machine.
     return ("--renderer", "tiny")
 
 
-def _call(*words: str, may_fail: bool = False) -> None:
+def _call(*words: str) -> None:
     with contextlib.redirect_stdout(io.StringIO()):
         status = taskbuilder(list(words))
-    if status and not may_fail:
+    if status:
         sys.exit(status)
 
 
@@ -162,7 +169,8 @@ def _side_by_side() -> Pixels:
 
 
 if __name__ == "__main__":
-    for task in sys.argv[1:]:
-        make_task(task)
+    for name in sys.argv[1:]:
+        make = make_policy if name.startswith("zoo:") else make_task
+        make(name)
     if not sys.argv[1:]:
         make_all()

@@ -89,8 +89,8 @@ class Sparse(Unchanged):
 class Shaped:
     """The team reward plus potential-based shaping by progress.
 
-    r + w (γ Φ(s') - Φ(s)), where Φ is the progress. The optimal policies stay optimal (Ng, Harada
-    and Russell 1999).
+    r + w (γ Φ(s') - Φ(s)), where Φ is the progress (Ng, Harada and Russell 1999). Their proof that
+    the optimal policies stay optimal needs Φ = 0 where an episode ends, which is not so here.
     """
 
     sharing = "team"
