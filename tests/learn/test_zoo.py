@@ -30,8 +30,8 @@ def test_the_handover_is_there():
 # Those on the tracks demos and scratch were trained while success was a moment. Each still gets to
 # where it was trained to get to, the stage of that name. All keep success for a second in as many
 # of 300 episodes as benchmarks/results/zoo.json says. Last digits differ between processors and
-# change which episodes those are, so six episodes must show what all but one of a thousand such sixes
-# would.
+# change which episodes those are, so six episodes must show what all but one of a thousand such
+# sixes would.
 TRAINED_FOR = {"handover": "at goal", "pick_push_place": "in tray", "collaborative_lift": "at goal"}
 MEASURED = json.loads((ROOT / "benchmarks" / "results" / "zoo.json").read_text())["policies"]
 
