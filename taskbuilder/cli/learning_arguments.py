@@ -161,7 +161,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         nargs="?",
         metavar="POLICY",
         help="zoo:TASK/TRACK, the folder of a run, a policy's file; expert:TASK, random:TASK, "
-        "nothing:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N",
+        "nothing:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N&renderer=R",
     )
     parser.add_argument(
         "--episodes",

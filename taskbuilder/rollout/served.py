@@ -53,6 +53,7 @@ class PolicyServer:
         cameras: Cameras whose images the policy sees.
         size: Width and height of the images; by default each camera's.
         steps: How many actions of a chunk are played before the next is asked for; by default all.
+        renderer: Draws the images; by default, what the environment chooses.
     """
 
     address: str
@@ -60,11 +61,13 @@ class PolicyServer:
     cameras: tuple[str, ...] = ()
     size: tuple[int, int] | None = None
     steps: int | None = None
+    renderer: str | None = None
 
     @property
     def options(self) -> dict[str, Any]:
         """The options of the environment."""
-        return {"cameras": self.cameras, "camera_size": self.size} if self.cameras else {}
+        seen = {"cameras": self.cameras, "camera_size": self.size} if self.cameras else {}
+        return seen | ({"renderer": self.renderer} if self.renderer else {})
 
     def __call__(self, env: TaskEnv) -> ServedPolicy:
         """The policy for an environment.
@@ -98,7 +101,7 @@ def read_server(name: str) -> PolicyServer:
     if len(parts.path) < 2:
         raise UsageError(f"which task? name it after the address, {example}")
     asked = dict(parse_qsl(parts.query, keep_blank_values=True))
-    known = ("cameras", "size", "steps")
+    known = ("cameras", "size", "steps", "renderer")
     for key in asked:
         if key not in known:
             help_ = suggestion(key, known, what="one of")
@@ -111,6 +114,7 @@ def read_server(name: str) -> PolicyServer:
         cameras=tuple(filter(None, asked.get("cameras", "").split(","))),
         size=size,
         steps=_whole(name, asked["steps"]) if "steps" in asked else None,
+        renderer=asked.get("renderer"),
     )
 
 

@@ -102,6 +102,27 @@ def test_pictures_are_sent_and_chunks_cut():
         assert picture.dtype == np.uint8
 
 
+def test_the_renderer_of_pictures_can_be_named():
+    seen = {}
+    for renderer in ("tiny", "raster"):
+        asked = []
+
+        def still(observation, asked=asked):
+            asked.append(observation["observation/images/front"])
+            return packed({"actions": [0.0] * 10})
+
+        with served(still) as address:
+            where = f"{address}/handover?cameras=front&size=48x32&renderer={renderer}"
+            server = read_server(where)
+            with closing(parallel_env("handover", horizon=1, **server.options)) as env:
+                play(env, server(env), 3)
+        seen[renderer] = asked[0]
+    assert (seen["tiny"] != seen["raster"]).any()
+    wrong = read_server("ws://localhost:8000/handover?cameras=front&renderer=rastre").options
+    with pytest.raises(UsageError, match='did you mean "raster"'):
+        parallel_env("handover", **wrong)
+
+
 def test_one_action_is_a_chunk_of_one():
     with (
         served(lambda _: packed({"actions": [0.0] * 10})) as address,
