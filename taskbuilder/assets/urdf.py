@@ -22,6 +22,8 @@ MOST_LINKS = 128
 """Of the physics engine, which ends the process on more."""
 
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
+_ENGINES_INERTIA = _NO_INERTIA | dict.fromkeys(("ixx", "iyy", "izz"), "1")
+"""What Bullet takes for a link of 1 kg without a word about it."""
 
 
 def read_urdf(
@@ -114,22 +116,29 @@ def resolved_text(urdf: Urdf) -> str:
 
     It holds only what was checked. Axes get a length of 1, because Bullet takes another length
     for a scale of the joint's position. A frame (a link on a joint, without inertia and collision
-    shapes) gets a mass of 0, because Bullet would make it weigh 1 kg.
+    shapes) gets a mass of 0, because Bullet would make it weigh 1 kg. Other links without a mass
+    get what Bullet takes for them, which it would warn of; `read_urdf` does, where it matters.
     """
     children = {joint.child for joint in urdf.joints if not joint.moves}
-    weightless = {
-        link.name
+    assumed = {
+        link.name: link.name not in children or bool(link.collisions)
         for link in urdf.links
-        if link.name in children and link.mass is None and not link.collisions
+        if link.mass is None and link.name != "world"  # which Bullet takes for the world itself
     }
-    return serialized(_for_engine(urdf.tree, urdf, weightless))
+    return serialized(_for_engine(urdf.tree, urdf, assumed))
 
 
-def _for_engine(element: Element, urdf: Urdf, weightless: set[str]) -> Element:
-    """The element with its file names and missing masses filled in."""
-    children = tuple(_for_engine(child, urdf, weightless) for child in element.children)
-    if element.tag == "link" and element.get("name") in weightless:
-        children = (_massless(element), *children)
+def _for_engine(element: Element, urdf: Urdf, assumed: Mapping[str, bool]) -> Element:
+    """The element with its file names and missing masses filled in.
+
+    Args:
+        element: The element.
+        urdf: What was read.
+        assumed: By the name of each link without a mass, whether it weighs 1 kg or nothing.
+    """
+    children = tuple(_for_engine(child, urdf, assumed) for child in element.children)
+    if element.tag == "link" and element.attributes["name"] in assumed:
+        children = (_assumed(element, assumed[element.attributes["name"]]), *children)
     if element.tag in ("mesh", "texture"):
         checked = urdf.files[element.attributes["filename"]]
         element = element.with_attributes(filename=str(checked))
@@ -141,9 +150,10 @@ def _for_engine(element: Element, urdf: Urdf, weightless: set[str]) -> Element:
     return element.with_children(children)
 
 
-def _massless(link: Element) -> Element:
-    mass = Element("mass", {"value": "0"}, link.line, link.column)
-    inertia = Element("inertia", _NO_INERTIA, link.line, link.column)
+def _assumed(link: Element, heavy: bool) -> Element:
+    mass = Element("mass", {"value": "1" if heavy else "0"}, link.line, link.column)
+    moments = _ENGINES_INERTIA if heavy else _NO_INERTIA
+    inertia = Element("inertia", moments, link.line, link.column)
     return Element("inertial", {}, link.line, link.column, (mass, inertia))
 
 

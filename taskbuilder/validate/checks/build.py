@@ -228,8 +228,8 @@ def _at_rest(task: Task, world: World, start: dict[str, tuple[float, float, floa
         if drift > DRIFT_MM or speed > REST_SPEED:
             still = f", and still moves at {speed:.2f} m/s" if speed > REST_SPEED else ""
             message = (
-                f"{name} does not stay: after {REST_S:g} s it is {drift:.0f} mm from its start"
-                f"{still}; put it on a surface"
+                f"{name} does not stay: after {REST_S:g} s it is {drift:.0f} mm from its start, "
+                f"where {DRIFT_MM:g} mm are allowed{still}; put it on a surface"
             )
             findings.append(finding_at(task, "TB306", message, name))
     check = Check(
