@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from taskbuilder.diagnostics.entry import Code, Example, within
 
-_OURS = " No task file is known to fail this. Please report one that does."
+_OURS = " We know of no task file that fails this check. Please report one that does."
 
 ENTRIES = {
     "TB501": Code(
@@ -24,9 +24,9 @@ ENTRIES = {
         "With the same seed and actions, two new processes give the same episode, but after "
         "other episodes the result differs. The usual cause is a description that keeps state in "
         "a module variable: use conditions with memory instead, such as Once, Then and Sustained. "
-        "Several loose objects that lie against each other on a moving link can cause it, too, "
-        "because the physics engine keeps contacts of earlier episodes there: begin with the "
-        "objects apart, or use fewer.",
+        "Another cause is that several loose objects lie against each other on a moving link. The "
+        "physics engine keeps contacts of earlier episodes there. Let the objects begin apart, or "
+        "use fewer of them.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -121,8 +121,8 @@ ENTRIES = {
     "TB524": Code(
         "Observation outside its space",
         "An observation differs from its space in shape or type, exceeds the bounds, or is not a "
-        "number. Observations are clipped to their bounds. No task file is known to fail this, "
-        "unless its description manipulates the values of the world.",
+        "number. Observations are clipped to their bounds, so a task fails this check only if its "
+        "description changes values of the world.",
     ),
     "TB525": Code(
         "Constant observation",

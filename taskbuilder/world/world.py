@@ -41,7 +41,7 @@ MANY_SETTLE_S = 1 / 60
 
 
 class World(Single):
-    """Robots, objects and sites of a scene, by name, over one physics client.
+    """The robots, objects and sites of a scene, by name, in one physics client.
 
     Values are read from the physics once and cached until the next step, so that they stay the same
     within a control step. It implements `WorldView` for descriptions.

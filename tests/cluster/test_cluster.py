@@ -258,6 +258,7 @@ def test_a_run_is_trained_on_a_node(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words = ["train", "reach", "--algorithm", "ppo", "--steps", "64", "--evaluate-episodes", "1"]
+    words += ["--set", "rollout_steps=16", "epochs=1"]
     assert main([*words, "--out", "there", "--ray", nodes.address]) == 0
     assert main([*words, "--out", "here"]) == 0
     there, here = (load_policy(name).arrays() for name in ("there", "here"))

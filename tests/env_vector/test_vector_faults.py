@@ -24,11 +24,11 @@ def strike(env, worker, kind, task_file):
 
 
 @pytest.mark.parametrize("kind", ["SIGKILL", "SIGSEGV", "SIGSTOP", "raise"])
-def test_five_faults_of_a_kind_are_survived(vec, task_file, caplog, kind):
+def test_three_faults_of_a_kind_are_survived(vec, task_file, caplog, kind):
     env = vec(2, 2, timeout_s=TIMEOUT_S)
     env.reset(seed=1)
-    actions = random_actions(env, 15)
-    for number in range(5):
+    actions = random_actions(env, 9)
+    for number in range(3):
         env.step(actions[3 * number])
         before = env.worker_pids
         strike(env, number % 2, kind, task_file)
@@ -44,7 +44,7 @@ def test_five_faults_of_a_kind_are_survived(vec, task_file, caplog, kind):
         assert infos["lost"].tolist() == [0.0, 0.0]
         assert infos["step"][replaced] == 1.0
         assert not any(alive(pid) for pid in set(before) - set(env.worker_pids))
-    assert len(caplog.records) == 5
+    assert len(caplog.records) == 3
     said = {"SIGSTOP": "did not answer within 1 s", "raise": "failed: RuntimeError: told to"}
     assert said.get(kind, f"was killed by {kind}") in caplog.text
     assert "worker 0 (environment 0)" in caplog.text or kind == "raise"

@@ -17,7 +17,7 @@ TASKS = sorted(file.stem for file in HERE.glob("*.yaml"))
 
 @pytest.mark.parametrize("name", TASKS)
 def test_the_expert_succeeds_and_nothing_is_wrong(name):
-    report = validate_task(HERE / f"{name}.yaml", seeds=2, only=("build", "solvable"))
+    report = validate_task(HERE / f"{name}.yaml", seeds=1, only=("build", "solvable"))
     assert report.ok, "\n".join(map(str, report.findings))
     values = {check.code: check.value for family in report.families for check in family.checks}
     assert values["TB531"] == 1.0

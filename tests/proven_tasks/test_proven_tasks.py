@@ -37,7 +37,7 @@ def playing(name):
 
 @pytest.mark.parametrize("name", TASKS)
 def test_the_expert_succeeds_from_every_seed_and_nothing_is_said_against_it(name):
-    report = validate_task(HERE / f"{name}.yaml", seeds=5, only=("reach", "solvable"))
+    report = validate_task(HERE / f"{name}.yaml", seeds=3, only=("reach", "solvable"))
     assert report.findings == ()
     values = {check.code: check.value for family in report.families for check in family.checks}
     assert values["TB531"] == 1.0
