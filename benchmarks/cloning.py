@@ -10,9 +10,10 @@ writes
 - benchmarks/results/cloning.json: what came of each run, with the commands that make it again.
 
 On one core, a run from states takes minutes and one from pictures about half an hour.
-Nothing is left out: a run that failed is there as it is. `--demos`, `--size`, `--states`,
-`--pictures` and `--episodes` change how much is done, to try this program quickly. `--publish` puts
-a policy of each task into the zoo, that of the median seed: of two, the one that succeeds less.
+Nothing is left out: a run that failed is there as it is, and so are runs with pictures of another
+`--size` than the task's own. `--demos`, `--states`, `--pictures` and `--episodes` change how much
+is done, to try this program quickly. `--publish` puts a policy of each task into the zoo, that of
+the median seed: of two, the one that succeeds less.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ TASKS = ("pick_push_place", "collaborative_lift", "handover")
 INPUTS = ("states", "pictures")
 CAMERAS = "front,top"
 RUNS = tuple(f"{task}/{inputs}" for task, inputs in product(TASKS, INPUTS))
+SIZES = {"pick_push_place": 64, "collaborative_lift": 96, "handover": 64}
+"""Of pictures: the goal of Collaborative Lift, a ball of 5 cm, is two pixels wide at 64."""
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
 TASKBUILDER = (sys.executable, "-m", "taskbuilder")
 ZOO = Path(__file__).parents[1] / "taskbuilder" / "learn" / "models"
@@ -45,10 +48,9 @@ EVALUATION, COMMANDS = "evaluation.json", "commands.json"
 
 def main() -> int:
     arguments = parse()
-    data = arguments.folder / "data"
     for task in TASKS:
         if any(name.startswith(f"{task}/") for name in arguments.only):
-            collect(task, data / task, arguments)
+            collect(task, arguments)
     wanted = [(name, seed) for seed in arguments.seeds for name in arguments.only]
     with ThreadPoolExecutor(arguments.jobs) as pool:
         for line in pool.map(partial(run, arguments=arguments), wanted):
@@ -67,7 +69,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--device", default="cpu", help="device of the networks: cpu or cuda")
     parser.add_argument("--jobs", type=int, default=1, help="runs at once")
     parser.add_argument("--demos", type=int, default=200, help="demonstrations of each task")
-    parser.add_argument("--size", default="64", help="size of the pictures")
+    parser.add_argument("--size", type=int, help="size of the pictures (default the task's)")
     parser.add_argument("--states", type=int, default=5_000, help="updates from states")
     parser.add_argument("--pictures", type=int, default=15_000, help="updates from pictures")
     parser.add_argument("--episodes", type=int, default=300, help="episodes of each evaluation")
@@ -89,10 +91,11 @@ def taskbuilder(*words: str, log: Path | None = None) -> str:
     return ran.stdout
 
 
-def collect(task: str, folder: Path, arguments: argparse.Namespace) -> None:
+def collect(task: str, arguments: argparse.Namespace) -> None:
     """Collect the demonstrations of a task, or what is missing of them."""
+    folder = data_of(task, arguments)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    pictures = ("--cameras", CAMERAS, "--size", arguments.size)
+    pictures = ("--cameras", CAMERAS, "--size", str(arguments.size or SIZES[task]))
     seeds = ("--episodes", str(arguments.demos), "--seed", str(FIRST_DEMO))
     taskbuilder("collect", task, *seeds, "--observe", "scene", *pictures, "--out", str(folder))
 
@@ -115,8 +118,19 @@ def run(wanted: tuple[str, int], arguments: argparse.Namespace) -> str:
     return f"{out.name}: {result['success_rate']:.1%} of {result_episodes(result)} episodes"
 
 
+def data_of(task: str, arguments: argparse.Namespace) -> Path:
+    """Where the demonstrations are."""
+    size = arguments.size or SIZES[task]
+    name = task if size == SIZES[task] else f"{task}-{size}"
+    return Path(arguments.folder) / "data" / name
+
+
 def folder_of(name: str, seed: int, arguments: argparse.Namespace) -> Path:
-    return Path(arguments.folder) / f"{name.replace('/', '-')}-{seed}"
+    """Where a run is."""
+    task, inputs = name.split("/")
+    size = arguments.size or SIZES[task]
+    other = "" if inputs == "states" or size == SIZES[task] else str(size)
+    return Path(arguments.folder) / f"{task}-{inputs}{other}-{seed}"
 
 
 def train_command(name: str, seed: int, arguments: argparse.Namespace) -> list[str]:
@@ -124,7 +138,7 @@ def train_command(name: str, seed: int, arguments: argparse.Namespace) -> list[s
     task, inputs = name.split("/")
     steps = getattr(arguments, inputs)
     every = str(max(steps // 5, 1))
-    words = ["train", "--algorithm", "bc", "--data", str(arguments.folder / "data" / task)]
+    words = ["train", "--algorithm", "bc", "--data", str(data_of(task, arguments))]
     words += ["--cameras", CAMERAS] if inputs == "pictures" else []
     words += ["--seed", str(seed), "--steps", str(steps), "--device", arguments.device]
     words += ["--evaluate-every", every, "--checkpoint-every", every]
@@ -139,16 +153,14 @@ def result_episodes(result: dict[str, Any]) -> int:
 def write(arguments: argparse.Namespace) -> None:
     """Write the results of all runs so far."""
     runs, rows = [], []
-    for name, seed in product(RUNS, range(100)):
-        out = folder_of(name, seed, arguments)
-        if not (out / EVALUATION).exists():
-            continue
+    for out in sorted(arguments.folder.glob(f"*/{EVALUATION}"), key=place):
+        task, inputs, size, seed = parts_of(out := out.parent)
         result = json.loads((out / EVALUATION).read_text())
-        task, inputs = name.split("/")
         runs.append(
             {
                 "task": task,
                 "inputs": inputs,
+                **({"picture_size": size} if inputs == "pictures" else {}),
                 "seed": seed,
                 "demonstrations": arguments.demos,
                 "updates": result["about"]["step"],
@@ -158,20 +170,33 @@ def write(arguments: argparse.Namespace) -> None:
                 "commands": json.loads((out / COMMANDS).read_text()),
             }
         )
-        rows += [[task, inputs, seed, p["seed"], int(p["success"])] for p in result["episodes"]]
+        about = (task, inputs, size if inputs == "pictures" else "", seed)
+        rows += [[*about, p["seed"], int(p["success"])] for p in result["episodes"]]
     arguments.results.mkdir(parents=True, exist_ok=True)
     with (arguments.results / "cloning.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["task", "inputs", "seed", "episode_seed", "success"])
+        writer.writerow(["task", "inputs", "picture_size", "seed", "episode_seed", "success"])
         writer.writerows(rows)
     data = {
         "command": shlex.join(["python", "benchmarks/cloning.py", *sys.argv[1:]]),
         "machine": describe_machine(),
         "device": arguments.device,
-        "picture_size": arguments.size,
         "runs": runs,
     }
     (arguments.results / "cloning.json").write_text(json.dumps(data, indent=2) + "\n")
+
+
+def parts_of(out: Path) -> tuple[str, str, int, int]:
+    """Task, inputs, size of pictures and seed of a run, from the name of its folder."""
+    task, what, seed = out.name.split("-")
+    inputs = "states" if what == "states" else "pictures"
+    return task, inputs, int(what.removeprefix(inputs) or SIZES[task]), int(seed)
+
+
+def place(file: Path) -> tuple[int, bool, int, int]:
+    """Where a run stands among the others."""
+    task, inputs, size, seed = parts_of(file.parent)
+    return TASKS.index(task), inputs == "pictures", size, seed
 
 
 def publish(name: str, arguments: argparse.Namespace) -> None:

@@ -25,6 +25,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "api": api.names,
     "channels": vocabulary.channels,
     "cloning": results.cloning,
+    "collecting": results.collecting,
     "codes": codes.entries,
     "colours": keys.colours,
     "commands": commands.helps,

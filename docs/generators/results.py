@@ -170,7 +170,7 @@ def cloning(_: str) -> str:
         rows.append(
             [
                 run["task"],
-                run["inputs"],
+                _inputs(run),
                 str(run["seed"]),
                 f"{run['demonstrations']}",
                 f"{run['updates']:,}",
@@ -187,6 +187,33 @@ def cloning(_: str) -> str:
         "*minutes* is the duration of the training run on one core, with its evaluations."
     )
     return f"{table([*head, 'furthest stage', 'minutes'], rows)}\n\n{told}"
+
+
+def _inputs(run: Mapping[str, Any]) -> str:
+    """What a policy observes."""
+    size = run.get("picture_size")
+    return f"{run['inputs']}, {size}×{size}" if size else str(run["inputs"])
+
+
+def collecting(_: str) -> str:
+    """What collecting a thousand episodes takes."""
+    found = _read("collecting.json")
+    rows = [
+        [
+            what,
+            f"{measured['seconds']:.0f} s",
+            f"{measured['processor_s_per_episode']:.2f} s",
+            f"{measured['megabytes']:.0f} MB",
+        ]
+        for what, measured in zip(
+            ("no pictures", "two cameras at 128×128, exported to LeRobot"),
+            found["measured"].values(),
+            strict=True,
+        )
+    ]
+    head = [f"{found['episodes']:,} episodes of Handover", "time", "CPU time per episode", "size"]
+    told = f"Measured with `{found['command']}`, by {found['jobs']} processes on two cores."
+    return f"{table(head, rows)}\n\n{told}"
 
 
 def phases(run: str) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from taskbuilder.cli.output import print_json
 from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, check_views, make_folder
 from taskbuilder.errors import display_path
+from taskbuilder.schema.task import LOOK_PARTS
 from taskbuilder.task import Task, load_task
 from taskbuilder.visual.annotations import Annotator, check_words
 from taskbuilder.visual.still import (
@@ -68,7 +69,7 @@ def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
     try:
         cameras = list(dict.fromkeys(arguments.camera or [next(iter(world.scene.cameras))]))
         for seed in range(arguments.seed, arguments.seed + arguments.randomize):
-            world.reset(seed, randomized=True, looks=True)
+            world.reset(seed, randomized=True, looks=LOOK_PARTS)
             stills += [(seed, still) for still in _stills(world, cameras, arguments)]
     finally:
         world.close()

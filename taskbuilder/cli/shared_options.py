@@ -41,8 +41,8 @@ def add_randomize(parser: ArgumentParser) -> None:
         nargs="?",
         const="quantities",
         choices=("quantities", "looks", "all"),
-        help="quantities (the default of the option): draw what the task lists under randomize; "
-        "looks: draw light, colours, textures, distractors and cameras; all: both",
+        help="quantities (the default of the option): draw what the task lists under randomize "
+        "and looks; looks: draw light, colours, textures, distractors and cameras; all: both",
     )
 
 

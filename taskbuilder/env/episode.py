@@ -20,6 +20,7 @@ from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.interpreters import Lineage
 from taskbuilder.schema.load import fill
 from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.task import LOOK_PARTS, LookPart
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
@@ -205,7 +206,7 @@ class Episode(Single):
             self.world.reset(
                 seed,
                 randomized=self.options.randomize in (True, "all"),
-                looks=self.options.randomize in ("looks", "all"),
+                looks=self._looks,
             )
         except ExplosionError:
             self._give_up()
@@ -214,6 +215,13 @@ class Episode(Single):
         self.world.set_locks(self.outcome.conditions)
         self.failed = self.outcome.failure
         self.over, self.begun = False, True
+
+    @property
+    def _looks(self) -> tuple[LookPart, ...]:
+        """The parts of the look that are drawn in each episode."""
+        if self.options.randomize in ("looks", "all"):
+            return LOOK_PARTS
+        return self.world.spec.looks if self.options.randomize else ()
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
         """Run one control step, and evaluate the description.

@@ -49,9 +49,9 @@ class Options:
             action are scaled, so that tools and joints keep their speed.
         variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
             episode.
-        randomize: True: draw the quantities that the task lists under ``randomize``; ``looks``:
-            draw how the scene looks instead: light, colours, textures, distractors and cameras;
-            ``all``: both.
+        randomize: True: draw the quantities that the task lists under ``randomize``, and the parts
+            of the look that it lists under ``looks``; ``looks``: draw all parts of the look
+            instead; ``all``: the quantities and all parts.
         position_noise: Standard deviation in metres of Gaussian noise on every number of an
             observed position, besides the noise of the task file; the state has none.
         observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,

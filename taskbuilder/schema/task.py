@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -20,6 +20,11 @@ from taskbuilder.schema.values import (
     Text,
     frozen,
 )
+
+LookPart = Literal["light", "background", "furniture", "textures", "distractors", "cameras"]
+
+LOOK_PARTS: tuple[LookPart, ...] = get_args(LookPart)
+"""Of what a scene looks like, what can be drawn at random."""
 
 
 class Timing(Model):
@@ -118,4 +123,7 @@ class TaskSpec(Model):
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
         description="Quantities to draw in each episode, if requested.",
+    )
+    looks: Annotated[tuple[LookPart, ...], Shorthand("all", LOOK_PARTS)] = Field(
+        (), description="Parts of the scene's look to draw in each episode, if requested, or all."
     )

@@ -15,7 +15,7 @@ import numpy as np
 
 from taskbuilder.geometry import Vec3
 from taskbuilder.schema.scene import CameraSpec, SceneSpec
-from taskbuilder.schema.task import TaskSpec
+from taskbuilder.schema.task import LOOK_PARTS, LookPart, TaskSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import DAYLIGHT, STUDIO, Backdrop, Light
@@ -99,13 +99,19 @@ AS_WRITTEN = Look()
 """The look of the task file."""
 
 
-def draw_look(task: TaskSpec, scene: SceneSpec, rng: np.random.Generator) -> Look:
+def draw_look(
+    task: TaskSpec,
+    scene: SceneSpec,
+    rng: np.random.Generator,
+    parts: Collection[LookPart] = LOOK_PARTS,
+) -> Look:
     """A look without distractors, from the generator of an episode's looks.
 
     Args:
         task: The task.
         scene: The scene that was built.
-        rng: Random numbers.
+        rng: Random numbers. As many are drawn, whatever parts there are.
+        parts: What is drawn; the rest is as written.
     """
     light = _light(rng)
     backdrop = Backdrop(_eight_bit(_pale(rng)), _eight_bit(_pale(rng)))
@@ -116,8 +122,15 @@ def draw_look(task: TaskSpec, scene: SceneSpec, rng: np.random.Generator) -> Loo
     drawn = {name: _texture(rng, FURNITURE_PERIOD_M) for name in painted}
     textures = {name: texture for name, texture in drawn.items() if texture}
     floor_texture = _texture(rng, FLOOR_PERIOD_M)
-    about = (frozen(paints), floor, frozen(cameras), frozen(textures), floor_texture)
-    return Look(light, backdrop, *about)
+    return Look(
+        light=light if "light" in parts else DAYLIGHT,
+        backdrop=backdrop if "background" in parts else None,
+        paints=frozen(paints if "furniture" in parts else {}),
+        floor=floor if "background" in parts else None,
+        cameras=frozen(cameras if "cameras" in parts else {}),
+        textures=frozen(textures if "textures" in parts else {}),
+        floor_texture=floor_texture if "textures" in parts else None,
+    )
 
 
 def furniture(task: TaskSpec, scene: SceneSpec) -> list[str]:

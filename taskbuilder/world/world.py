@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -12,6 +12,7 @@ from taskbuilder.errors import Finding
 from taskbuilder.geometry import Box, Pose, Vec3
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.task import LookPart
 from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
@@ -112,14 +113,16 @@ class World(Single):
         self._built = self.save()
         return self._built
 
-    def reset(self, seed: int, *, randomized: bool = False, looks: bool = False) -> None:
+    def reset(
+        self, seed: int, *, randomized: bool = False, looks: Collection[LookPart] = ()
+    ) -> None:
         """Begin an episode: reset the robots, place the objects, and settle for one control step.
 
         Args:
             seed: Seed for placement and for randomisation; each has its own random-number
                 generator.
             randomized: Draw the quantities that the task file lists under ``randomize``.
-            looks: Draw how the scene looks: light, colours, textures, distractors and cameras.
+            looks: The parts of the scene's look to draw, of `LOOK_PARTS`.
 
         Raises:
             PlacementError: The objects do not fit.
@@ -134,9 +137,10 @@ class World(Single):
         place_all(self, randomness.placement())
         self._run({}, self._settling_steps)
         if looks:
-            look = draw_look(self.spec, self.scene, randomness.looks())
-            things = scattered(self, randomness.distractors())
-            self._set_look(replace(look, distractors=things))
+            look = draw_look(self.spec, self.scene, randomness.looks(), looks)
+            if "distractors" in looks:
+                look = replace(look, distractors=scattered(self, randomness.distractors()))
+            self._set_look(look)
         self.time = 0.0
         self._forces.clear()
 

@@ -227,4 +227,5 @@ randomize:
   pebble.friction: {uniform: [0.7, 1.2]}
   ball.color: {choice: [red, "#00ff00", [0, 0, 1]]}
   goal.color: {choice: [red, blue]}
+looks: [light, background, furniture, textures, distractors, cameras]
 """

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from written_tasks import read
 
 from taskbuilder import load_task, parallel_env
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.task import LOOK_PARTS
 from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.shapes import BoxShape, SphereShape
 from taskbuilder.world.distractors import CLEAR_M, HALF_M
-from taskbuilder.world.looks import AS_WRITTEN, SHIFT_M
+from taskbuilder.world.looks import AS_WRITTEN, SHIFT_M, Look
 
 SCENE = """
 scene:
@@ -37,6 +39,16 @@ randomize:
 """
 
 
+DESCRIPTION = """
+from taskbuilder.description import Description, Distance, Near
+
+
+class Made(Description):
+    success = Near("arm.tcp", "cube", within=0.05)
+    reward = (Distance("reach", "arm.tcp", "cube"),)
+"""
+
+
 def colors(world, name):
     return world.objects[name].body.colors()
 
@@ -50,7 +62,7 @@ def test_the_seed_decides_the_look(build):
     world = build(SCENE)
     looks, pictures = [], []
     for seed in (1, 2, 1):
-        world.reset(seed, looks=True)
+        world.reset(seed, looks=LOOK_PARTS)
         looks.append(world.look)
         pictures.append(picture(world))
     assert looks[0] == looks[2] != looks[1]
@@ -61,7 +73,7 @@ def test_without_looks_everything_is_as_written_again(build):
     world = build(SCENE)
     world.reset(1)
     table, floor, seen = colors(world, "table"), world.floor.colors(), picture(world)
-    world.reset(1, looks=True)
+    world.reset(1, looks=LOOK_PARTS)
     assert colors(world, "table") != table
     assert world.floor.colors() != floor
     world.reset(1)
@@ -75,7 +87,7 @@ def test_parts_of_furniture_stay_apart_and_what_is_handled_keeps_its_colour(buil
     world.reset(1)
     cube, arm = colors(world, "cube"), world.robots["arm"].body.colors()
     for seed in range(5):
-        world.reset(seed, looks=True)
+        world.reset(seed, looks=LOOK_PARTS)
         top, foot = colors(world, "table").values()
         assert np.abs(np.subtract(top, foot)).max() > 0.1
         assert colors(world, "cube") == cube
@@ -93,7 +105,7 @@ def test_a_colour_that_says_something_stays(build, telling):
     world = build(SCENE + telling)
     world.reset(0)
     written = colors(world, "shelf")
-    world.reset(3, looks=True)
+    world.reset(3, looks=LOOK_PARTS)
     assert colors(world, "shelf") == written
     assert set(world.look.paints) == {"table"}
 
@@ -103,7 +115,7 @@ def test_cameras_move_a_little_and_those_on_robots_less(build):
     world.reset(0)
     written = {name: world.camera(name) for name in world.scene.cameras}
     for seed in range(5):
-        world.reset(seed, looks=True)
+        world.reset(seed, looks=LOOK_PARTS)
         for name, most in (("front", SHIFT_M), ("wrist", 0.0061)):
             moved = np.subtract(world.camera(name).eye, written[name].eye)
             assert 0.0 < np.linalg.norm(moved) <= most * np.sqrt(3) + 1e-4
@@ -112,9 +124,9 @@ def test_cameras_move_a_little_and_those_on_robots_less(build):
 
 def test_a_saved_state_keeps_its_look(build):
     world = build(SCENE)
-    world.reset(1, looks=True)
+    world.reset(1, looks=LOOK_PARTS)
     state, seen = world.save(), picture(world)
-    world.reset(2, looks=True)
+    world.reset(2, looks=LOOK_PARTS)
     assert picture(world) != seen
     world.restore(state)
     assert picture(world) == seen
@@ -124,7 +136,7 @@ def test_furniture_and_the_floor_have_textures_in_some_episodes(build):
     world = build(SCENE)
     seen = set()
     for seed in range(12):
-        world.reset(seed, looks=True)
+        world.reset(seed, looks=LOOK_PARTS)
         seen |= set(world.look.textures)
         seen |= {"floor"} if world.look.floor_texture else set()
     assert seen == {"table", "shelf", "floor"}
@@ -132,11 +144,47 @@ def test_furniture_and_the_floor_have_textures_in_some_episodes(build):
     assert not world.client.scenery.textures
 
 
+@pytest.mark.parametrize(
+    ("part", "varies"),
+    {
+        "light": {"light"},
+        "background": {"backdrop", "floor"},
+        "furniture": {"paints"},
+        "textures": {"textures", "floor_texture"},
+        "distractors": {"distractors"},
+        "cameras": {"cameras"},
+    }.items(),
+)
+def test_parts_are_drawn_apart_and_as_they_are_drawn_together(build, part, varies):
+    world = build(SCENE)
+    for seed in range(4):
+        world.reset(seed, looks=LOOK_PARTS)
+        whole = world.look
+        world.reset(seed, looks=(part,))
+        for field in fields(Look):
+            expected = whole if field.name in varies else AS_WRITTEN
+            assert getattr(world.look, field.name) == getattr(expected, field.name), field.name
+
+
+def test_a_task_lists_what_is_drawn_with_its_quantities(tmp_path):
+    read(tmp_path, SCENE + "looks: [light, distractors]\n")
+    (tmp_path / "made.py").write_text(DESCRIPTION)
+    file = tmp_path / "made.yaml"
+    for randomize, drawn in {False: (), True: ("light", "distractors"), "all": LOOK_PARTS}.items():
+        env = parallel_env(file, randomize=randomize)
+        env.reset(seed=3)
+        look = env.episode.world.look
+        assert (look.light != AS_WRITTEN.light) == ("light" in drawn)
+        assert bool(look.distractors) == ("distractors" in drawn)
+        assert bool(look.cameras) == ("cameras" in drawn)
+        env.close()
+
+
 def test_distractors_stand_beside_what_the_episode_is_about(build):
     world = build(SCENE)
     found = []
     for seed in range(10):
-        world.reset(seed, looks=True)
+        world.reset(seed, looks=LOOK_PARTS)
         cube = world.pose("cube").position
         for thing in world.look.distractors:
             x, y, z = thing.pose.position
@@ -159,7 +207,7 @@ def bottom(shape):
 
 def test_distractors_are_seen_and_are_no_bodies(build):
     world = build(SCENE)
-    world.reset(2, looks=True)
+    world.reset(2, looks=LOOK_PARTS)
     assert world.look.distractors
     view = world.camera("front")
     with_them = capture(world.client, view)
@@ -206,9 +254,9 @@ def test_quantities_and_looks_are_drawn_apart(build):
     world = build(SCENE)
     world.reset(5, randomized=True)
     alone = world.quantities
-    world.reset(5, randomized=True, looks=True)
+    world.reset(5, randomized=True, looks=LOOK_PARTS)
     assert world.quantities == alone
-    world.reset(5, looks=True)
+    world.reset(5, looks=LOOK_PARTS)
     assert world.quantities["cube.mass"] == 0.1
 
 
