@@ -83,14 +83,17 @@ def torment(out: Path, kills: int, seconds: float, rng: np.random.Generator) -> 
     struck: Counter[str] = Counter()
     starts = 0
     while True:
-        starts += 1
+        starts, before = starts + 1, struck.total()
         with subprocess.Popen([*COLLECT, str(out)], **QUIET) as child:
             while struck.total() < kills and child.poll() is None:
                 with suppress(subprocess.TimeoutExpired):
                     child.wait(float(rng.uniform(0.0, seconds)))
                 if child.poll() is None:
                     struck[strike(child.pid, rng)] += 1
-            done = child.wait() == 0
+            status = child.wait()
+        if status > 0 and struck.total() == before:  # although nobody struck it
+            raise SystemExit(f"{' '.join([*COLLECT, str(out)])} ends with status {status}")
+        done = status == 0
         if done and struck.total() == kills:
             return {"kills": dict(struck), "starts": starts}
         if done:  # before it could be struck often enough: once more from the start
