@@ -127,6 +127,7 @@ class Worker(ChildProcess):
     def __init__(self, environment: Mapping[str, str], prepared: str = "") -> None:
         super().__init__()
         self.since: float | None = None
+        self._delayed_before_s = 0.0
         self._environment = environment
         self._prepared = prepared
         self._received = bytearray()
@@ -151,7 +152,7 @@ class Worker(ChildProcess):
         """Give it a piece of work, of `packed`; one that is lost is found out by `hear`."""
         if self.connection is None:
             self.start()
-        self.since = time.monotonic()
+        self._heard()
         self._still_since = None
         if self.connection is not None:
             self.connection.settimeout(_TAKES_S)
@@ -179,12 +180,17 @@ class Worker(ChildProcess):
             received = b""
         if not received:
             raise LostError(self.autopsy())
-        self.since = time.monotonic()
+        self._heard()
         self._received += received
         return list(self._messages())
 
+    def _heard(self) -> None:
+        self.since, self._delayed_before_s = time.monotonic(), self.delayed_s
+
     def check(self, limit_s: float | None) -> None:
         """Raise if it has said nothing for too long, or if it stands still.
+
+        While it waits for a core of a busy machine, its time does not run.
 
         Raises:
             LostError: So it is; it has been ended.
@@ -196,7 +202,9 @@ class Worker(ChildProcess):
             self._still_since = now
         elif now - self._still_since > STOPPED_S:
             raise LostError(self.autopsy("was stopped", outside=True))
-        if limit_s is not None and self.since is not None and now - self.since > limit_s:
+        if limit_s is None or self.since is None or now - self.since <= limit_s:
+            return
+        if now - self.since - (self.delayed_s - self._delayed_before_s) > limit_s:
             if self._still_since is not None:
                 raise LostError(self.autopsy("was stopped", outside=True))
             raise LostError(self.autopsy(f"did not come back within {limit_s:g} s"))

@@ -19,6 +19,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import IO, BinaryIO, NoReturn
 
 from taskbuilder.interpreters import interpreter
@@ -119,6 +120,15 @@ class ChildProcess:
         except ChildProcessError:
             return False
         return state is not None and state.si_code == os.CLD_STOPPED
+
+    @property
+    def delayed_s(self) -> float:
+        """How long it has waited for a core, in seconds; 0 where the system does not tell."""
+        try:
+            _, nanoseconds, *_ = Path(f"/proc/{self.pid}/schedstat").read_text().split()
+            return int(nanoseconds) / 1e9
+        except (OSError, ValueError):
+            return 0.0
 
     def end(self) -> None:
         """Kill the process, if there is one, and close what connects to it."""

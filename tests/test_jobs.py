@@ -14,7 +14,7 @@ import pytest
 import work_elsewhere as work
 
 from taskbuilder import jobs
-from taskbuilder.jobs import LostError, workers
+from taskbuilder.jobs import LostError, cores, workers
 
 LIMIT_S = 3.0
 
@@ -94,6 +94,22 @@ def test_work_that_ends_its_own_process_is_given_up_and_says_where(how, said):
         assert list(spread(work.double, [1, 2, 3])) == [2, 4, 6]
     assert not caught.value.fault.outside
     assert work.HERE in caught.value.fault.words
+
+
+@pytest.mark.skipif(not Path("/proc/self/schedstat").exists(), reason="not known here")
+def test_waiting_for_a_core_takes_none_of_the_time():
+    hogs = [
+        subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * cores())
+    ]
+    try:
+        with workers(2, limit_s=1.0) as spread:
+            begun = time.monotonic()
+            assert list(spread(work.spin, [0.6, 0.6])) == [0.6, 0.6]
+            assert time.monotonic() - begun > 1.5
+    finally:
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
 
 
 def test_a_process_that_waits_for_work_may_be_lost():

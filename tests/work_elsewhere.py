@@ -47,6 +47,15 @@ def always(how):
     return how
 
 
+def spin(seconds):
+    """Use a core for so many seconds of its time, and leave it to others first."""
+    os.nice(5)
+    until = time.process_time() + seconds
+    while time.process_time() < until:
+        pass
+    return seconds
+
+
 def sleepy(_):
     time.sleep(60)
 
