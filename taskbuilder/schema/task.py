@@ -100,7 +100,8 @@ class TaskSpec(Model):
     )
     cooperation: Literal["required", "optional"] = Field(
         "required",
-        description="required: one robot alone must not be able to succeed; optional: it may.",
+        description="With several robots, required: one robot alone must not be able to succeed; "
+        "optional: it may. With one robot, it changes nothing.",
     )
     timing: Timing = Timing()
     scene: SceneSpec = Field(description="The robots, objects, sites and cameras.")
