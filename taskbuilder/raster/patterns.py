@@ -21,7 +21,7 @@ Array = NDArray[Any]
 KINDS = ("checks", "stripes", "grain", "speckles")
 """Names of the patterns; their places are their numbers."""
 
-_FLOOR_OF_BLUR = 1e-3
+_LEAST_BLUR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def paint(
             period, cosine, sine = numbers[s, 1], numbers[s, 2], numbers[s, 3]
             u, v = (cosine * px + sine * py) / period, (cosine * py - sine * px) / period
             # Of a period, how much a pixel covers. Finer patterns than that are seen as their mean.
-            blur = max(_FLOOR_OF_BLUR, depth / lens[0] / period)
+            blur = max(_LEAST_BLUR, depth / lens[0] / period)
             share = _share(int(numbers[s, 0]), u, v, pz / period, blur)
             share = 0.5 + (share - 0.5) / (1.0 + 16.0 * blur**4)
             for channel in range(3):
@@ -100,8 +100,8 @@ def paint(
 def _share(kind: int, u: float, v: float, w: float, blur: float) -> float:
     """The share of the second colour, from 0 to 1, at a point given in periods."""
     if kind == 0:  # a third of a period keeps the faces of boxes out of the planes between checks
-        three = math.sin(math.pi * 2.0 * u) * math.sin(math.pi * 2.0 * v)
-        return _sharp(three * math.sin(math.pi * 2.0 * (w + 0.3)), blur)
+        level = math.sin(math.pi * 2.0 * u) * math.sin(math.pi * 2.0 * v)
+        return _sharp(level * math.sin(math.pi * 2.0 * (w + 0.3)), blur)
     if kind == 1:
         return _sharp(math.sin(math.pi * 2.0 * (u + w)), blur)
     if kind == 2:  # lines along u that waver, as the rings of a board do
