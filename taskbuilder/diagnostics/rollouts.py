@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from taskbuilder.diagnostics.entry import Code, Example, within
 
-_OURS = " We know of no task file that fails this check. Please report one that does."
+_OURS = " No task file is known that fails this check. Please report one that does."
 
 ENTRIES = {
     "TB501": Code(
@@ -121,8 +121,8 @@ ENTRIES = {
     "TB524": Code(
         "Observation outside its space",
         "An observation differs from its space in shape or type, exceeds the bounds, or is not a "
-        "number. Observations are clipped to their bounds, so a task fails this check only if its "
-        "description changes values of the world.",
+        "number. Observations are clipped to their bounds. No task file is known that fails this "
+        "check, unless its description changes values of the world.",
     ),
     "TB525": Code(
         "Constant observation",
