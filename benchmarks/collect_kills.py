@@ -26,7 +26,7 @@ import time
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from machine import describe_machine
@@ -39,7 +39,8 @@ RESULTS = Path(__file__).parent / "results" / "collect_kills.json"
 KILLS, RUNS, BYTES = 100, 10, 20
 EPISODES = 4
 COLLECT = (
-    *(sys.executable, "-m", "taskbuilder", "collect", "reach", "--episodes", str(EPISODES)),
+    *(sys.executable, "-m", "taskbuilder", "collect", "reach", "--debug"),
+    *("--episodes", str(EPISODES)),
     *("--cameras", "front", "--size", "32", "--jobs", "2", "--out"),
 )
 QUIET: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -84,7 +85,8 @@ def torment(out: Path, kills: int, seconds: float, rng: np.random.Generator) -> 
     starts = 0
     while True:
         starts, before = starts + 1, struck.total()
-        with subprocess.Popen([*COLLECT, str(out)], **QUIET) as child:
+        said = out.with_name(f"{out.name}.log")
+        with said.open("w") as log, _command(out, log) as child:
             while struck.total() < kills and child.poll() is None:
                 with suppress(subprocess.TimeoutExpired):
                     child.wait(float(rng.uniform(0.0, seconds)))
@@ -92,12 +94,17 @@ def torment(out: Path, kills: int, seconds: float, rng: np.random.Generator) -> 
                     struck[strike(child.pid, rng)] += 1
             status = child.wait()
         if status > 0 and struck.total() == before:  # although nobody struck it
-            raise SystemExit(f"{' '.join([*COLLECT, str(out)])} ends with status {status}")
+            command = " ".join([*COLLECT, str(out)])
+            raise SystemExit(f"{command} ends with status {status}:\n{said.read_text()}")
         done = status == 0
         if done and struck.total() == kills:
             return {"kills": dict(struck), "starts": starts}
         if done:  # before it could be struck often enough: once more from the start
             shutil.rmtree(out)
+
+
+def _command(out: Path, log: TextIO) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([*COLLECT, str(out)], stdout=log, stderr=log)
 
 
 def strike(command: int, rng: np.random.Generator) -> str:

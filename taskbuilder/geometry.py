@@ -178,6 +178,10 @@ class Pose:
         basis = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         return rotate(self.quaternion, basis[index])
 
+    def tilt(self, index: int = 2) -> float:
+        """Angle in rad between this frame's x (0), y (1) or z (2) axis and the reference's z."""
+        return math.acos(max(-1.0, min(1.0, self.axis(index)[2])))
+
     def moved(self, offset: Vec3) -> Pose:
         """The same orientation, displaced by an offset in the reference frame."""
         return Pose(add(self.position, offset), self.quaternion)

@@ -16,6 +16,7 @@ import socket
 import subprocess
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -124,11 +125,7 @@ class ChildProcess:
     @property
     def delayed_s(self) -> float:
         """How long it has waited for a core, in seconds; 0 where the system does not tell."""
-        try:
-            _, nanoseconds, *_ = Path(f"/proc/{self.pid}/schedstat").read_text().split()
-            return int(nanoseconds) / 1e9
-        except (OSError, ValueError):
-            return 0.0
+        return delayed_s(self.pid)
 
     def end(self) -> None:
         """Kill the process, if there is one, and close what connects to it."""
@@ -165,6 +162,25 @@ class ChildProcess:
                 cause, outside = _end_of(status, words), _by_others(status)
         self.end()
         return Fault(cause, words, outside)
+
+
+def delayed_s(pid: int) -> float:
+    """How long a process has waited for a core, in seconds; 0 where the system does not tell."""
+    try:
+        _, nanoseconds, *_ = Path(f"/proc/{pid}/schedstat").read_text().split()
+        return int(nanoseconds) / 1e9
+    except (OSError, ValueError):
+        return 0.0
+
+
+def ends_within(process: subprocess.Popen[bytes], limit_s: float) -> bool:
+    """Wait until a process ends, at most for a time; its waiting for a core does not count."""
+    since = time.monotonic()
+    while (left := limit_s + delayed_s(process.pid) - (time.monotonic() - since)) > 0:
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(left)
+            return True
+    return False
 
 
 def _standard_error() -> int:

@@ -31,6 +31,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "commands": commands.helps,
     "experts": results.experts,
     "file": tasks.shown_file,
+    "fingers": robots.fingers,
     "gallery": tasks.gallery,
     "holding": results.holding,
     "keys": keys.table,

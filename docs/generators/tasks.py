@@ -88,7 +88,7 @@ def page(name: str) -> str:
 def shown_file(path: str) -> str:
     """A file of the repository, whole."""
     text = (DOCS.parent / path).read_text(encoding="utf-8")
-    language = {"py": "python"}.get(path.rpartition(".")[2], "yaml")
+    language = {"py": "python", "urdf": "xml"}.get(path.rpartition(".")[2], "yaml")
     return f"`{path}`:\n\n{fence(language, text)}"
 
 
@@ -159,8 +159,10 @@ def _sections(task: Task) -> Iterator[str]:
     yield "## Proof"
     yield results.proof(name)
     yield "## Files"
-    for ending in ("yaml", "py"):
-        yield shown_file(f"tasks/{name}.{ending}")
+    shapes = (thing.shape.urdf for thing in spec.scene.objects.values() if thing.shape)
+    urdfs = dict.fromkeys(file for file in shapes if file and not file.startswith("pybullet"))
+    for file in (f"{name}.yaml", f"{name}.py", *urdfs):
+        yield shown_file(f"tasks/{file}")
 
 
 def _cooperation(task: Task) -> str:

@@ -22,6 +22,9 @@ _ROBOT = Template("""\
       home: {tcp: {position: [$tcp_x, $tcp_y, 0.62], rpy_deg: [180, 0, $yaw]}}
 """)
 
+_OBSERVE = Template("""\
+  $name: [self.tcp, self.gripper, self.holding, cube.pose, goal.position, time_left]""")
+
 _TASK = Template("""\
 $line
 task: $task
@@ -59,29 +62,47 @@ $robots
     front: {position: $front, look_at: $aim}
     close: {position: $close, look_at: [$cube_x, $cube_y, 0.5], fov_deg: 42}
 
+observe:                               # what each robot sees of the scene
+$observe
+
 expert:                                # how it is done: a list of stages
   - $first: {grasp: cube.middle}
   - $first: {bring: cube, to: goal}
+
+variations:                            # what differs from the scene above in each
+  - {cube.color: blue, cube.mass: 0.2}
 """)
 
 _DESCRIPTION = Template('''\
 """$title: success and reward."""
 
-from taskbuilder.description import Below, Bonus, Description, Distance, Held, Near
+from taskbuilder import description as d
 
 
-class $title(Description):
-    """The robot $first picks up the cube and brings it to the goal."""
+class $title(d.Description):
+    """The robot $first picks up the cube, brings it to the goal and keeps it there."""
 
-    success = Held("cube", by="$first") & Near("cube", "goal", within=0.05)
-    failure = Below("cube", height=0.3)
-    stages = {"held": Held("cube", by="$first"), "at goal": success}
+    held = d.Held("cube", by="$first")
+    at_goal = held & d.Near("cube", "goal", within=0.05)
+
+    success = d.Sustained(at_goal, seconds=1.0)
+    failure = d.Below("cube", height=0.3)
+    stages = {"held": held, "at goal": at_goal, "kept there": success}
     reward = (
-        Distance("reach", "$first.tcp", "cube", agent="$first"),
-        Bonus("grasp", Held("cube", by="$first"), 1.0, agent="$first"),
-        Distance("carry", "cube", "goal"),
-        Bonus("goal", success, 2.0),
+        d.Distance("reach", "$first.tcp", "cube", agent="$first"),
+        d.Bonus("grasp", held, 1.0, agent="$first"),
+        d.Distance("carry", "cube", "goal"),
+        d.Bonus("goal", at_goal, 2.0),
     )
+
+    # For training: how far the task has come, and what undoes it.
+    progress = d.Ladder(
+        d.Closeness("$first.tcp", "cube"),
+        (held, 1.5 + d.Closeness("cube", "goal")),
+        (at_goal, 3.0 + d.Fraction(d.Duration(at_goal), of=1.0)),
+        (success, 4.5),
+    )
+    setback = d.Then(held, d.Sustained(~held & ~at_goal, seconds=0.3))
 ''')
 
 _TEST = Template('''\
@@ -161,6 +182,7 @@ def _task(task: str, count: int) -> str:
         **_CAMERAS[min(count, 3)],
         line=LINE,
         robots=robots.rstrip("\n"),
+        observe="\n".join(_OBSERVE.substitute(name=name) for name in _names(count)),
     )
 
 

@@ -6,7 +6,8 @@ import io
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+import time
+from collections.abc import Iterable, Iterator, Sequence, Sized
 from contextlib import contextmanager
 from typing import Any, TextIO, TypeVar
 
@@ -15,6 +16,10 @@ from taskbuilder.errors import Finding
 Item = TypeVar("Item")
 
 _CODES = {"red": "31", "green": "32", "yellow": "33", "dim": "2", "bold": "1"}
+
+
+LINE_EVERY_S = 30.0
+"""Seconds between lines that report progress where standard error is no terminal."""
 
 
 def paint(text: str, color: str, stream: TextIO | None = None) -> str:
@@ -93,15 +98,28 @@ def show_finding(finding: Finding) -> str:
 
 
 def progress(items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
-    """The items, with a bar on standard error while a person is watching it."""
+    """The items, with a bar on standard error; where that is no terminal, now and then a line."""
     if not sys.stderr.isatty():
-        return items
+        return _counted(items, label, total)
     from tqdm import tqdm
 
     bar: Iterable[Item] = tqdm(
         items, desc=f"  {label}", total=total, leave=False, unit="", delay=0.3
     )
     return bar
+
+
+def _counted(items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
+    """The items, with a line on standard error every `LINE_EVERY_S` seconds."""
+    if total is None and isinstance(items, Sized):
+        total = len(items)
+    last = time.monotonic()
+    for number, item in enumerate(items):
+        if time.monotonic() - last >= LINE_EVERY_S:
+            last = time.monotonic()
+            of = "" if total is None else f" of {total}"
+            print(f"taskbuilder: {label}: {number}{of}", file=sys.stderr, flush=True)
+        yield item
 
 
 def say(line: str) -> None:

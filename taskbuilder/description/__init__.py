@@ -8,6 +8,7 @@ import warnings
 from taskbuilder.description.contact import Contact, EmptyHanded, ForceAbove, Held, On, Released
 from taskbuilder.description.custom import condition
 from taskbuilder.description.description import Description, Outcome
+from taskbuilder.description.joints import JointAngle, JointPosition, JointTravel
 from taskbuilder.description.logic import (
     All,
     Any,
@@ -31,6 +32,7 @@ from taskbuilder.description.measures import (
     Mean,
     Measure,
     Minimum,
+    Tilt,
     measure,
 )
 from taskbuilder.description.node import (
@@ -48,9 +50,8 @@ from taskbuilder.description.rewards import Bonus, Distance, Paid, Potential, Te
 from taskbuilder.description.space import (
     Above,
     Below,
+    Beyond,
     Inside,
-    JointAngle,
-    JointPosition,
     Level,
     Moved,
     Near,
@@ -66,6 +67,7 @@ __all__ = [
     "Any",
     "AtLeast",
     "Below",
+    "Beyond",
     "BodyName",
     "Bonus",
     "Closeness",
@@ -89,6 +91,7 @@ __all__ = [
     "JointAngle",
     "JointName",
     "JointPosition",
+    "JointTravel",
     "Ladder",
     "Level",
     "Mean",
@@ -112,6 +115,7 @@ __all__ = [
     "Sustained",
     "Term",
     "Then",
+    "Tilt",
     "Turned",
     "Upright",
     "WorldView",

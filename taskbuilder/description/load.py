@@ -26,12 +26,13 @@ from taskbuilder.description.description import Description
 from taskbuilder.description.node import ValueOfNodeError
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.interpreters import interpreter
-from taskbuilder.processes import environment_of_children, owned
+from taskbuilder.processes import ends_within, environment_of_children, owned
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.wording import suggestion
 
 TRIAL_LIMIT_S = 10.0
+ONLY_DECLARES = "a description only declares"
 _TRIAL = "from taskbuilder.description.load import main; main()"
 
 
@@ -91,10 +92,9 @@ def try_import(entry: CatalogueEntry, limit_s: float = TRIAL_LIMIT_S) -> None:
             start_new_session=True,
         )
         try:
-            child.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            message = f"its import did not end within {limit_s:g} s; a description only declares"
-            raise FileError([Finding("TB213", message, location=Location(file, 1, 1))]) from None
+            if not ends_within(child, limit_s):
+                message = f"its import did not end within {limit_s:g} s; {ONLY_DECLARES}"
+                raise FileError([Finding("TB213", message, location=Location(file, 1, 1))])
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(child.pid, signal.SIGKILL)
@@ -102,7 +102,7 @@ def try_import(entry: CatalogueEntry, limit_s: float = TRIAL_LIMIT_S) -> None:
         said.seek(0)
         finished = said.read() == word
     if not finished:
-        message = "its import ended the interpreter; a description only declares"
+        message = f"its import ended the interpreter; {ONLY_DECLARES}"
         raise FileError([Finding("TB213", message, location=Location(file, 1, 1))])
 
 

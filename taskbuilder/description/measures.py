@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, SupportsFloat
+from typing import Any, Literal, SupportsFloat
 
 from taskbuilder.description.custom import Call
 from taskbuilder.description.node import (
@@ -155,6 +155,22 @@ class Height(Measure):
     def value(self, world: WorldView) -> float:
         base = world.position(self.reference)[2] if self.reference else 0.0
         return world.position(self.frame)[2] - base
+
+
+@dataclass(frozen=True)
+class Tilt(Measure):
+    """The angle between an axis of a frame and the vertical, in degrees: 0 if it points up."""
+
+    frame: FrameName
+    _: KW_ONLY
+    axis: Literal["x", "y", "z"] = "z"
+
+    def value(self, world: WorldView) -> float:
+        return math.degrees(world.pose(self.frame).tilt("xyz".index(self.axis)))
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        if self.axis not in ("x", "y", "z"):
+            yield f'axis is {self.axis!r}; "x", "y" or "z"'
 
 
 @dataclass(frozen=True)

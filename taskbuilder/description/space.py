@@ -13,7 +13,6 @@ from taskbuilder.description.node import (
     Condition,
     ContainerName,
     FrameName,
-    JointName,
     Memory,
     Parts,
     Step,
@@ -154,6 +153,41 @@ def _height(world: WorldView, frame: str, reference: str | None) -> float:
 
 
 @dataclass(frozen=True)
+class Beyond(Condition):
+    """A frame is at least ``by`` metres beyond another one, along an axis of the latter.
+
+    ``Beyond("block", "gate", axis="x")``: the block's origin is past the plane through the gate's
+    origin, on the side to which the gate's x axis points. ``axis="-x"`` is the other side.
+    """
+
+    frame: FrameName
+    reference: FrameName
+    _: KW_ONLY
+    axis: Literal["x", "y", "z", "-x", "-y", "-z"] = "x"
+    by: float = 0.0
+
+    def holds(self, world: WorldView) -> bool:
+        return self._ahead(world) >= self.by
+
+    def _ahead(self, world: WorldView) -> float:
+        along = world.pose(self.reference).axis("xyz".index(self.axis[-1]))
+        apart = subtract(world.position(self.frame), world.position(self.reference))
+        ahead = sum(a * b for a, b in zip(along, apart, strict=True))
+        return -ahead if self.axis.startswith("-") else ahead
+
+    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
+        now, bound = meters(self._ahead(world), self.by)
+        return f"{now} beyond it, {'at least' if wanted else 'less than'} {bound} is needed"
+
+    def problems(self, names: SceneNames) -> Iterator[str]:
+        signed = [f"{sign}{axis}" for sign in ("", "-") for axis in "xyz"]
+        if self.axis not in signed:
+            yield f"axis is {self.axis!r}; one of {', '.join(signed)}"
+        if self.frame == self.reference:
+            yield "nothing is beyond itself; name two frames"
+
+
+@dataclass(frozen=True)
 class Upright(Condition):
     """An axis of a frame points up, to within ``within_deg`` degrees."""
 
@@ -167,8 +201,7 @@ class Upright(Condition):
         return up >= math.cos(math.radians(self.within_deg))
 
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
-        up = world.pose(self.frame).axis("xyz".index(self.axis))[2]
-        tilt = math.degrees(math.acos(max(-1.0, min(1.0, up))))
+        tilt = math.degrees(world.pose(self.frame).tilt("xyz".index(self.axis)))
         now, bound = beside(tilt, self.within_deg, "°")
         return f"tilted by {now}, {'within' if wanted else 'more than'} {bound} is needed"
 
@@ -260,79 +293,6 @@ class Stationary(Condition):
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("speed", self.speed, "m/s")
         yield from _positive("turn_deg", self.turn_deg, "degrees a second")
-
-
-@dataclass(frozen=True)
-class JointPosition(Condition):
-    """The position of a prismatic joint is within bounds, in metres; one bound may be left out."""
-
-    joint: JointName
-    _: KW_ONLY
-    above: float | None = None
-    below: float | None = None
-
-    def holds(self, world: WorldView) -> bool:
-        return _between(world.joint(self.joint), self.above, self.below)
-
-    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
-        bounds = (None if b is None else 100.0 * b for b in (self.above, self.below))
-        return _beyond(100.0 * world.joint(self.joint), *bounds, unit="cm", wanted=wanted)
-
-    def problems(self, names: SceneNames) -> Iterator[str]:
-        yield from _bounds(self.above, self.below, "above", "below")
-        if names.joint_type(self.joint) in ("revolute", "continuous"):
-            yield f'"{self.joint}" turns; use JointAngle, in degrees'
-
-
-@dataclass(frozen=True)
-class JointAngle(Condition):
-    """The angle of a revolute joint is within bounds, in degrees; one bound may be left out."""
-
-    joint: JointName
-    _: KW_ONLY
-    above_deg: float | None = None
-    below_deg: float | None = None
-
-    def holds(self, world: WorldView) -> bool:
-        return _between(math.degrees(world.joint(self.joint)), self.above_deg, self.below_deg)
-
-    def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
-        angle = math.degrees(world.joint(self.joint))
-        return _beyond(angle, self.above_deg, self.below_deg, unit="°", wanted=wanted)
-
-    def problems(self, names: SceneNames) -> Iterator[str]:
-        yield from _bounds(self.above_deg, self.below_deg, "above_deg", "below_deg")
-        if names.joint_type(self.joint) == "prismatic":
-            yield f'"{self.joint}" slides; use JointPosition, in metres'
-
-
-def _between(value: float, above: float | None, below: float | None) -> bool:
-    return (above is None or value >= above) and (below is None or value <= below)
-
-
-def _beyond(
-    value: float, above: float | None, below: float | None, *, unit: str, wanted: bool
-) -> str:
-    """A joint's value and its bound, in words."""
-    if wanted:
-        low = above is not None and value < above
-        bound = above if low else below
-        now, shown = beside(value, bound or 0.0, unit)
-        return f"{now}, at {'least' if low else 'most'} {shown} is needed"
-    needed = []
-    now = beside(value, above if above is not None else below or 0.0, unit)[0]
-    if above is not None:
-        needed.append(f"less than {beside(value, above, unit)[1]}")
-    if below is not None:
-        needed.append(f"more than {beside(value, below, unit)[1]}")
-    return f"{now}, {' or '.join(needed)} is needed"
-
-
-def _bounds(above: float | None, below: float | None, *names: str) -> Iterator[str]:
-    if above is None and below is None:
-        yield f"has no bound; give {' or '.join(names)}"
-    elif above is not None and below is not None and above > below:
-        yield f"can never hold: {names[0]} {above} is more than {names[1]} {below}"
 
 
 def _positive(name: str, value: float, unit: str) -> Iterator[str]:

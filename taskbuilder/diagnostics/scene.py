@@ -130,7 +130,8 @@ ENTRIES = {
     "TB315": Code(
         "Lost process",
         "The description ended or crashed the interpreter while it was evaluated, or took too "
-        "long. The time limit is 20 s plus 0.8 s for each control step of an episode. The "
+        "long. The time limit is 20 s plus 0.8 s for each control step of an episode; on Linux, "
+        "time that a busy machine keeps the process waiting does not count. The "
         "finding shows the line if it is known. If a process is killed or stopped from outside, "
         "it is replaced and its work is repeated. If this happens twice in a row, the machine "
         "may be short of memory.",

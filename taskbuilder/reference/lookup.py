@@ -16,7 +16,7 @@ from taskbuilder.errors import UnknownNameError
 from taskbuilder.reference import codes, keys, vocabulary
 from taskbuilder.reference.meanings import DRAWN
 from taskbuilder.reference.python import prose, signature
-from taskbuilder.schema.order import VERBS
+from taskbuilder.schema.order import ONLY_WITH, VERBS
 from taskbuilder.wording import suggestion
 
 _STAGES = ("Order", "Together", "Wait", "Repeat")
@@ -76,9 +76,18 @@ def _codes() -> Iterator[Entry]:
 def _public() -> Iterator[Entry]:
     for name in description.__all__:
         thing = getattr(description, name)
-        if callable(thing):
-            text = f"`{name}{signature(thing)}`\n\n{prose(inspect.getdoc(thing) or '')}"
-            yield Entry(name, _kind(thing), text)
+        if name in vocabulary.named():
+            yield Entry(name, "annotation of names", f"A name of {vocabulary.named()[name]}.")
+        elif callable(thing):
+            call = _one_line(f"{name}{signature(thing)}")
+            about = prose(inspect.getdoc(thing) or "")
+            names = [kind for kind in vocabulary.named() if kind in call]
+            told = "\n".join(f"- {kind}: {vocabulary.named()[kind]}" for kind in names)
+            yield Entry(name, _kind(thing), "\n\n".join(filter(None, (f"`{call}`", about, told))))
+
+
+def _one_line(call: str) -> str:
+    return re.sub(r",? \)", ")", " ".join(call.split())).replace("( ", "(")
 
 
 def _attributes() -> Iterator[Entry]:
@@ -104,9 +113,14 @@ def _orders() -> Iterator[Entry]:
         for key, value, default, meaning in keys.rows(model):
             verb = key.strip("`") in VERBS
             kind = "verb of an expert's orders" if verb else f"key of an expert's {model.lower()}"
-            yield Entry(
-                f"expert.{key.strip('`')}", kind, _told(value, "" if verb else default, meaning)
-            )
+            text = _told(value, "" if verb else default, meaning)
+            goes_with = _with(key.strip("`")) if verb and model == "Order" else ()
+            yield Entry(f"expert.{key.strip('`')}", kind, text, goes_with)
+
+
+def _with(verb: str) -> Sequence[Sequence[str]]:
+    """The keys that an order with this verb may have, a line each."""
+    return [row for row in keys.rows("Order") if verb in ONLY_WITH.get(row[0].strip("`"), ())]
 
 
 def _channels() -> Iterator[Entry]:

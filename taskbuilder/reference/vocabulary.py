@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Annotated, get_args, get_origin, get_type_hints
 
 from taskbuilder import description
@@ -17,9 +18,11 @@ BASES = {"Condition": Condition, "Measure": Measure, "Term": Term}
 _KINDS: Mapping[str, str] = {
     "robot": "a robot",
     "object": "an object",
-    "body": "an object or a part of an object: `tray`, `tray.left_handle`",
-    "solid": "a robot, an object or a part of an object",
-    "frame": "anything with a pose: `tray`, `goal`, `left.tcp`, `left.base`, a part, a grasp point",
+    "body": "an object, a part or a link of an object: `tray`, `tray.left_handle`, "
+    "`cabinet.drawer`",
+    "solid": "a robot, an object, or a part or link of an object",
+    "frame": "anything with a pose: `tray`, `goal`, `left.tcp`, `left.base`, a part, a link, a "
+    "grasp point",
     "site": "a site",
     "joint": "a joint of an object that is loaded from a URDF: `cabinet.drawer_joint`",
     "container": "an object, a part, or a site with a marker",
@@ -63,12 +66,20 @@ def nodes(base: str) -> str:
 
 def kinds(_: str) -> str:
     """A table of the annotations for names, and what each stands for."""
-    rows = []
-    for name, thing in _public():
-        if get_origin(thing) is Annotated:
-            kind = next(extra.kind for extra in get_args(thing) if isinstance(extra, Refers))
-            rows.append([code(name), _KINDS[kind]])
+    rows = [[code(name), meaning] for name, meaning in named().items()]
     return table(["annotation", "a name of"], rows)
+
+
+@cache
+def named() -> Mapping[str, str]:
+    """What each annotation for names stands for: ``ObjectName`` for an object."""
+    return {
+        name: _KINDS[extra.kind]
+        for name, thing in _public()
+        if get_origin(thing) is Annotated
+        for extra in get_args(thing)
+        if isinstance(extra, Refers)
+    }
 
 
 def view(_: str) -> str:

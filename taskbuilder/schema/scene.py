@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.arrangement import ARRANGEMENTS, MAX_COUNT, Arrangement
+from taskbuilder.schema.camera import CameraSpec
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.values import (
@@ -22,7 +23,6 @@ from taskbuilder.schema.values import (
     Degrees,
     Edges,
     Extent,
-    FrameName,
     FrameOrWorld,
     Friction,
     Length,
@@ -30,7 +30,6 @@ from taskbuilder.schema.values import (
     Model,
     Name,
     OrNumber,
-    Pixels,
     Position,
     Positive,
     Reference,
@@ -133,6 +132,9 @@ class Place(Model):
     size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
     yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Minimum and maximum yaw.")
     rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation, before the yaw is added.")
+    clearance: Length = Field(
+        0.005, description="Minimum distance in metres from everything else; objects only."
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> Place:
@@ -265,35 +267,12 @@ class SiteSpec(_Placed):
         "6 cm, which are zones, and 1 for others. TinyRenderer draws all of them solid.",
     )
 
-
-class CameraSpec(Model):
-    """A camera that stands in the world or is mounted on a frame."""
-
-    mount: FrameName | None = Field(
-        None, description="Frame that it is attached to, such as left.tcp."
-    )
-    position: Position | None = None
-    look_at: Position | None = None
-    fov_deg: Annotated[float, Field(ge=5.0, le=150.0)] = 50.0
-    size: tuple[Pixels, Pixels] = Field((640, 480), description="Width and height in pixels.")
-
     @model_validator(mode="after")
-    def _aims(self) -> CameraSpec:
-        if self.mount is None and (self.position is None or self.look_at is None):
-            raise PydanticCustomError("choice", "a camera has position and look_at, or a mount")
-        if self.eye == self.aim:
-            raise PydanticCustomError("choice", "position and look_at are the same point")
+    def _no_clearance(self) -> SiteSpec:
+        usual = Place.model_fields["clearance"].default
+        if self.place is not None and self.place.clearance != usual:
+            raise PydanticCustomError("choice", "a site has no body and keeps no clearance")
         return self
-
-    @property
-    def eye(self) -> Position:
-        """Where the camera is, in the world or in its mount."""
-        return self.position or (0.09, 0.0, -0.10)
-
-    @property
-    def aim(self) -> Position:
-        """The point it looks at, in the world or in its mount."""
-        return self.look_at or (0.0, 0.0, 0.06)
 
 
 class Base(Model):

@@ -6,6 +6,7 @@ import linecache
 import re
 from pathlib import Path
 
+from taskbuilder.description.load import ONLY_DECLARES
 from taskbuilder.errors import Finding, Location
 from taskbuilder.jobs import TRIES
 from taskbuilder.processes import Fault
@@ -13,7 +14,6 @@ from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.validate.report import Check, FamilyResult
 
 _ONLY_LOOKS = "a description only looks"
-_ONLY_DECLARES = "a description only declares"
 
 
 def finding_of_loss(fault: Fault, entry: CatalogueEntry) -> Finding:
@@ -41,7 +41,7 @@ def refused_import(fault: Fault, entry: CatalogueEntry, *, looked_over: bool) ->
     if fault.outside:
         said = f"{what} took too long: the process {fault.cause}, {TRIES} times in a row"
     place = _place(fault, entry.description_file)
-    return _finding("TB213", f"{said}; {_ONLY_DECLARES}", entry, place)
+    return _finding("TB213", f"{said}; {ONLY_DECLARES}", entry, place)
 
 
 def lost_family(name: str, finding: Finding, seconds: float = 0.0) -> FamilyResult:

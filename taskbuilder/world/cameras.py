@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Pose, add, dot, norm, subtract
-from taskbuilder.schema.scene import CameraSpec
+from taskbuilder.schema.camera import CameraSpec
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.wording import suggestion
 from taskbuilder.world.looks import CameraChange, Look

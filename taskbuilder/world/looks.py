@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from taskbuilder.geometry import Vec3
-from taskbuilder.schema.scene import CameraSpec, SceneSpec
+from taskbuilder.schema.camera import CameraSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.task import LOOK_PARTS, LookPart, TaskSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.sim.body import Body

@@ -23,9 +23,6 @@ from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 
 TRIES = 100
-GAP = 0.005
-"""Metres that placed things keep from each other."""
-
 SINK = 0.002
 """Metres that a thing may reach into its surface: Bullet's hulls of meshes are 1 mm too large."""
 
@@ -288,21 +285,21 @@ def _obstacle(
         return None
     boxes = [thing.body.occupied() for thing in bodies]
     around = bounding_box([corner for box in boxes for corner in (box.low, box.high)])
-    near = [other for other in others if _may_meet(around, other.box)]
+    near = [other for other in others if _may_meet(around, other.box, place.clearance)]
     holders = {(name or "").partition(".")[0] for name in (place.surface, place.frame)}
     for thing, box in zip(bodies, boxes, strict=True):
         for other in near:
             holds = other.name in {*holders, thing.spec.frame.partition(".")[0]}
-            gap = -SINK if holds and not other.is_robot else GAP
-            if _may_meet(box, other.box) and _too_near(thing, other.body, gap):
+            gap = -SINK if holds and not other.is_robot else place.clearance
+            if _may_meet(box, other.box, place.clearance) and _too_near(thing, other.body, gap):
                 return other.name
     return None
 
 
-def _may_meet(one: Box, other: Box) -> bool:
-    """Whether two boxes come nearer to each other than things keep."""
+def _may_meet(one: Box, other: Box, gap: float) -> bool:
+    """Whether two boxes may be nearer to each other than a gap in metres."""
     return all(
-        abs(one.center[i] - other.center[i]) <= one.half[i] + other.half[i] + GAP for i in range(3)
+        abs(one.center[i] - other.center[i]) <= one.half[i] + other.half[i] + gap for i in range(3)
     )
 
 

@@ -160,13 +160,13 @@ def _tool(
     reach = max(
         float(np.array(corner) @ z)
         for finger in fingers
-        for corner in _corners(urdf, hand, finger, opened)
+        for corner in link_corners(urdf, hand, finger, opened)
     )
     point = middle + (reach - _PAD_M - middle @ z) * z
     x = np.cross(y, z)
     pose = Pose(_vec(point), from_axes(_vec(x), _vec(y), _vec(z)))
     for link in _frames_on(urdf, hand):
-        own = _pose(urdf, hand, link, {})
+        own = link_pose(urdf, hand, link, {})
         near = np.linalg.norm(np.array(own.position) - point) < _NEAR_M
         along = np.array(own.axis(2)) @ z > _ALIGNED and abs(np.array(own.axis(1)) @ y) > _ALIGNED
         if near and along and _OF_A_TOOL.search(link):
@@ -207,9 +207,16 @@ def _home(
     return start, False
 
 
-def _corners(urdf: Urdf, hand: str, link: str, joints: Mapping[str, float]) -> list[Vec3]:
-    """The corners of a link's bounding box in the frame of the hand."""
-    pose = _pose(urdf, hand, link, joints)
+def link_corners(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) -> list[Vec3]:
+    """The corners of a link's bounding box in the frame of a link above it.
+
+    Args:
+        urdf: The robot.
+        above: The link above, such as the hand or the root.
+        link: The link.
+        joints: Positions of joints between the two, in m or rad; others are at 0.
+    """
+    pose = link_pose(urdf, above, link, joints)
     found = urdf.link(link)
     shapes = found.collisions or found.visuals
     if not shapes:
@@ -218,12 +225,12 @@ def _corners(urdf: Urdf, hand: str, link: str, joints: Mapping[str, float]) -> l
 
 
 def _middle(urdf: Urdf, hand: str, link: str, joints: Mapping[str, float]) -> NDArray[np.float64]:
-    middle: NDArray[np.float64] = np.mean(_corners(urdf, hand, link, joints), axis=0)
+    middle: NDArray[np.float64] = np.mean(link_corners(urdf, hand, link, joints), axis=0)
     return middle
 
 
-def _pose(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) -> Pose:
-    """The pose of a link in the frame of one above it."""
+def link_pose(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) -> Pose:
+    """The pose of a link in the frame of one above it, with joints as given and others at 0."""
     pose = Pose()
     while link != above:
         joint = urdf.joint_above(link)

@@ -17,7 +17,7 @@ from taskbuilder.visual.still import take_still
 from taskbuilder.world.building import build_world
 
 COUNTS = range(1, 7)
-LONGEST_DESCRIPTION = 25
+LONGEST_DESCRIPTION = 35
 
 
 @pytest.mark.parametrize("count", COUNTS)

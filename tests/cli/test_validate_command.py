@@ -129,6 +129,13 @@ def test_progress_is_for_terminals(run, good, monkeypatch):
     assert "reset" in terminal.getvalue()
 
 
+def test_elsewhere_progress_is_a_line_now_and_then(run, good, monkeypatch):
+    words = ("validate", "good.yaml", "--seeds", "20", "--level", "build", "--json")
+    assert run(*words).err == ""
+    monkeypatch.setattr("taskbuilder.cli.output.LINE_EVERY_S", 0.0)
+    assert re.search(r"^taskbuilder: .*reset.*: 7 of 20$", run(*words).err, re.M)
+
+
 def test_json_is_short_for_its_format(run, good):
     words = ("validate", "--level", "static", "good.yaml")
     assert run(*words, "--json").data == run(*words, "--format", "json").data

@@ -132,6 +132,10 @@ def test_a_sound_description_has_no_findings(found, tmp_path):
             '5:15: error[TB212] JointAngle("cabinet.slide", …): "cabinet.slide" slides; '
             "use JointPosition, in metres",
         ),
+        (
+            'Beyond("cube", "cube")',
+            '5:15: error[TB212] Beyond("cube", …): nothing is beyond itself; name two frames',
+        ),
         ('Held("cube", by=())', '5:15: error[TB212] Held("cube", …): by is empty; name a robot'),
         ('Contact("cube")', '5:15: error[TB212] Contact("cube", …): touches what? write Contact('),
         ('Contact("cube", "tray", robot="left")', '5:15: error[TB212] Contact("cube", …): touches'),
@@ -218,6 +222,21 @@ def test_a_slip_in_an_expression_is_marked_at_that_expression(found, success, me
         (
             'Potential("gain", Height("cube"), 1.0, 1.5)',
             '6:15: error[TB212] Potential("gain", …): discount is 1.5; more than 0, at most 1',
+        ),
+        (
+            'Paid("gain", JointTravel("cabinet.slide"))',
+            '6:28: error[TB212] JointTravel("cabinet.slide", …): has no target; '
+            "give to, in metres, or to_deg, in degrees",
+        ),
+        (
+            'Paid("gain", JointTravel("cabinet.slide", to_deg=20))',
+            '6:28: error[TB212] JointTravel("cabinet.slide", …): "cabinet.slide" slides; '
+            "give to, in metres",
+        ),
+        (
+            'Paid("gain", JointTravel("cabinet.hinge", to=0.2))',
+            '6:28: error[TB212] JointTravel("cabinet.hinge", …): "cabinet.hinge" turns; '
+            "give to_deg, in degrees",
         ),
         (
             'Paid("gain", Closeness("cube", "goal", scale=0))',

@@ -11,6 +11,7 @@ from taskbuilder.description import (
     Above,
     AtLeast,
     Below,
+    Beyond,
     Contact,
     EmptyHanded,
     ForceAbove,
@@ -199,6 +200,24 @@ def test_moved_and_turned_compare_with_the_start_of_the_episode(world, referee):
     outcome = judge.judge(world)
     assert (outcome.success, outcome.failure) == (False, True)
     assert judge.start(world).failure is False
+
+
+@pytest.mark.parametrize(
+    ("axis", "by", "value"),
+    [
+        ("x", 0.0, False),
+        ("-x", 0.25, True),
+        ("-x", 0.35, False),
+        ("y", 0.35, True),
+        ("y", 0.45, False),
+        ("-z", 0.0, False),
+        ("z", 0.45, True),
+    ],
+)
+def test_a_frame_is_beyond_another_along_an_axis_of_that_one(world, now, axis, by, value):
+    world.poses["gate"] = Pose.from_rpy_deg((1.0, 1.0, 0.0), (0, 0, 90))  # its x is the world's y
+    world.put("cube", 0.6, 0.7, 0.5)
+    assert now(Beyond("cube", "gate", axis=axis, by=by)) is value
 
 
 @pytest.mark.parametrize(

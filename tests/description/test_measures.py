@@ -17,11 +17,14 @@ from taskbuilder.description import (
     Gap,
     GripperOpening,
     Height,
+    JointTravel,
     Ladder,
     Minimum,
+    Tilt,
 )
 from taskbuilder.description.description import Referee
 from taskbuilder.description.measures import Constant
+from taskbuilder.geometry import Pose
 
 X, Y = Number("x"), Number("y")
 
@@ -56,6 +59,43 @@ def test_distances_and_heights_are_in_metres(world, now):
     assert now(Gap("cube", "goal")) == pytest.approx(0.5)
     assert now(Height("cube")) == pytest.approx(0.4)
     assert now(Height("cube", "tray")) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(
+    ("axis", "rpy_deg", "tilt"),
+    [
+        ("z", (0, 0, 50), 0.0),
+        ("z", (20, 0, 50), 20.0),
+        ("z", (180, 0, 0), 180.0),
+        ("x", (0, 0, 0), 90.0),
+        ("x", (0, -90, 0), 0.0),
+        ("y", (-60, 0, 0), 150.0),
+    ],
+)
+def test_a_tilt_is_the_angle_to_the_vertical_in_degrees(world, now, axis, rpy_deg, tilt):
+    world.poses["cube"] = Pose.from_rpy_deg((0.1, 0.2, 0.3), rpy_deg)
+    assert now(Tilt("cube", axis=axis)) == pytest.approx(tilt, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("start", "positions", "travel"),
+    [
+        (0.0, [0.05, 0.2, 0.3, -0.1], [0.25, 1.0, 1.0, 0.0]),
+        (0.1, [0.1, 0.15, 0.2], [0.0, 0.5, 1.0]),
+        (0.3, [0.3, 0.25, 0.1], [0.0, 0.5, 1.0]),
+        (0.2, [0.2, 0.1], [1.0, 1.0]),
+    ],
+)
+def test_a_joints_travel_goes_from_its_start_to_its_target(start, positions, travel):
+    world = FakeWorld(joints={"drawer": start, "lid": math.radians(100 * start)})
+    slides, turns = JointTravel("drawer", to=0.2), JointTravel("lid", to_deg=20)
+    for measure in (slides, turns) if start != 0.2 else (slides,):  # degrees are rounded
+        world.joints = {"drawer": start, "lid": math.radians(100 * start)}
+        referee = Referee(describe(progress=measure), ("left",))
+        referee.start(world)
+        for position, share in zip(positions, travel, strict=True):
+            world.joints = {"drawer": position, "lid": math.radians(100 * position)}
+            assert referee.judge(world).progress == pytest.approx(share)
 
 
 def test_a_force_is_what_the_world_says(world, now):

@@ -12,6 +12,7 @@ from taskbuilder.description import (
     Above,
     AtLeast,
     Below,
+    Beyond,
     Condition,
     Contact,
     EmptyHanded,
@@ -99,6 +100,7 @@ def test_figures_stand_beside_their_bounds(world, why):
         (Above("cube", height=0.6), True, "20.0 cm high, at least 60 cm is needed"),
         (Below("cube", height=0.35), False, "20.0 cm high, at least 35 cm is needed"),
         (Level("tray", within_deg=10), True, "tilted by 14.2°, within 10° is needed"),
+        (Beyond("cube", "goal", by=0.5), True, "cm beyond it, at least 50 cm is needed"),
         (Moved("cube", by=0.1), True, "moved by 0.0 cm, at least 10 cm is needed"),
         (Turned("cube", by_deg=90), True, "turned by 0.0°, at least 90° is needed"),
         (

@@ -32,7 +32,7 @@ def test_its_stages_are_stages():
         for block in blocks("yaml")
         for found in yaml.safe_load(textwrap.dedent(block.removeprefix("expert:\n")))
     ]
-    assert len(listed) == 15
+    assert len(listed) == 17
     for found in listed:
         stage.validate_python(found, strict=False)
 

@@ -126,7 +126,8 @@ scene:
       mass: 0.01
       count: 3
       arrange: {grid: {columns: 2, spacing: [0.03, 0.04]}}
-      place: {surface: table, center: [-0.5, 0.3], size: [0.02, 0.02], yaw_deg: [0, 90]}
+      place:
+        {surface: table, center: [-0.5, 0.3], size: [0.02, 0.02], yaw_deg: [0, 90], clearance: 0.01}
     posts:
       shape: {cylinder: {radius: 0.01, length: 0.05}}
       mass: 0.02

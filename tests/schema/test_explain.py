@@ -183,6 +183,11 @@ def test_the_plain_task_has_no_findings(findings):
             "give exactly one of position, place",
         ),
         (
+            "position: [0.3, 0, 0.6]",
+            "place: {center: [0.3, 0, 0.6], size: [0, 0, 0], clearance: 0.1}",
+            "18:11: error[TB106] scene.sites.goal: a site has no body and keeps no clearance",
+        ),
+        (
             "surface: table, center: [-0.3, 0]",
             "surface: table, center: [-0.3, 0, 1]",
             "16:14: error[TB106] scene.objects.cube.place: center and size on a surface: [x, y]",

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import re
+
 import pytest
 
-from taskbuilder import validate_task
+from taskbuilder import parallel_env, validate_task
 from taskbuilder.validate.observing import Views
 
 NEEDS, PAYS = "needs its robots", "pays for success"
@@ -138,6 +141,34 @@ class TestSolvable:
         assert "2 × " in finding.message
         assert "seed 0, stage " in finding.message
         assert [d.success for d in report.families[-1].rollouts] == [False] * 3
+
+    def test_what_got_lost_on_the_way_is_told_beside_where_it_failed(self, prove):
+        lifted = "left: [{bring: cube, to: cube, above: 0.12}, {bring: cube, to: [9, 0, 0]}]"
+        away = ("left: {bring: cube, to: goal}", lifted)
+        low = (SUCCESS, 'Below("cube", height=0.1) & Near("cube", "lamp", within=0.02)')
+        (finding,) = prove(away, low, only=("solvable",), seeds=2).findings
+        assert "stage 2 (left: bring cube to [9, 0, 0]): " in finding.message
+        assert re.search(r"; Below\(cube.*\): .* cm high, .* \(since step \d+\)", finding.message)
+
+    def test_an_episode_that_fails_is_named_although_nearly_all_succeed(self, prove, tmp_path):
+        spot = ("    lamp:", "    spot: {position: [-0.46, -0.26, 0.023]}\n    lamp:")
+        one = ("\nvariations:\n  - {cube.color: green}", "")
+        prove(spot, one, only=("reset",), seeds=1)
+        env = parallel_env(tmp_path / "pair.yaml")
+        away = []
+        for seed in range(20):
+            env.reset(seed=seed)
+            position = env.episode.world.position
+            away.append(math.dist(position("cube"), position("spot")))
+        env.close()
+        nearest, next_one = sorted(away)[:2]
+        near = f'    failure = Near("cube", "spot", within={(nearest + next_one) / 2})\n'
+        fails = ("    stages =", f"{near}    stages =")
+        report = prove(spot, one, fails, only=("solvable",), seeds=20)
+        family = report.families[-1]
+        assert report.ok
+        assert family.summary.startswith("19/20")
+        assert f"; fails from seed {away.index(nearest)}: " in family.summary
 
     def test_a_variation_that_fails_is_named(self, prove):
         far = ("{cube.color: green}", "{goal.position: [-0.2, -0.1, 0.7]}")

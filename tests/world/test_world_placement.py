@@ -12,7 +12,8 @@ from taskbuilder.errors import PlacementError
 from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.sim.contacts import closest_distance
 from taskbuilder.world.building import build_world
-from taskbuilder.world.placement import GAP
+
+GAP = 0.005  # by default
 
 ROOM = """
 scene:
@@ -94,6 +95,27 @@ def test_yaw_and_orientation_are_drawn_as_written(build):
         assert world.position("rod")[2] == pytest.approx(0.52, abs=2e-3)
     assert 19 <= min(yaws) < 25
     assert 35 < max(yaws) <= 41
+
+
+def test_things_keep_the_clearance_that_they_are_told(build):
+    text = ROOM
+    for number in range(4):
+        clearance = 0.005 if number == 0 else 0.1
+        text += f"""
+    cube_{number}:
+      shape: {{box: [0.04, 0.04, 0.04]}}
+      mass: 0.1
+      place: {{surface: table, center: [0, 0], size: [0.4, 0.4], clearance: {clearance}}}
+"""
+    world = build(text)
+    nearest = math.inf
+    for seed in range(20):
+        world.reset(seed)
+        bodies = [world.objects[f"cube_{number}"].body for number in range(4)]
+        for one, other in combinations(bodies, 2):
+            gap = closest_distance(one, other, within=0.2)
+            nearest = min(nearest, math.inf if gap is None else gap)
+    assert 0.098 < nearest < 0.13
 
 
 def test_children_follow_their_parents(build):

@@ -80,7 +80,7 @@ def solvable_family(context: Context) -> FamilyResult:
         "solvable",
         tuple(reversed(checks)),
         tuple(findings),
-        _summary(worst, context.variations, needed, horizon),
+        _summary(worst, context.variations, needed, horizon) + _missed(played),
         rollouts=_worth_a_picture(played.values()),
     )
 
@@ -105,6 +105,18 @@ def _proportion(rollouts: Iterable[Rollout]) -> Proportion:
 def _summary(worst: Proportion, variations: int, needed: int, horizon: int) -> str:
     among = f" in the worst of {variations} variations" if variations > 1 else ""
     return f"{worst}{among}, {needed} of {horizon} steps at most"
+
+
+def _missed(played: Mapping[Start, Rollout]) -> str:
+    """The first episode that failed, in words; "" if none did."""
+    failed = [(start, demo) for start, demo in played.items() if not demo.success]
+    if not failed:
+        return ""
+    start, first = failed[0]
+    why = f", {first.trouble.cause}" if first.trouble else ""
+    stage = f"stage {first.trouble.stage} ({first.trouble.order})" if first.trouble else "the end"
+    others = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
+    return f"; fails from {start}{others}: {stage}{why}"
 
 
 def _worth_a_picture(rollouts: Iterable[Rollout]) -> tuple[Rollout, ...]:
@@ -217,6 +229,8 @@ def _fails(context: Context, failed: Mapping[Start, Rollout], share: Proportion)
         trouble = first.trouble
         path = ("expert", trouble.stage - 1)
         said = f"stage {trouble.stage} ({trouble.order}): {trouble.message}"
+        since = [reason for reason in first.why if reason.of == "success" and reason.since]
+        said += "".join(f"; {reason}" for reason in since[:MOST_REASONS])
     else:
         last = f'; the last milestone is "{first.furthest_stage}"' if first.furthest_stage else ""
         said = f"all stages are done, and success does not hold{last}"
