@@ -13,7 +13,6 @@ import argparse
 import csv
 import json
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -21,6 +20,7 @@ from typing import Any
 from machine import describe_machine
 
 from taskbuilder import catalogue, load_task, parallel_env
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import cores, workers
 from taskbuilder.validate.proportion import Proportion
@@ -33,10 +33,20 @@ FIELDS += ("steps", "planning_s", "stage", "cause", "message")
 Job = tuple[str, int, int]
 
 
-@cache
+_last: dict[tuple[str, int], tuple[TaskEnv, Expert]] = {}
+"""The last task and variation that this process played."""
+
+
 def expert_of(task: str, variation: int) -> Expert:
-    """One expert a task and variation, in each process."""
-    return Expert(parallel_env(task, variation=variation))
+    """The expert of a task and variation; that of another one is closed, to free its memory."""
+    if (task, variation) not in _last:
+        while _last:
+            _, (env, expert) = _last.popitem()
+            expert.close()
+            env.close()
+        env = parallel_env(task, variation=variation)
+        _last[task, variation] = env, Expert(env)
+    return _last[task, variation][1]
 
 
 def play(job: Job) -> dict[str, Any]:
