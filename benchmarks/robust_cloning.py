@@ -6,7 +6,7 @@ Three tasks, from states, 600 demonstrations that take the variations in turn, w
 observations in training. Each policy plays 300 episodes that neither training nor the choice of a
 policy has seen, and 300 more of each variation with Gaussian noise of 5 mm on all positions.
 
-`handover_randomized` is Handover with quantities drawn at random in every episode, in demonstrations
+`handover_randomized` is Handover with quantities that are drawn in every episode, in demonstrations
 and evaluations: the stick's mass, from 30 % below that of the lightest variation to 30 % above that
 of the heaviest; its friction and the motors' gains, from ±30 % and ±20 %; and the delay of each
 robot's actions, none or one control step. Its policies play 300 episodes of each variation so.

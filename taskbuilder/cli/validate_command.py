@@ -17,7 +17,7 @@ from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
 from taskbuilder.errors import display_path
-from taskbuilder.jobs import cores
+from taskbuilder.jobs import cores, workers
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import OtherRobots
@@ -30,6 +30,10 @@ from taskbuilder.validate.runner import QUICK_SEEDS, SEEDS, validate_task
 
 if TYPE_CHECKING:  # pages need the physics engine, which a static validation never loads
     from taskbuilder.validate.html.page import Page
+
+
+MANY = 2
+"""Tasks for each process from which on processes validate a task each, not one task together."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -67,9 +71,14 @@ def _validated(
         with cluster(arguments.ray) as spread:
             yield from progress(spread(validate, names), "tasks", len(names))
         return
+    jobs = arguments.jobs or cores()
+    if jobs > 1 and len(names) >= MANY * jobs:
+        with workers(jobs) as spread:
+            yield from progress(spread(validate, names), "tasks", len(names))
+        return
     for name in names:
         with printing_to_stderr():  # what a description prints is no part of the result
-            report = validate(name, jobs=arguments.jobs or cores(), progress=progress)
+            report = validate(name, jobs=jobs, progress=progress)
         yield report
 
 

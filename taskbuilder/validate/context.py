@@ -100,8 +100,11 @@ class Context:
         Args:
             most: Maximum number of seeds.
         """
-        count = self.seeds if most is None else min(most, self.seeds)
-        return tuple(sorted(Start(seed % self.variations, seed) for seed in range(count)))
+        return self.later_starts(0, self.seeds if most is None else min(most, self.seeds))
+
+    def later_starts(self, first: int, end: int) -> tuple[Start, ...]:
+        """Every seed from the first to before the end, once, with the variations in turn."""
+        return tuple(sorted(Start(seed % self.variations, seed) for seed in range(first, end)))
 
     def ask(
         self,

@@ -136,6 +136,22 @@ def test_elsewhere_progress_is_a_line_now_and_then(run, good, monkeypatch):
     assert re.search(r"^taskbuilder: .*reset.*: 7 of 20$", run(*words).err, re.M)
 
 
+def test_many_tasks_are_validated_at_the_same_time_and_told_in_order(run, good):
+    text, module = good.read_text(), good.with_suffix(".py").read_text()
+    names = [f"good_{number}" for number in range(4)]
+    for name in names:
+        (good.parent / f"{name}.yaml").write_text(text.replace("task: good", f"task: {name}"))
+        ending = "\nraise ValueError\n" if name == "good_2" else ""
+        (good.parent / f"{name}.py").write_text(module + ending)
+    files = [f"{name}.yaml" for name in names]
+    words = ("validate", *files, "--level", "build", "--seeds", "2", "--json")
+    together, alone = (run(*words, "--jobs", jobs) for jobs in ("2", "1"))
+    assert together.status == alone.status == 1
+    assert [task["ok"] for task in together.data["tasks"]] == [True, True, False, True]
+    told = [[report["task"], report["findings"]] for report in together.data["tasks"]]
+    assert told == [[report["task"], report["findings"]] for report in alone.data["tasks"]]
+
+
 def test_json_is_short_for_its_format(run, good):
     words = ("validate", "--level", "static", "good.yaml")
     assert run(*words, "--json").data == run(*words, "--format", "json").data

@@ -249,6 +249,18 @@ class TestPays:
         assert finding.code == "TB555"
         assert finding.message.startswith(("dropping everything, or throwing it away, after",))
 
+    def test_what_few_seeds_leave_undecided_is_played_from_more(self, prove):
+        dice = ("    lamp:", "    dice: {place: {center: [0, 0, 1], size: [0, 0, 2]}}\n    lamp:")
+        paid = (
+            '        Distance("carry", "cube", "goal"),\n'
+            '        Distance("point", "right.tcp", "lamp", agent="right"),\n',
+            '        Paid("luck", Ladder(0.0, (success, Height("dice")))),\n',
+        )
+        report = prove(dice, paid, only=(PAYS,), seeds=2)
+        assert report.ok
+        (summary,) = (family.summary for family in report.families if family.name == PAYS)
+        assert int(re.search(r"(\d+) pairs", summary)[1]) in (4, 8, 16, 32, 40)
+
     def test_a_robot_that_may_idle_may_be_left_out(self, prove):
         optional = ("timing:", "cooperation: optional\ntiming:")
         carried = (SUCCESS, 'Near("cube", "goal", within=0.05)')

@@ -7,7 +7,8 @@ waiting, and the expert without a robot are known from the family "needs its rob
 
 Returns from the same seeds are compared pair by pair, undiscounted and at a discount of 0.95. The
 95 % interval of the mean difference must lie above zero. Episodes of a probe that succeed are left
-out; the report shows their number.
+out; the report shows their number. With few seeds, the interval may include zero although the mean
+does not: then more seeds are played, up to `ENOUGH`.
 
 Probes are judged in a fixed order, up to the first kind that earns as much as success. The finding
 names the closest probe of that kind and the number of others, which usually have the same cause.
@@ -35,6 +36,9 @@ from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
 
 LEAST_PAIRS = 3
 """Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
+
+ENOUGH = 40
+"""Seeds up to which an undecided comparison is repeated, each time with twice as many."""
 
 Plays = Mapping[Way, Mapping[Start, Rollout]]
 """Episodes by probe and start."""
@@ -74,11 +78,12 @@ def pays_family(context: Context) -> FamilyResult:
     """Compare the returns of the expert with those of the probes."""
     plays: dict[Way, Mapping[Start, Rollout]] = {}
     if context.has_expert:
-        starts = context.some_starts()
-        played = zip(starts, context.demonstrate(starts, "pays for success"), strict=True)
-        jobs = [Replayed(start, demo) for start, demo in played if demo.success]
-        plays[EXPERT] = {job.start: job.rollout for job in jobs}
-        plays |= _left(context, jobs)
+        plays |= _expert_and_left(context, context.some_starts())
+        seeds = context.seeds
+        while seeds < ENOUGH and _undecided(plays):
+            more = _expert_and_left(context, context.later_starts(seeds, min(2 * seeds, ENOUGH)))
+            plays = {way: {**plays.get(way, {}), **found} for way, found in (plays | more).items()}
+            seeds = min(2 * seeds, ENOUGH)
     plays |= {way: found for way, found in context.plays.items() if way.kind is not Kind.ALONE}
     bounded = _check_terms(context, plays)
     results = [bounded]
@@ -94,6 +99,21 @@ def pays_family(context: Context) -> FamilyResult:
     else:
         summary = ", ".join(f"{probe.way} {_mean(probe.returns):.1f}" for probe in probes)
     return FamilyResult("pays for success", checks, findings, summary, probes=probes)
+
+
+def _expert_and_left(
+    context: Context, starts: Sequence[Start]
+) -> dict[Way, Mapping[Start, Rollout]]:
+    """The expert's successful episodes, and those that leave its script."""
+    played = zip(starts, context.demonstrate(starts, "pays for success"), strict=True)
+    jobs = [Replayed(start, demo) for start, demo in played if demo.success]
+    return {EXPERT: {job.start: job.rollout for job in jobs}, **_left(context, jobs)}
+
+
+def _undecided(plays: Plays) -> bool:
+    """Whether the expert leads some probe in the mean, but not surely."""
+    leads = [rival.lead for sort in _SORTS for rival in _rivals(sort, plays)]
+    return any(lead.mean > 0.0 >= lead.low for lead in leads)
 
 
 def _left(context: Context, jobs: Sequence[Replayed]) -> Plays:
