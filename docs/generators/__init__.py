@@ -44,6 +44,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "probes": results.probes,
     "robots": robots.library,
     "scaffold": commands.scaffold,
+    "robust": results.robust,
     "task": tasks.page,
     "verbs": keys.verbs,
     "view": vocabulary.view,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -193,6 +193,37 @@ def _inputs(run: Mapping[str, Any]) -> str:
     """What a policy observes."""
     size = run.get("picture_size")
     return f"{run['inputs']}, {size}×{size}" if size else str(run["inputs"])
+
+
+def robust(_: str) -> str:
+    """The results of cloning from demonstrations of every variation."""
+    found = _read("robust_cloning.json")
+    rows = [
+        [
+            run["task"],
+            str(run["seed"]),
+            *(_worst(run["evaluations"].get(name)) for name in ("fresh", "noise", "randomized")),
+            f"{run['minutes']:.0f}",
+        ]
+        for run in found["runs"]
+    ]
+    noise = f"worst variation, noise of {1000.0 * found['noise_m']:g} mm"
+    head = ["task", "seed", "variation 0", noise, "worst variation, randomised", "minutes"]
+    told = (
+        f"Measured with `{found['command']}`. Each share is that of {found['episodes']} episodes, "
+        "with its 95 % interval. The column *minutes* is the duration of the training run on one "
+        "core, with its evaluations."
+    )
+    return f"{table(head, rows)}\n\n{told}"
+
+
+def _worst(evaluations: Sequence[Mapping[str, Any]] | None) -> str:
+    """The lowest success rate of several variations, with its interval."""
+    if not evaluations:
+        return "–"
+    found = min(evaluations, key=lambda each: each["success_rate"])
+    low, high = (100.0 * bound for bound in found["interval"])
+    return f"{100.0 * found['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)"
 
 
 def collecting(_: str) -> str:

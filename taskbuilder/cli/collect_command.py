@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli import output
 from taskbuilder.cli.dataset_command import print_summary
 from taskbuilder.cli.output import print_json
 from taskbuilder.cli.shared_options import randomized
@@ -35,9 +36,6 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.rollout.play import Policy
 from taskbuilder.schema.catalogue import Catalogue
-
-SAY_EVERY_S = 30.0
-"""Seconds between lines of progress when standard error is not a terminal."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -176,7 +174,7 @@ class _Progress:
     def _show(self, tally: CollectProgress) -> None:
         if sys.stderr.isatty():
             self._draw(tally)
-        elif time.monotonic() - self._said > SAY_EVERY_S and tally.left_s:
+        elif time.monotonic() - self._said > output.LINE_EVERY_S and tally.left_s:
             self._said = time.monotonic()
             lost = f", {tally.failed} failed" if tally.failed else ""
             left = f"about {_duration(tally.left_s)} left"

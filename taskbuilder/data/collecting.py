@@ -245,18 +245,26 @@ def _play_on_nodes(
 
 
 class _Counter:
-    """Counts attempts and estimates the time that is left."""
+    """Counts attempts and estimates the time that is left.
+
+    The pace is that since the first episode was there: what comes before it, such as compiling the
+    renderer, comes only once.
+    """
 
     def __init__(self, wanted: int, report: Report) -> None:
         self._wanted, self._report = wanted, report
         self._kept = self._failed = 0
-        self._started = time.monotonic()
+        self._since = 0.0
 
     def count(self, done: AttemptResult) -> None:
         self._kept += done.kept
         self._failed += bool(done.reason)
-        passed = time.monotonic() - self._started
-        left = passed * (self._wanted - self._kept) / self._kept if self._kept else None
+        if done.kept and self._kept == 1:
+            self._since = time.monotonic()
+        left = None
+        if self._kept > 1:
+            pace = (time.monotonic() - self._since) / (self._kept - 1)
+            left = pace * (self._wanted - self._kept)
         self._report(CollectProgress(self._kept, self._wanted, self._failed, left))
 
 

@@ -73,10 +73,10 @@ def test_a_trained_policy_plays_with_the_options_of_its_training(run):
 
 
 def test_progress_and_the_time_left_are_told(run, good, monkeypatch):
-    monkeypatch.setattr("taskbuilder.cli.collect_command.SAY_EVERY_S", 0.0)
-    ran = collected(run, "good.yaml", *RANDOM, "--out", "out")
+    monkeypatch.setattr("taskbuilder.cli.output.LINE_EVERY_S", 0.0)
+    ran = collected(run, "good.yaml", *RANDOM, "--episodes", "3", "--out", "out")
     (line,) = ran.err.splitlines()
-    assert line.startswith("1 of 2 episodes, 1 failed; about ")
+    assert line.startswith("2 of 3 episodes, 2 failed; about ")
     assert line.endswith(" s left")
 
 
