@@ -13,7 +13,14 @@ import os
 import sys
 from pathlib import Path
 
-_BEGIN = "import json, sys; sys.path[:] = json.loads(sys.argv.pop(1)); "
+_BEGIN = """\
+import importlib.util, json, sys
+sys.path[:], package = json.loads(sys.argv.pop(1))
+spec = importlib.util.spec_from_file_location("taskbuilder", package)
+sys.modules["taskbuilder"] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(sys.modules["taskbuilder"])
+"""
+# The package is loaded from its file: in the order of these folders, another one may come first.
 
 
 def interpreter(start: str, *words: str, isolated: bool = False) -> list[str]:
@@ -25,7 +32,9 @@ def interpreter(start: str, *words: str, isolated: bool = False) -> list[str]:
         isolated: Without the variables PYTHON... and the user's own packages.
     """
     flag = "-I" if isolated else "-P"
-    return [sys.executable, flag, "-c", _BEGIN + start, json.dumps(import_path()), *words]
+    package = str(Path(__file__).with_name("__init__.py").resolve())
+    told = json.dumps([import_path(), package])
+    return [sys.executable, flag, "-c", _BEGIN + start, told, *words]
 
 
 def import_path() -> list[str]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import taskbuilder
 
 START = """\
 import sys
@@ -77,3 +81,26 @@ if __name__ == "__main__":
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert not shadowed.exists()
     assert (done.returncode, done.stderr) == (0, "")
+
+
+ELSEWHERE = """\
+import sys, taskbuilder
+from taskbuilder.jobs import workers
+if __name__ == "__main__":
+    with workers(2) as spread:
+        files = list(spread(eval, ["__import__('taskbuilder').__file__"] * 2))
+        print(*{taskbuilder.__file__, *files}, sep="\\n")
+"""
+
+
+def test_processes_use_the_package_of_the_one_that_starts_them(tmp_path):
+    """As in a checkout beside an installation, where the working directory comes last."""
+    package = Path(taskbuilder.__file__).parent
+    copied = tmp_path / "taskbuilder"
+    shutil.copytree(package, copied, ignore=shutil.ignore_patterns("models", "__pycache__"))
+    command = [sys.executable, "-c", ELSEWHERE]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=tmp_path, env=environment, check=False
+    )
+    assert done.stdout.split() == [str(copied / "__init__.py")], done.stderr
