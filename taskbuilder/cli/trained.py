@@ -73,9 +73,7 @@ def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue) -> Path:
 
 def origin(about: Mapping[str, Any]) -> list[list[str]]:
     """What a policy observes and how it was trained: rows of a word and a text."""
-    env, track = about.get("env", {}), about.get("track")
-    options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
-    observed = _OBSERVED.get(env.get("observe"), "not known")
+    track = about.get("track")
     helped = _HELPED.get(str(track), "not known what helped")
     if about.get("starts") and track != "resets":
         helped += ", episodes that may begin in its states"
@@ -86,8 +84,18 @@ def origin(about: Mapping[str, Any]) -> list[list[str]]:
         f"{step:,} {unit}" if isinstance(step, int) else f"unknown {unit}",
         f"seed {about.get('seed')}",
     ]
-    rows = [["observed", f"{observed} ({options})"], ["trained", " · ".join(trained)]]
+    rows = [["observed", _observed(about.get("env", {}))], ["trained", " · ".join(trained)]]
     return [*rows, ["command", str(about["command"])]] if about.get("command") else rows
+
+
+def _observed(env: Mapping[str, Any]) -> str:
+    """What a policy observes, in words, with the options of its environment."""
+    if env.get("cameras"):
+        width, height = env["camera_size"]
+        drawn = f"{width}x{height}, renderer {env.get('renderer')}"
+        return f"pictures of {', '.join(env['cameras'])} ({drawn}), its own robot, the time left"
+    options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
+    return f"{_OBSERVED.get(env.get('observe'), 'not known')} ({options})"
 
 
 def _source(about: Mapping[str, Any]) -> str:

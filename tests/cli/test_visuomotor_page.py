@@ -48,4 +48,6 @@ def test_its_commands_run(run):
         ran = run(*smaller(words))
         # A policy that has hardly been trained fails in its demo, which says so by its status.
         assert ran.status == (1 if words[0] == "demo" else 0), ran.err
+        if words[0] == "evaluate":
+            assert "  observed  pictures of front, top (32x32, renderer " in ran.out
     assert list(Path("films").glob("*.mp4"))
