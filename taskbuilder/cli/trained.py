@@ -95,7 +95,7 @@ def _observed(env: Mapping[str, Any]) -> str:
         drawn = f"{width}x{height}, renderer {env.get('renderer')}"
         return f"pictures of {', '.join(env['cameras'])} ({drawn}), its own robot, the time left"
     options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
-    return f"{_OBSERVED.get(env.get('observe'), 'not known')} ({options})"
+    return f"{_OBSERVED.get(str(env.get('observe')), 'not known')} ({options})"
 
 
 def _source(about: Mapping[str, Any]) -> str:
