@@ -80,7 +80,7 @@ def pays_family(context: Context) -> FamilyResult:
     if context.has_expert:
         plays |= _expert_and_left(context, context.some_starts())
         seeds = context.seeds
-        while seeds < ENOUGH and _undecided(plays):
+        while seeds < ENOUGH and _check_terms(context, plays)[0].ok and _undecided(plays):
             more = _expert_and_left(context, context.later_starts(seeds, min(2 * seeds, ENOUGH)))
             plays = {way: {**plays.get(way, {}), **found} for way, found in (plays | more).items()}
             seeds = min(2 * seeds, ENOUGH)
