@@ -160,7 +160,7 @@ def _sections(task: Task) -> Iterator[str]:
     yield results.proof(name)
     yield "## Files"
     shapes = (thing.shape.urdf for thing in spec.scene.objects.values() if thing.shape)
-    urdfs = dict.fromkeys(file for file in shapes if file and not file.startswith("pybullet"))
+    urdfs = dict.fromkeys(file for file in shapes if file)
     for file in (f"{name}.yaml", f"{name}.py", *urdfs):
         yield shown_file(f"tasks/{file}")
 

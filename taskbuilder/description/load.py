@@ -80,8 +80,8 @@ def try_import(entry: CatalogueEntry, limit_s: float = TRIAL_LIMIT_S) -> None:
         told.write(word)
         told.seek(0)
         numbers = [str(descriptor.fileno()) for descriptor in (told, said)]
-        # No pipes, and a session of its own: nothing that it starts can outlive or hold up the
-        # trial.
+        # No pipes, and a process group of its own: nothing that it starts can outlive the trial or
+        # hold it up.
         child = subprocess.Popen(
             interpreter(_TRIAL, str(file), *numbers),
             stdin=subprocess.DEVNULL,

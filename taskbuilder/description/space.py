@@ -18,7 +18,7 @@ from taskbuilder.description.node import (
     Step,
 )
 from taskbuilder.description.view import WorldView
-from taskbuilder.geometry import norm, subtract, turn_between
+from taskbuilder.geometry import dot, norm, subtract, turn_between
 from taskbuilder.schema.names import SceneNames
 
 AXES = ("xyz", "xy", "xz", "yz", "x", "y", "z")
@@ -172,7 +172,7 @@ class Beyond(Condition):
     def _ahead(self, world: WorldView) -> float:
         along = world.pose(self.reference).axis("xyz".index(self.axis[-1]))
         apart = subtract(world.position(self.frame), world.position(self.reference))
-        ahead = sum(a * b for a, b in zip(along, apart, strict=True))
+        ahead = dot(along, apart)
         return -ahead if self.axis.startswith("-") else ahead
 
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
