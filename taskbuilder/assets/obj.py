@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Sequence
-from itertools import groupby, pairwise
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import pairwise
 from typing import NamedTuple
 
 _CORNER = re.compile(rb"-?\d{1,9}(?:/-?\d{1,9}|/(?:-?\d{1,9})?/-?\d{1,9})?")
+
+_BLOCK = re.compile(rb"(\S+)[^\n]*(?:\n[^\S\n]*\1(?!\S)[^\n]*)*")
+"""A line and the following that begin with the same word."""
 
 _FORMS = {
     form: re.compile(rb"(?:" + form.replace(b"1", rb"\d{1,9}") + rb" )+")
@@ -39,12 +43,28 @@ class Block(NamedTuple):
     Attributes:
         kind: The word.
         first: Number of the first line, from 1.
-        lines: The words of each line but the first.
+        text: The lines.
     """
 
     kind: bytes
     first: int
-    lines: list[list[bytes]]
+    text: bytes
+
+    def lines(self) -> list[list[bytes]]:
+        """The words of each line but the first."""
+        return [line.split()[1:] for line in self.text.split(b"\n")]
+
+    def columns(self) -> list[list[bytes]]:
+        """The first words after the kind, the second, and so on; [] if lines differ in length.
+
+        A word that is the kind, too, is taken for the beginning of a line. It is for the caller to
+        refuse it: it is no number.
+        """
+        words, count = self.text.split(), self.text.count(b"\n") + 1
+        step, rest = divmod(len(words), count)
+        if rest or words[::step].count(self.kind) != count:
+            return []
+        return [words[column::step] for column in range(1, step)]
 
 
 class Obj:
@@ -84,30 +104,31 @@ class Obj:
                 case b"f":
                     self._faces(block)
                 case b"mtllib":
-                    self.material_files += [w.decode() for words in block.lines for w in words]
+                    self.material_files += [w.decode() for words in block.lines() for w in words]
 
     def _faces(self, block: Block) -> None:
         # Only what came before counts: the engine may build the shape at the next group.
         known = (len(self.points) // 3, len(self.texture_points) // 2 - 1, self._normals)
-        if not self._alike(block.lines, known):
-            for number, words in enumerate(block.lines, start=block.first):
+        if not self._alike(block.columns(), known):
+            for number, words in enumerate(block.lines(), start=block.first):
                 self._face(words, known, number)
 
-    def _alike(self, faces: list[list[bytes]], known: tuple[int, int, int]) -> bool:
+    def _alike(self, columns: list[list[bytes]], known: tuple[int, int, int]) -> bool:
         """Read faces that are alike: equally many corners of one form, of positive numbers."""
-        form = re.sub(rb"\d+", b"1", faces[0][0]) if faces[0] else b""
-        size, joined = len(faces[0]), b"".join(word + b" " for words in faces for word in words)
-        if size < 3 or form not in _FORMS or any(len(words) != size for words in faces):
+        size = len(columns)
+        if size < 3:
             return False
-        if not _FORMS[form].fullmatch(joined):
+        form = re.sub(rb"\d+", b"1", columns[0][0])
+        joined = b" ".join([word for face in zip(*columns, strict=True) for word in face]) + b" "
+        if form not in _FORMS or not _FORMS[form].fullmatch(joined):
             return False
         numbers = [int(number) for number in joined.replace(b"/", b" ").split()]
         parts = {b"1": (0,), b"1/1": (0, 1), b"1//1": (0, 2), b"1/1/1": (0, 1, 2)}[form]
-        columns = {part: numbers[i :: len(parts)] for i, part in enumerate(parts)}
-        if any(min(column) < 1 or max(column) > known[n] for n, column in columns.items()):
+        of_part = {part: numbers[i :: len(parts)] for i, part in enumerate(parts)}
+        if any(min(column) < 1 or max(column) > known[n] for n, column in of_part.items()):
             return False
-        self.corners.extend(_fans([number - 1 for number in columns[0]], size))
-        self.texture_corners.extend(_fans(columns.get(1, [0] * len(columns[0])), size))
+        self.corners.extend(_fans([number - 1 for number in of_part[0]], size))
+        self.texture_corners.extend(_fans(of_part.get(1, [0] * len(of_part[0])), size))
         return True
 
     def _face(self, words: list[bytes], known: tuple[int, int, int], line: int) -> None:
@@ -118,31 +139,23 @@ class Obj:
         self.texture_corners.extend(_fans([texture for _, texture in corners], len(corners)))
 
 
-def _blocks(data: bytes) -> list[Block]:
+def _blocks(data: bytes) -> Iterator[Block]:
     """Consecutive lines of one kind; empty lines end a block."""
-    lines = [line.split() for line in data.split(b"\n")]
-    found, number = [], 1
-    for first, group in groupby(lines, key=lambda words: words[:1]):
-        block = [words[1:] for words in group]
-        if first:
-            found.append(Block(first[0], number, block))
-        number += len(block)
-    return found
+    line, counted = 1, 0
+    for found in _BLOCK.finditer(data):
+        line += data.count(b"\n", counted, found.start())
+        counted = found.start()
+        yield Block(found[1], line, found[0])
 
 
 def _numbers(block: Block, at_least: int, kept: int) -> list[float]:
     """The first numbers of each line."""
-    width = len(block.lines[0])
-    if width >= at_least and all(len(words) == width for words in block.lines):
-        words = [word for words in block.lines for word in words]
-        try:
-            numbers = [float(word) for word in words]
-        except ValueError:
-            numbers = []
-        if numbers and b"_" not in b"".join(words):
-            columns = [numbers[column::width] for column in range(kept)]
-            return [number for row in zip(*columns, strict=True) for number in row]
-    lines = enumerate(block.lines, start=block.first)
+    columns = block.columns()
+    if len(columns) >= at_least and b"_" not in block.text:
+        with suppress(ValueError):
+            numbers = [list(map(float, column)) for column in columns]
+            return [number for row in zip(*numbers[:kept], strict=True) for number in row]
+    lines = enumerate(block.lines(), start=block.first)
     return [n for line, words in lines for n in _floats(words, at_least, line)[:kept]]
 
 

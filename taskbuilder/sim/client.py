@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -42,6 +43,7 @@ class Client(Single):
         scenery: What is drawn beside the bodies; count its changes in `looks`, too.
         looks: How often the look of a body was changed.
         drawn: What the rasteriser keeps of its bodies, for its next picture.
+        meshes: The mesh that the rasteriser draws for one that Bullet knows, by Bullet's name.
         holders: Its links that can hold others; see `attachments`.
 
     Raises:
@@ -63,6 +65,7 @@ class Client(Single):
         self.scenery = Scenery()
         self.looks = 0
         self.drawn: object = None
+        self.meshes: dict[str, Path] = {}
         self.holders: list[Any] = []
         self.id: int = p.connect(p.DIRECT)
         if self.id < 0:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.assets.mesh import read_mesh
-from taskbuilder.geometry import Pose, Quat, Vec3
+from taskbuilder.geometry import Pose
 from taskbuilder.raster import (
     MeshInstance,
     Pattern,
@@ -81,9 +81,12 @@ class RasterWorld:
             self._bodies.append((body, base, list(range(count))))
             texture = client.scenery.textures.get(body)
             for data in self._bullet.getVisualShapeData(body):
-                made = _shapes(rows + 1 + data[1], texture, *data[2:8])
+                link, kind, sizes, name, position, quaternion, color = data[1:8]
+                file = client.meshes.get(name.decode(), Path(name.decode()))
+                pose = Pose(position, quaternion)
+                made = _shapes(rows + 1 + link, texture, kind, tuple(sizes), file, pose, color)
                 shapes += made
-                owners += [(body, data[1])] * len(made)
+                owners += [(body, link)] * len(made)
             rows += 1 + count
         shapes += [_drawn_only(rows, thing) for thing in client.scenery.distractors]
         owners += [(-1, -1)] * len(client.scenery.distractors)
@@ -142,26 +145,25 @@ def _shapes(
     texture: Texture | None,
     kind: int,
     sizes: tuple[float, ...],
-    file: bytes,
-    position: Vec3,
-    quaternion: Quat,
+    file: Path,
+    pose: Pose,
     color: tuple[float, float, float, float],
 ) -> list[MeshInstance]:
     """What Bullet's account of a shape looks like; nothing for one that cannot be drawn."""
-    pose = _matrix(Pose(position, quaternion))
+    placed = _matrix(pose)
     red, green, blue, opacity = color
     shapes = []
-    for mesh, (r, g, b) in _meshes(kind, tuple(sizes), file):
+    for mesh, (r, g, b) in _meshes(kind, sizes, file):
         wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
         own = (red * r, green * g, blue * b)
         pattern = _pattern(texture, own)
-        shapes.append(MeshInstance(mesh, row, pose, (*own, opacity), not wide, pattern))
+        shapes.append(MeshInstance(mesh, row, placed, (*own, opacity), not wide, pattern))
     return shapes
 
 
 @lru_cache(maxsize=512)
 def _meshes(
-    kind: int, sizes: tuple[float, ...], file: bytes
+    kind: int, sizes: tuple[float, ...], file: Path
 ) -> tuple[tuple[TriangleMesh, Color], ...]:
     """The meshes of a shape, each with its tint."""
     if kind == p.GEOM_BOX:
@@ -173,7 +175,7 @@ def _meshes(
     if kind == p.GEOM_CAPSULE:
         return ((capsule(sizes[1], sizes[0]), WHITE),)
     if kind == p.GEOM_MESH:
-        return tuple(_from_file(Path(file.decode()), sizes))
+        return tuple(_from_file(file, sizes))
     return ()
 
 

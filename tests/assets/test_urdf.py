@@ -377,3 +377,13 @@ def test_more_links_than_the_engine_takes_are_refused_where_they_are_read(links,
     (finding,) = refused.value.findings
     assert (finding.code, finding.location.line) == (codes.TOO_MANY, 1)
     assert "has 129 links; at most 128" in finding.message
+
+
+def test_other_meshes_may_be_looked_at_but_not_collided_with(read: Reader, tmp_path: Path) -> None:
+    mesh = '<geometry><mesh filename="meshes/part.obj" scale="0.1 0.1 0.1"/></geometry>'
+    box = '<geometry><box size="0.1 0.2 0.3"/></geometry>'
+    arm = read(ARM.replace(box, mesh))
+    part = (tmp_path / "meshes" / "part.obj").resolve()
+    visual, collision = resolved_text(arm, {part: tmp_path / "light.obj"}).split("<collision")
+    assert ("light.obj" in visual, str(part) in visual) == (True, False)
+    assert ("light.obj" in collision, str(part) in collision) == (False, True)
