@@ -109,7 +109,7 @@ def catalogue(*folders: str) -> Catalogue:
     """Make a catalogue of all tasks and robots by name.
 
     Args:
-        folders: Folders to search besides the installed packages and TASKBUILDER_PATH.
+        folders: Folders to search in addition to installed packages and TASKBUILDER_PATH.
 
     Raises:
         UnknownNameError: A folder does not exist.
@@ -123,9 +123,10 @@ def load_suite(name: str, *, catalogue: Catalogue | None = None) -> Suite:
     """Load a suite: a group of tasks, with the variations and seeds to train and to test on.
 
     Args:
-        name: Its name: ``seed``, ``single``, ``pairs``, ``trios``, ``quads``, or one of a
-            ``suites.yaml`` in a folder of the catalogue.
-        catalogue: The catalogue; by default that of this installation.
+        name: Name of the suite: ``seed``, ``single``, ``pairs``, ``trios``, ``quads``, or a suite
+            from a ``suites.yaml`` in a folder of the catalogue.
+        catalogue: Catalogue in which to look up the suite; by default the catalogue of this
+            installation.
 
     Raises:
         UnknownNameError: There is no such suite.

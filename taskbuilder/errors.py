@@ -31,7 +31,7 @@ class Location:
 
 @dataclass(frozen=True)
 class Finding:
-    """A problem, with its place and a suggestion.
+    """A problem, with its location and a suggested correction.
 
     Attributes:
         code: Stable code such as ``TB102``; each has an entry in the documentation.
@@ -68,7 +68,7 @@ class Finding:
         }
 
     def at(self, location: Location | None) -> Finding:
-        """The same finding at another place."""
+        """The same finding at another location."""
         return replace(self, location=location)
 
 

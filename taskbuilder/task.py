@@ -25,7 +25,7 @@ class Task:
     """A loaded and checked task.
 
     Attributes:
-        file: The contents of its YAML file, with robots and assets.
+        file: The contents of the YAML file, with the robots and assets that it uses.
         description: The description class.
         warnings: Findings that do not prevent the use of the task.
     """
@@ -41,7 +41,7 @@ class Task:
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """The robots of the scene, in file order."""
+        """The names of the robots, in the order of the task file."""
         return tuple(self.file.spec.scene.robots)
 
 
@@ -57,18 +57,20 @@ def load_task(
     A task is code: its Python file is imported.
 
     Args:
-        reference: ``handover``, ``namespace/name``, or a path.
-        catalogue: The catalogue that names are looked up in; by default that of this installation.
-        guarded: Whether to first import a description from outside the catalogue in a child
-            process, where a hang or a crash becomes a finding.
-        robots: Other models for robots of the scene, such as ``{"left": "panda"}``: names of the
-            catalogue, or paths of robot files.
+        reference: Name of the task, such as ``handover`` or ``namespace/name``, or path of its YAML
+            file.
+        catalogue: Catalogue in which to look up names; by default the catalogue of this
+            installation.
+        guarded: Whether to import the description in a child process first, unless the task is part
+            of an installed package. A hang or a crash of the import is then a finding.
+        robots: Robot models that replace those of the task file, such as ``{"left": "panda"}``:
+            names in the catalogue, or paths of robot files.
 
     Raises:
-        UnknownNameError: There is no task of that name, or no such robot.
-        UsageError: The scene has no robot of a name in ``robots``, or its expert needs the one
-            that it has.
-        FileError: The files of the task have errors; it has all findings.
+        UnknownNameError: There is no task of this name, or no model of a name in ``robots``.
+        UsageError: ``robots`` replaces a robot that the scene does not have, or a robot that the
+            expert moves to a posture of the original model.
+        FileError: The files of the task have errors; the attribute ``findings`` lists them all.
     """
     catalogue = catalogue or Catalogue.discover()
     entry = catalogue.task(str(reference))

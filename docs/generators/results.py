@@ -46,12 +46,12 @@ def proof(task: str) -> str:
             ),
         ]
     rows += [
-        [f"length of the path of `{robot}`'s tool", f"{length:.2f} m"]
+        [f"path length of the tool of `{robot}`", f"{length:.2f} m"]
         for robot, length in expert["path_m"].items()
     ]
     about = (
-        f"The table shows how the expert does the task: medians over {expert['episodes']} "
-        "episodes, each up to its success."
+        f"The table shows medians over {expert['episodes']} episodes of the expert. Each episode "
+        "is measured until success."
     )
     return f"{head}\n\n{about}\n\n{table(['quantity', 'median'], rows)}"
 
@@ -87,7 +87,7 @@ def _way(way: Mapping[str, Any]) -> str:
         case "expert":
             return "the expert plays"
         case "stall":
-            stage = f"until its stage {way['stage']} is done"
+            stage = f"until stage {way['stage']} is done"
             return f"the expert plays {stage}, then all robots hold still"
         case "without":
             return f"the expert plays, but `{way['robot']}` holds still"

@@ -16,13 +16,14 @@ def numbered(stages: Sequence[ExpertStage], indent: str = "") -> str:
 
 def _stage(stage: ExpertStage, indent: str) -> str:
     if isinstance(stage, Together):
-        who = " and ".join(map(code, stage.together))
-        return ", ".join([f"{who} together: {_verb(stage)}", *_manner(stage)])
+        return ", ".join([f"{_all(stage.together)} together: {_verb(stage)}", *_manner(stage)])
     if isinstance(stage, Wait):
-        return f"wait until `{stage.until}` holds, {number(stage.within)} s at most"
+        limit = f"for at most {number(stage.within)} s"
+        return f"wait until the condition `{stage.until}` is true, {limit}"
     if isinstance(stage, Repeat):
         times = "once" if stage.repeat == 1 else f"{stage.repeat} times"
-        end = f", until `{stage.unless}` holds" if stage.unless else ""
+        times = f"at most {times}" if stage.unless else times
+        end = f", until the condition `{stage.unless}` is true" if stage.unless else ""
         return f"{times}{end}:\n\n{numbered(stage.stages, indent)}"
     return "; ".join(
         f"`{robot}`: {', then '.join(', '.join([_verb(o), *_manner(o)]) for o in listed(told))}"
@@ -32,13 +33,13 @@ def _stage(stage: ExpertStage, indent: str) -> str:
 
 def _verb(order: Order | Together) -> str:
     if order.bring:
-        return f"bring `{order.bring}` to `{spelt(order.to)}`"
+        return f"bring `{order.bring}` to {_height(order)}`{spelt(order.to)}`"
     if isinstance(order, Together):
         return ""
     if order.home:
-        return "go home"
+        return "move to the start configuration"
     if order.posture:
-        return f"take the posture `{order.posture}`"
+        return f"move to the posture `{order.posture}`"
     if order.push:
         return f"push `{order.push}` to `{spelt(order.to)}`"
     if order.turn:
@@ -46,43 +47,58 @@ def _verb(order: Order | Together) -> str:
     if order.slide and isinstance(order.to, float):
         return f"slide `{order.slide}` to {_length(order.to)}"
     if order.press:
-        to = f" to {_length(order.to)}" if isinstance(order.to, float) else ""
-        return f"press `{order.press}`{to}"
+        if isinstance(order.to, float):
+            return f"press `{order.press}` until the pressed joint is at {_length(order.to)}"
+        deep = f" by {_length(order.depth)}" if order.depth is not None else ""
+        return f"press `{order.press}` down{deep}"
     if order.retreat is not None:
-        return f"retreat {_length(order.retreat)}"
+        return f"move the tool back by {_length(order.retreat)}"
     if order.close:
-        return "close on nothing" if order.close == NOTHING else f"close on `{order.close}`"
+        return f"close the gripper{f' on `{order.close}`' * (order.close != NOTHING)}"
     if order.release:
-        return "release"
+        return "let go of the object"
+    if order.reach:
+        return f"reach {'a point ' * bool(order.above)}{_height(order)}`{spelt(order.reach)}`"
     return f"{order.verb} `{spelt(getattr(order, order.verb))}`"
 
 
 def _manner(order: Order | Together) -> Iterator[str]:
     """The settings of an order that differ from the defaults."""
     if any(order.offset):
-        yield f"offset by ({', '.join(number(value) for value in order.offset)}) m"
-    if order.above:
-        yield f"{_length(abs(order.above))} {'above' if order.above > 0 else 'below'}"
+        place = order.to if isinstance(order, Together) or order.reach is None else order.reach
+        axes = "the world" if isinstance(place, tuple) else code(spelt(place))
+        shift = ", ".join(number(value) for value in order.offset)
+        yield f"offset by ({shift}) m along the axes of {axes}"
     if isinstance(order, Order):
         if order.approach is not None:
-            yield f"straight in from {_length(order.approach)} away"
+            yield f"with a straight approach of {_length(order.approach)}"
         if order.rpy_deg is not None:
-            yield f"turned to ({', '.join(number(angle) for angle in order.rpy_deg)})°"
+            angles = ", ".join(number(angle) for angle in order.rpy_deg)
+            yield f"with roll, pitch and yaw of the tool at ({angles})°"
         if order.align:
-            yield "turned like that frame"
+            yield f"with the orientation of `{spelt(order.to)}`"
         if not order.turn_tool:
             yield "without turning the tool"
-        if order.depth is not None:
-            yield f"{_length(order.depth)} deep"
     if order.straight:
         yield "in a straight line"
     if order.touching:
-        *others, last = map(code, order.touching)
-        yield f"may touch {', '.join(others)} and {last}" if others else f"may touch {last}"
+        yield f"contact with {_all(order.touching)} allowed"
     if order.speed != 1.0:
         yield f"at {number(order.speed * 100)} % of full speed"
     if order.tolerance is not None:
-        yield f"to within {_length(order.tolerance)}"
+        yield f"with a tolerance of {_length(order.tolerance)}"
+
+
+def _height(order: Order | Together) -> str:
+    """How far above or below the named frame a motion ends, if it does not end there."""
+    if not order.above:
+        return ""
+    return f"{_length(abs(order.above))} {'above' if order.above > 0 else 'below'} "
+
+
+def _all(names: Sequence[str]) -> str:
+    *others, last = map(code, names)
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _length(metres: float) -> str:

@@ -143,15 +143,15 @@ def _sections(task: Task) -> Iterator[str]:
         yield "## Progress"
         yield (
             "Progress measures how far the task has come. It is meant for [training "
-            "rewards](../descriptions.md#progress) and is not part of the reward. The last row "
-            "whose condition holds gives the value."
+            "rewards](../descriptions.md#progress) and is not part of the reward. The value of the "
+            "progress is given by the last row whose condition is true."
         )
         yield table(["condition", "progress"], _progress(task.description.progress))
     if spec.expert:
         yield "## Expert"
         yield (
             "The [expert](../experts.md) carries out these stages, one after the other. Within a "
-            "stage, robots act at the same time."
+            "stage, all robots act at the same time."
         )
         yield numbered(spec.expert)
         yield f"![The stages of the expert](../images/{name}-strip.png)"
@@ -169,7 +169,7 @@ def _cooperation(task: Task) -> str:
     if len(task.agents) == 1:
         return ""
     if task.file.spec.cooperation == "optional":
-        return " One robot alone may do the task."
+        return " A single robot is allowed to do the task alone."
     return " The task needs all of its robots."
 
 
@@ -237,25 +237,29 @@ def _conditions(task: Task) -> Iterator[list[str]]:
 
 
 def _progress(ladder: Ladder) -> Iterator[list[str]]:
-    yield ["none of the conditions below holds", code(expression(ladder.ground))]
+    yield ["none of the conditions below is true", code(expression(ladder.ground))]
     for when, value in ladder.rungs:
         yield [code(expression(when)), code(expression(value))]
 
 
 def _term(task: str, term: Term) -> list[str]:
-    agent = code(term.agent) if term.agent else "all, in equal shares"
+    agent = code(term.agent) if term.agent else "all robots, in equal shares"
     row = [code(term.name), agent, _pay(term)]
-    return [*row, PUBLISHED[task][1].get(term.name, "not part of it")] if task in PUBLISHED else row
+    return (
+        [*row, PUBLISHED[task][1].get(term.name, "not in the equation")]
+        if task in PUBLISHED
+        else row
+    )
 
 
 def _pay(term: Term) -> str:
     if isinstance(term, Bonus):
-        return f"{number(term.amount)} while `{expression(term.condition)}` holds"
+        return f"{number(term.amount)} while `{expression(term.condition)}` is true"
     if isinstance(term, Distance):
         weight = f"{number(term.weight)} × " if term.weight != 1.0 else ""
         return f"minus {weight}the distance between `{term.first}` and `{term.second}`, in metres"
     if isinstance(term, Potential):
-        return f"{number(term.weight)} × the gain in `{expression(term.measure)}`"
+        return f"{number(term.weight)} × the increase of `{expression(term.measure)}` in the step"
     if isinstance(term, Paid):
         return f"{number(term.weight)} × `{expression(term.measure)}`"
     return code(expression(term))

@@ -70,7 +70,7 @@ CODES: dict[str, tuple[str, str]] = {
     STRUCTURE: (
         "Unexpected URDF structure",
         "A required element or attribute is missing from the URDF, or appears too often. The "
-        "physics engine would read only the first one.",
+        "physics engine would read only the first of several.",
     ),
     NAME: (
         "Invalid or duplicate name",
@@ -110,12 +110,13 @@ CODES: dict[str, tuple[str, str]] = {
     TREE: (
         "Links do not form a tree",
         "The links must form a tree: exactly one link, the root, has no parent joint, and every "
-        "other link has exactly one. The physics engine crashes on two roots or two parents.",
+        "other link has exactly one parent joint. The physics engine crashes on two roots or two "
+        "parents.",
     ),
     IGNORED: (
         "Ignored element",
-        "The URDF has an element that is unknown in its place, so it is not passed to the physics "
-        "engine. Its name may be misspelt.",
+        "The URDF has an element that is not allowed at this place. The element is not passed to "
+        "the physics engine. The name of the element may be misspelt.",
     ),
     TOO_MANY: (
         "Too many links",

@@ -112,7 +112,9 @@ def make_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"taskbuilder {__version__}")
     common = argparse.ArgumentParser(add_help=False)
-    common.add_argument("--debug", action="store_true", help="show a traceback on failure")
+    common.add_argument(
+        "--debug", action="store_true", help="show a traceback if the command fails"
+    )
     common.add_argument(
         "--task-path",
         action="append",
@@ -165,17 +167,25 @@ def _add_list(adder: Adder) -> None:
 
 def _add_show(adder: Adder) -> None:
     parser = adder.command("print a task with its defaults filled in, as YAML", "handover")
-    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
 
 
 def _add_new(adder: Adder) -> None:
     parser = adder.command("write the files of a new task", "stack_cubes --robots 2")
     parser.add_argument("name", metavar="NAME", help="name of the task, such as stack_cubes")
     parser.add_argument(
-        "--robots", type=whole(1, 6), default=2, metavar="N", help="robots, 1 to 6 (default 2)"
+        "--robots",
+        type=whole(1, 6),
+        default=2,
+        metavar="N",
+        help="number of robots, 1 to 6 (default 2)",
     )
     parser.add_argument(
-        "--dir", type=Path, default=Path(), metavar="DIR", help="folder to write to (default here)"
+        "--dir",
+        type=Path,
+        default=Path(),
+        metavar="DIR",
+        help="folder to write to (default: current folder)",
     )
 
 
@@ -184,18 +194,21 @@ def _add_validate(adder: Adder) -> None:
         "check and prove tasks, and report what was measured", "handover --quick"
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
-    parser.add_argument("--all", action="store_true", help="every task of the catalogue")
+    parser.add_argument("--all", action="store_true", help="all tasks of the catalogue")
     add_suite(parser)
     parser.add_argument(
         "--level",
         choices=("static", "build", "full"),
         default="full",
-        help="which families of checks to run (default full)",
+        help="static: no physics; build: up to building the scene; full: all checks (default full)",
     )
     seeds = parser.add_mutually_exclusive_group()
-    seeds.add_argument("--quick", action="store_true", help="5 seeds instead of 40")
+    seeds.add_argument("--quick", action="store_true", help="use 5 seeds per variation")
     seeds.add_argument(
-        "--seeds", type=whole(1, 100_000), metavar="N", help="seeds per variation (default 40)"
+        "--seeds",
+        type=whole(1, 100_000),
+        metavar="N",
+        help="use N seeds per variation (default 40)",
     )
     add_other_robots(parser)
     add_jobs(parser)
@@ -225,7 +238,7 @@ def _add_render(adder: Adder) -> None:
         "handover --camera front --modality rgb depth",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
-    parser.add_argument("--all", action="store_true", help="every task of the catalogue")
+    parser.add_argument("--all", action="store_true", help="all tasks of the catalogue")
     add_suite(parser)
     parser.add_argument(
         "--out",
@@ -234,7 +247,7 @@ def _add_render(adder: Adder) -> None:
         metavar="DIR",
         help="folder to write to (default renders)",
     )
-    add_picture(parser, cameras="all", of="a picture")
+    add_picture(parser, cameras="all cameras of the scene", of="a picture")
     parser.add_argument(
         "--modality",
         nargs="+",
@@ -248,23 +261,28 @@ def _add_render(adder: Adder) -> None:
         "--randomize",
         type=whole(1, 100),
         metavar="N",
-        help="instead, one sheet of N episodes, in which the looks, and the quantities that the "
-        "task lists under randomize, are drawn",
+        help="render one sheet with the starts of N episodes instead, with random looks, and with "
+        "random values of the quantities that the task lists under randomize",
     )
     add_json(parser)
 
 
 def _add_watch(adder: Adder) -> None:
     parser = adder.command(
-        "check a task again whenever one of its files changes, and take its picture",
+        "check and render a task again whenever one of its files changes",
         "stack_cubes.yaml --out view.png",
     )
-    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="picture (default renders/TASK-watch.png)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="file of the picture (default renders/TASK-watch.png)",
     )
     parser.add_argument(
-        "--camera", metavar="C", help="camera that takes the picture (default the scene's first)"
+        "--camera",
+        metavar="C",
+        help="camera that takes the picture (default: the first camera of the scene)",
     )
     parser.add_argument(
         "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
@@ -284,7 +302,7 @@ def _add_demo(adder: Adder) -> None:
         "play a task with its expert or a policy, and show what happened",
         "handover --episodes 10 --video",
     )
-    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
     parser.add_argument(
         "--episodes",
         type=whole(1, 100_000),
@@ -296,8 +314,8 @@ def _add_demo(adder: Adder) -> None:
         "--policy",
         default="expert",
         metavar="P",
-        help="expert, random, nothing, or a trained policy: zoo:TASK/TRACK, a run's folder, a "
-        "file (default expert)",
+        help="expert, random, nothing, or a trained policy: zoo:TASK/TRACK, the folder of a run, "
+        "or a policy file (default expert)",
     )
     add_jobs(parser)
     parser.add_argument(
@@ -310,8 +328,10 @@ def _add_demo(adder: Adder) -> None:
     parser.add_argument(
         "--video", action="store_true", help="also film the first episode, as MP4 and GIF"
     )
-    add_picture(parser, cameras="its first", of="a picture")
-    _add_episode(parser, "seed of the first episode (default 0); others follow")
+    add_picture(parser, cameras="the first camera of the scene", of="a picture")
+    _add_episode(
+        parser, "seed of the first episode (default 0); the next episodes have the next seeds"
+    )
     add_randomize(parser)
     add_json(parser)
 

@@ -23,7 +23,7 @@ ACTIONS = ("info", "check", "film", "export")
 def add_collect(adder: CommandAdder) -> None:
     """`taskbuilder collect`."""
     parser = adder.command(
-        "collect a data set of episodes, resumable at any moment",
+        "collect a data set of episodes, or continue collecting it",
         "handover --episodes 100 --cameras front,left_wrist --size 128 --out data/handover",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
@@ -41,8 +41,9 @@ def add_collect(adder: CommandAdder) -> None:
         nargs="+",
         default=["expert"],
         metavar="P",
-        help="expert, noisy:0.3, random, nothing, or a trained policy (zoo:TASK/TRACK, a run's "
-        "folder, a file); several take turns, P*3 three times as often (default expert)",
+        help="expert, noisy:0.3, random, nothing, or a trained policy (zoo:TASK/TRACK, the folder "
+        "of a run, a policy file); several policies take turns, and P*3 plays three times as often "
+        "(default expert)",
     )
     parser.add_argument(
         "--cameras", type=listed, default=(), metavar="C,C", help="cameras to record (default none)"
@@ -51,22 +52,25 @@ def add_collect(adder: CommandAdder) -> None:
         "--size",
         type=side_or_size,
         metavar="WxH",
-        help="size of the pictures in pixels, such as 224 or 320x240 (default each camera's)",
+        help="size of the pictures in pixels, such as 224 or 320x240 "
+        "(default: the size of each camera)",
     )
-    parser.add_argument("--depth", action="store_true", help="record depth, too")
+    parser.add_argument("--depth", action="store_true", help="also record depth images")
     add_renderer(parser)
     parser.add_argument(
         "--variation",
         type=variation_or_all,
         default=None,
         metavar="K",
-        help="number of the variation, or all in turn (default 0; of a suite, its training ones)",
+        help="number of the variation, or all, which takes the variations in turn (default 0; "
+        "with --suite, the training variations of the suite)",
     )
     parser.add_argument(
         "--seed",
         type=whole(0, 2**31 - 1),
         metavar="N",
-        help="seed of the first attempt; others follow (default 0; of a suite, its training one)",
+        help="seed of the first attempt; the next attempts have the next seeds (default 0; with "
+        "--suite, the first training seed of the suite)",
     )
     parser.add_argument(
         "--observe",
@@ -76,19 +80,19 @@ def add_collect(adder: CommandAdder) -> None:
     )
     add_randomize(parser)
     parser.add_argument(
-        "--keep-failures", action="store_true", help="keep episodes without success, too"
+        "--keep-failures", action="store_true", help="also keep episodes without success"
     )
     parser.add_argument(
-        "--license", default="MIT", metavar="L", help="licence that the card states (default MIT)"
+        "--license", default="MIT", metavar="L", help="licence stated in README.md (default MIT)"
     )
     parser.add_argument(
         "--out",
         type=Path,
         default=Path("data"),
         metavar="DIR",
-        help="folder of the data set, new or to continue (default data)",
+        help="folder of a new data set, or of a data set to continue (default data)",
     )
-    _add_format(parser, "also export it to DIR-FORMAT")
+    _add_format(parser, "also export the data set, to the folder DIR-FORMAT")
     add_jobs(parser)
     add_ray(parser, "the episodes")
     add_json(parser)
@@ -100,33 +104,39 @@ def add_dataset(adder: CommandAdder) -> None:
         "show, check, film or export a data set",
         "export data/handover --format lerobot --out data/handover-lerobot",
     )
-    parser.add_argument("action", choices=ACTIONS, metavar="ACTION", help=", ".join(ACTIONS))
+    parser.add_argument(
+        "action", choices=ACTIONS, metavar="ACTION", help=f"one of {', '.join(ACTIONS)}"
+    )
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the data set")
     parser.add_argument(
         "--replay",
         type=share,
         default=0.05,
         metavar="SHARE",
-        help="check: share of the episodes to play again (default 0.05; at least one, unless 0)",
+        help="check: fraction of the episodes to replay (default 0.05; if not 0, at least one "
+        "episode is replayed)",
     )
     parser.add_argument(
-        "--episode", type=whole(0, 10_000_000), metavar="N", help="film: which episode, from 0"
+        "--episode",
+        type=whole(0, 10_000_000),
+        metavar="N",
+        help="film: number of the episode, from 0",
     )
     parser.add_argument(
         "--cameras",
         type=listed,
         default=(),
         metavar="C,C",
-        help="film: cameras (default the first)",
+        help="film: cameras to show (default the first)",
     )
     parser.add_argument(
         "--size", type=side_or_size, metavar="WxH", help="film: size of each picture"
     )
-    _add_format(parser, "export: the format")
+    _add_format(parser, "export: format to export to")
     parser.add_argument(
         "--pictures",
         action="store_true",
-        help="export: PNG pictures in place of videos, where the format has both",
+        help="export: write PNG images instead of videos, if the format supports both",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="film, export: folder to write to")
     add_json(parser)

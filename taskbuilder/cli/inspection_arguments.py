@@ -12,17 +12,20 @@ from taskbuilder.cli.shared_options import add_json
 def add_robots(adder: CommandAdder) -> None:
     """`taskbuilder robots`."""
     parser = adder.command(
-        "list the robots, or check one: its files and joints, with a picture",
+        "list the robots, or check the files and joints of one robot and render it",
         "check path/to/robot.yaml",
     )
     parser.add_argument(
-        "action", nargs="?", choices=("check",), metavar="check", help="check one robot"
+        "action", nargs="?", choices=("check",), metavar="check", help="check the robot ROBOT"
     )
     parser.add_argument(
-        "robot", nargs="?", metavar="ROBOT", help="name, or path of a robot.yaml or of any URDF"
+        "robot",
+        nargs="?",
+        metavar="ROBOT",
+        help="name of the robot, or path of a robot.yaml or a URDF",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="picture (default renders/ROBOT.png)"
+        "--out", type=Path, metavar="FILE", help="file of the picture (default renders/ROBOT.png)"
     )
     add_json(parser)
 
@@ -30,9 +33,9 @@ def add_robots(adder: CommandAdder) -> None:
 def add_bench(adder: CommandAdder) -> None:
     """`taskbuilder bench`."""
     parser = adder.command(
-        "measure the speed of a task's environment, beside that of its physics alone", "handover"
+        "measure the speed of a task's environment, and of its physics alone", "handover"
     )
-    parser.add_argument("task", metavar="TASK", help="name, or path of a YAML file")
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
     parser.add_argument(
         "--episodes",
         type=whole(1, 1000),
@@ -45,7 +48,7 @@ def add_bench(adder: CommandAdder) -> None:
         type=whole(0, 64),
         default=2,
         metavar="N",
-        help="measure scaling up to N processes (default 2)",
+        help="also measure the speed with up to N processes (default 2)",
     )
     add_json(parser)
 
@@ -56,7 +59,9 @@ def add_explain(adder: CommandAdder) -> None:
         "print the reference entry of a code, a condition, a verb, a channel or a key",
         "objects.place",
     )
-    parser.add_argument("name", metavar="NAME", help="such as TB511, Held, grasp or objects.place")
+    parser.add_argument(
+        "name", metavar="NAME", help="what to explain, such as TB511, Held, grasp or objects.place"
+    )
     add_json(parser)
 
 

@@ -36,7 +36,8 @@ def add_train(adder: CommandAdder) -> None:
         "task",
         nargs="?",
         metavar="TASK",
-        help="name, or path of a YAML file (default that of --data)",
+        help="name of the task, or path of its YAML file (default: the task of the data set "
+        "--data)",
     )
     parser.add_argument(
         "--resume", type=Path, metavar="RUN", help="continue the run in this folder"
@@ -48,7 +49,7 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--algorithm", metavar="A", help=f"{', '.join(most)} or {last} (default maddpg)"
     )
-    parser.add_argument("--preset", metavar="P", help="a named set of settings, such as paper")
+    parser.add_argument("--preset", metavar="P", help="named set of settings, such as paper")
     parser.add_argument(
         "--reward",
         metavar="R",
@@ -56,7 +57,7 @@ def add_train(adder: CommandAdder) -> None:
     )
     many = whole(1, 1_000_000_000)
     parser.add_argument(
-        "--steps", type=many, metavar="N", help="control steps in total (default 300000)"
+        "--steps", type=many, metavar="N", help="number of control steps (default 300000)"
     )
     parser.add_argument(
         "--seed",
@@ -64,20 +65,27 @@ def add_train(adder: CommandAdder) -> None:
         nargs="+",
         type=whole(0, 2**31 - 1),
         metavar="N",
-        help="random seed (default 0); several train a run each, in RUN-SEED",
+        help="random seed (default 0); with several seeds, one run for each seed, in RUN-SEED",
     )
     parser.add_argument(
-        "--jobs", type=whole(1, 1024), metavar="N", help="runs to train at once (default 1)"
+        "--jobs",
+        type=whole(1, 1024),
+        metavar="N",
+        help="number of runs to train at once (default 1)",
     )
     add_ray(parser, "the runs of several seeds")
     parser.add_argument(
-        "--envs", type=whole(1, 1024), metavar="N", help="parallel environments (default 4)"
+        "--envs",
+        type=whole(1, 1024),
+        metavar="N",
+        help="number of parallel environments (default 4)",
     )
     parser.add_argument(
         "--workers",
         type=whole(0, 1024),
         metavar="N",
-        help="processes for the environments; 0: this one (default 0)",
+        help="number of worker processes that run the environments; with 0, the training process "
+        "runs them (default 0)",
     )
     parser.add_argument(
         "--demos", type=whole(0, 100_000), metavar="N", help="also learn from N expert episodes"
@@ -86,31 +94,42 @@ def add_train(adder: CommandAdder) -> None:
         "--starts",
         type=share,
         metavar="SHARE",
-        help="fraction of episodes that begin in an expert's state",
+        help="fraction of episodes that begin in a state from an episode of the expert",
     )
     parser.add_argument(
-        "--init", metavar="POLICY", help="start from zoo:TASK/TRACK, a run, or a policy's file"
+        "--init",
+        metavar="POLICY",
+        help="policy to start from: zoo:TASK/TRACK, the folder of a run, or a policy file",
     )
     parser.add_argument(
-        "--data", metavar="DIR", help="data set that bc learns from; collect makes one"
+        "--data", metavar="DIR", help="data set that bc learns from, made by taskbuilder collect"
     )
     parser.add_argument(
         "--cameras",
         type=listed,
         metavar="C,C",
-        help="cameras of the data set that policies observe, besides numbers of their own robot",
+        help="cameras of the data set that policies observe, in addition to the numbers of their "
+        "own robot",
     )
     parser.add_argument(
-        "--device", metavar="D", help="device of the networks: cpu or cuda (default cpu)"
+        "--device", metavar="D", help="device on which the networks run: cpu or cuda (default cpu)"
     )
     parser.add_argument(
-        "--observe", metavar="O", help="what policies observe: task or scene (default task)"
+        "--observe",
+        metavar="O",
+        help="what policies observe: what the task file lists (task), or the whole scene (scene) "
+        "(default task)",
     )
     parser.add_argument(
-        "--frame", metavar="F", help="frame of poses and motions: task or base (default base)"
+        "--frame",
+        metavar="F",
+        help="frame of poses and motions: as in the task file (task), or the base frame of each "
+        "robot (base) (default base)",
     )
     parser.add_argument(
-        "--rotation", metavar="R", help="orientations: quaternion or matrix (default matrix)"
+        "--rotation",
+        metavar="R",
+        help="format of orientations: quaternion or matrix (default matrix)",
     )
     parser.add_argument(
         "--variation",
@@ -125,7 +144,10 @@ def add_train(adder: CommandAdder) -> None:
         help="draw the quantities that the task lists under randomize",
     )
     parser.add_argument(
-        "--evaluate-every", type=many, metavar="N", help="in control steps (default 10000)"
+        "--evaluate-every",
+        type=many,
+        metavar="N",
+        help="control steps between evaluations (default 10000)",
     )
     parser.add_argument(
         "--evaluate-episodes", type=many, metavar="N", help="episodes per evaluation (default 20)"
@@ -134,10 +156,13 @@ def add_train(adder: CommandAdder) -> None:
         "--film-every",
         type=whole(0, 1_000_000),
         metavar="N",
-        help="film an episode of every Nth evaluation; 0: none (default 10)",
+        help="film one episode of every Nth evaluation; with 0, none (default 10)",
     )
     parser.add_argument(
-        "--checkpoint-every", type=many, metavar="N", help="in control steps (default 10000)"
+        "--checkpoint-every",
+        type=many,
+        metavar="N",
+        help="control steps between checkpoints (default 10000)",
     )
     parser.add_argument(
         "--stop-at",
@@ -153,14 +178,14 @@ def add_train(adder: CommandAdder) -> None:
 def add_evaluate(adder: CommandAdder) -> None:
     """`taskbuilder evaluate`."""
     parser = adder.command(
-        "measure a policy's success rate in episodes that it has never seen",
+        "measure the success rate of a policy in episodes that were not used in training",
         "zoo:handover/demos --episodes 300 --certificate handover.json",
     )
     parser.add_argument(
         "policy",
         nargs="?",
         metavar="POLICY",
-        help="zoo:TASK/TRACK, the folder of a run, a policy's file; expert:TASK, random:TASK, "
+        help="zoo:TASK/TRACK, the folder of a run, or a policy file; expert:TASK, random:TASK or "
         "nothing:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N&renderer=R",
     )
     parser.add_argument(
@@ -175,13 +200,15 @@ def add_evaluate(adder: CommandAdder) -> None:
         type=whole(0, 2**32 - 1),
         default=2_000_000,
         metavar="N",
-        help="seed of the first episode (default 2000000, never used in training); others follow",
+        help="seed of the first episode (default 2000000, never used in training); the next "
+        "episodes have the next seeds",
     )
     parser.add_argument(
         "--variation",
         type=any_variation,
         metavar="K",
-        help="number of the variation, random, or all: each in turn (default that of training)",
+        help="number of the variation; random; or all, which takes the variations in turn "
+        "(default: as in training)",
     )
     parser.add_argument(
         "--noise",
@@ -196,8 +223,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "--controls",
         type=whole(0, 100_000),
         metavar="N",
-        help="number of seeds that the expert, random actions, holding still and stalling play "
-        "for comparison (default 20; all of them for a certificate)",
+        help="number of seeds on which the expert, random actions, robots that hold still and "
+        "stalls are also played, for comparison (default 20; for a certificate, all seeds)",
     )
     add_jobs(parser)
     add_ray(parser, "episodes")
@@ -205,13 +232,14 @@ def add_evaluate(adder: CommandAdder) -> None:
         "--certificate",
         type=Path,
         metavar="FILE",
-        help="write the result with everything needed to verify it elsewhere",
+        help="write a certificate: the result, with everything needed to repeat the evaluation",
     )
     parser.add_argument(
         "--verify",
         type=Path,
         metavar="FILE",
-        help="play a certificate again, compare bit for bit, and print what differs",
+        help="repeat the evaluation of a certificate, compare the results bit for bit, and print "
+        "the differences",
     )
     parser.add_argument(
         "--out",
@@ -224,7 +252,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         action="store_true",
         help="film a best, a median and a failed episode, as MP4 and GIF",
     )
-    add_picture(parser, cameras="its first", of="a film")
+    add_picture(parser, cameras="the first camera of the scene", of="a film")
     add_renderer(parser)
     add_json(parser)
 
@@ -232,20 +260,24 @@ def add_evaluate(adder: CommandAdder) -> None:
 def add_plot(adder: CommandAdder) -> None:
     """`taskbuilder plot`."""
     parser = adder.command(
-        "draw the learning curves of training runs; seeds of one setup share a curve with a band",
+        "draw learning curves of training runs; runs that differ only in their seed share a curve",
         "runs/handover-scratch-0 runs/handover-scratch-1 --out curves.png",
     )
-    parser.add_argument("runs", nargs="+", metavar="RUN", help="folders of runs of one task")
+    parser.add_argument(
+        "runs", nargs="+", metavar="RUN", help="folders of training runs of the same task"
+    )
     parser.add_argument(
         "--beside",
         nargs="+",
         type=Path,
         default=[],
         metavar="CSV",
-        help="also draw curves of other software; columns: step, success_rate or team_return, "
-        "and seed if there are several",
+        help="also draw learning curves of other software; columns of the file: step, "
+        "success_rate or team_return, and seed if there are several seeds",
     )
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE", help="picture, .png or .svg"
+        "--out", type=Path, required=True, metavar="FILE", help="file of the picture, .png or .svg"
     )
-    parser.add_argument("--title", metavar="T", help="title of the picture (default the task)")
+    parser.add_argument(
+        "--title", metavar="T", help="title of the picture (default: name of the task)"
+    )

@@ -13,7 +13,7 @@ def add_jobs(parser: ArgumentParser) -> None:
         "--jobs",
         type=whole(1, 1024),
         metavar="N",
-        help="processes that play episodes (default: one for each core)",
+        help="number of processes that play episodes (default: one for each CPU core)",
     )
 
 
@@ -29,8 +29,8 @@ def add_ray(parser: ArgumentParser, pieces: str) -> None:
         nargs="?",
         const="local",
         metavar="ADDRESS",
-        help=f"share {pieces} among the nodes of a Ray cluster: host:port of its head, or auto; "
-        "without an address, a cluster of this machine alone",
+        help=f"distribute {pieces} over the nodes of a Ray cluster; ADDRESS is host:port of the "
+        "head node, or auto; without ADDRESS, Ray is started on this machine alone",
     )
 
 
@@ -41,8 +41,8 @@ def add_randomize(parser: ArgumentParser) -> None:
         nargs="?",
         const="quantities",
         choices=("quantities", "looks", "all"),
-        help="quantities (the default of the option): draw what the task lists under randomize "
-        "and looks; looks: draw light, colours, textures, distractors and cameras; all: both",
+        help="draw at random in each episode: what the task lists under randomize and looks "
+        "(quantities, or no value), all parts of the look (looks), or both (all)",
     )
 
 
@@ -53,7 +53,7 @@ def randomized(choice: str | None) -> bool | str:
 
 def add_json(parser: ArgumentParser) -> None:
     """``--json``: the result as JSON instead of text."""
-    parser.add_argument("--json", action="store_true", help="JSON on standard output")
+    parser.add_argument("--json", action="store_true", help="print JSON to standard output")
 
 
 def add_suite(parser: ArgumentParser) -> None:
@@ -61,7 +61,7 @@ def add_suite(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--suite",
         metavar="S",
-        help="the tasks of a suite: seed, single, pairs, trios, quads, or one of your own",
+        help="only the tasks of a suite: seed, single, pairs, trios, quads, or your own suite",
     )
 
 
@@ -73,8 +73,8 @@ def add_other_robots(parser: ArgumentParser) -> None:
         type=robot_choice,
         default=[],
         metavar="NAME=MODEL",
-        help="another model for a robot of the scene, such as left=panda: a robot's name, or the "
-        "path of a robot file (may be repeated)",
+        help="replace the model of a robot, such as left=panda; MODEL is the name of a robot, or "
+        "the path of a robot file (may be repeated)",
     )
 
 
@@ -87,7 +87,7 @@ def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
         of: What the size is that of, in words.
     """
     parser.add_argument(
-        "--camera", nargs="+", metavar="C", help=f"cameras of the scene (default {cameras})"
+        "--camera", nargs="+", metavar="C", help=f"names of cameras (default {cameras})"
     )
     parser.add_argument(
         "--size", type=size, metavar="WxH", help=f"size of {of} in pixels, such as 640x480"
@@ -100,8 +100,8 @@ def add_renderer(parser: ArgumentParser) -> None:
         "--renderer",
         choices=("auto", "raster", "tiny", "egl"),
         default="auto",
-        help="raster: fast, on the CPU; tiny: Bullet's own; egl: through OpenGL (default auto: "
-        "raster where it is installed)",
+        help="raster: fast rasteriser on the CPU; tiny: PyBullet's TinyRenderer; egl: OpenGL "
+        "(default auto: raster if it is installed, otherwise tiny)",
     )
 
 
@@ -112,5 +112,6 @@ def add_show(parser: ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="WHAT",
-        help="draw over the pictures, with names: frames, grasps, sites, regions, cameras, reach",
+        help="draw these with their names over the pictures: frames, grasps, sites, regions, "
+        "cameras, reach",
     )

@@ -32,12 +32,12 @@ from taskbuilder.wording import suggestion
 class RecordedEpisode:
     """An episode of a data set; its arrays are read when they are first used.
 
-    Arrays have a row for every control step, or for every state: after reset and after each
-    control step, so one more.
+    Some arrays have one row per control step (``steps`` rows). Others have one row per state
+    (``steps`` + 1 rows): the state after reset, and after each control step.
 
     Attributes:
         place: The folder of the episode.
-        name: Its name.
+        name: Name of the episode, such as ``handover-000000007``.
     """
 
     def __init__(self, place: Path) -> None:
@@ -46,7 +46,7 @@ class RecordedEpisode:
 
     @cached_property
     def about(self) -> Mapping[str, Any]:
-        """Everything but the numbers: seed, variation, policy, instruction, sub-tasks, why, ..."""
+        """Contents of ``episode.json``: seed, variation, policy, instruction, sub-tasks, ..."""
         return layout.read_episode(self.place)
 
     @cached_property
@@ -66,17 +66,17 @@ class RecordedEpisode:
 
     @property
     def variation(self) -> int:
-        """The variation that was played."""
+        """Number of the variation that was played."""
         return int(self.about["variation"])
 
     @property
     def policy(self) -> str:
-        """Who played."""
+        """The policy that played, such as ``expert``."""
         return str(self.about["policy"])
 
     @property
     def instruction(self) -> str:
-        """The instruction, filled in."""
+        """The instruction, with placeholders such as ``{stick.color}`` filled in."""
         return str(self.about["instruction"])
 
     @property
@@ -86,7 +86,7 @@ class RecordedEpisode:
 
     @property
     def steps(self) -> int:
-        """Length in control steps."""
+        """Length of the episode in control steps."""
         return int(self.about["steps"])
 
     @property
@@ -97,15 +97,15 @@ class RecordedEpisode:
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """The robots."""
+        """The names of the robots."""
         return tuple(self.of_agents("action"))
 
     def of_agents(self, what: str) -> dict[str, NDArray[Any]]:
-        """An array of every agent, by agent.
+        """One kind of array for every agent, as a dictionary by agent.
 
         Args:
-            what: ``observation``, ``action``, ``reward``, ``joint_position``, ``joint_velocity``,
-                ``joint_target``, ``gripper``, ``gripper_target`` or ``tcp``.
+            what: Kind of array: ``observation``, ``action``, ``reward``, ``joint_position``,
+                ``joint_velocity``, ``joint_target``, ``gripper``, ``gripper_target`` or ``tcp``.
         """
         return {
             name.split("/")[1]: array
@@ -115,39 +115,39 @@ class RecordedEpisode:
 
     @property
     def observations(self) -> dict[str, NDArray[np.float32]]:
-        """By agent: (steps + 1, n) float32."""
+        """Observations by agent, each array (steps + 1, n) float32."""
         return self.of_agents("observation")
 
     @property
     def actions(self) -> dict[str, NDArray[np.float32]]:
-        """By agent: (steps, n) float32, as the environment takes them."""
+        """Actions by agent, each array (steps, n) float32, as the environment takes them."""
         return self.of_agents("action")
 
     @property
     def rewards(self) -> dict[str, NDArray[np.float64]]:
-        """By agent: (steps,) its own terms and an equal share of the common ones."""
+        """Local rewards by agent, each array (steps,)."""
         return self.of_agents("reward")
 
     @property
     def state(self) -> NDArray[np.float32]:
-        """(steps + 1, n) float32, for centralised critics."""
+        """States for centralised critics: (steps + 1, n) float32."""
         return self.arrays["state"]
 
     @property
     def team_reward(self) -> NDArray[np.float64]:
-        """(steps,) the sum of all terms."""
+        """Team rewards, which are the sums of all reward terms: (steps,)."""
         return self.arrays["reward"]
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The recorded cameras."""
+        """The names of the recorded cameras."""
         return tuple(self.about["cameras"])
 
     def video(self, camera: str) -> bytes:
         """The MP4 file of a camera.
 
         Raises:
-            UnknownNameError: It was not recorded.
+            UnknownNameError: The camera was not recorded.
         """
         return self._file(camera, "video")
 
@@ -155,7 +155,7 @@ class RecordedEpisode:
         """The colour images of a camera: (steps + 1, height, width, 3) uint8.
 
         Raises:
-            UnknownNameError: It was not recorded.
+            UnknownNameError: The camera was not recorded.
             VideoError: The video is damaged.
         """
         return decoded(self.video(camera))
@@ -164,7 +164,7 @@ class RecordedEpisode:
         """The depth images of a camera, in metres: (steps + 1, height, width) float32.
 
         Raises:
-            UnknownNameError: It was not recorded.
+            UnknownNameError: The depth images of the camera were not recorded.
             VideoError: The video is damaged.
         """
         return decoded_depth(self._file(camera, "depth"))
@@ -184,9 +184,11 @@ class Dataset(Sequence[RecordedEpisode]):
     """The episodes of a data set, in order.
 
     Attributes:
-        folder: Where it is.
-        about: What it says of itself: how it was collected, tasks, names of numbers, versions.
-        contents: A line for every episode, and the attempts that were not kept.
+        folder: Folder of the data set.
+        about: Contents of ``dataset.json``: how the data set was collected, tasks, names of all
+            numbers, versions.
+        contents: Contents of ``index.json``: a line for every episode, and the attempts that were
+            not kept.
     """
 
     def __init__(
@@ -203,14 +205,14 @@ class Dataset(Sequence[RecordedEpisode]):
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        """The ids of its tasks."""
+        """The ids of the tasks in the data set."""
         return tuple(self.about["tasks"])
 
     def of_task(self, task: str) -> Dataset:
         """The episodes of one task.
 
         Raises:
-            UnknownNameError: There are none.
+            UnknownNameError: The data set has no episodes of this task.
         """
         if task not in self.about["tasks"]:
             help_ = suggestion(task, self.tasks, what="it has")
@@ -242,14 +244,14 @@ class Dataset(Sequence[RecordedEpisode]):
 
 
 def load_dataset(folder: str | Path) -> Dataset:
-    """Read a data set. Nothing that comes with it is executed.
+    """Read a data set, without executing any code from the folder.
 
     Args:
-        folder: Where it is.
+        folder: Folder of the data set.
 
     Raises:
-        UsageError: The folder is no data set, or collecting has not come to its end.
-        StoreError: It is damaged.
+        UsageError: The folder is no data set, or the data set is not complete yet.
+        StoreError: The data set is damaged.
     """
     place = Path(folder)
     about = layout.read_about(place)
@@ -278,21 +280,23 @@ def make_from(
     """Make the environment that a data set came from, with the same options.
 
     Args:
-        folder: The data set.
-        task: Which of its tasks, if it has several; or the file of the task, if it is not in the
-            catalogue.
-        variation: The variation; by default the first that was collected.
+        folder: Folder of the data set.
+        task: The task, if the data set has several; or the path of the task file, if the task is
+            not in the catalogue.
+        variation: Number of the variation; by default the first that was collected.
         cameras: Whether agents observe the recorded cameras, in the recorded size and drawn by
             the recorded renderer.
-        renderer: Another renderer than the recorded one; its pictures differ.
-        catalogue: The catalogue that the task is looked up in; by default that of this
+        renderer: Renderer to use instead of the recorded renderer; the pictures then differ from
+            the recorded pictures.
+        catalogue: Catalogue in which to look up the task; by default the catalogue of this
             installation.
 
     Raises:
-        UsageError: The folder is no data set, or it has several tasks and none is named.
+        UsageError: The folder is no data set, or the data set has several tasks and ``task`` is not
+            given.
         UnknownNameError: The task is not in the catalogue.
         FileError: The task has errors.
-        SimulationError: The renderer is not installed here; name another to use it instead.
+        SimulationError: The recorded renderer is not installed; give another as ``renderer``.
     """
     about = layout.read_about(Path(folder))
     loaded = _task_of(about, Path(folder), task, catalogue)

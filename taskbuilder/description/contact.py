@@ -18,7 +18,8 @@ _CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has le
 class Held(Condition):
     """A robot holds a body: fingers press on it from opposite sides, or a suction cup holds it.
 
-    ``by`` is a robot, several that must all hold at once, or None for any robot.
+    ``by`` names one robot, or several robots that must all hold the body. With None, any robot
+    counts.
     """
 
     body: BodyName
@@ -49,7 +50,7 @@ class Held(Condition):
 
 @dataclass(frozen=True)
 class Released(Condition):
-    """No finger or tool of any robot touches a body; with ``by``, only that robot counts."""
+    """No finger or tool of any robot touches a body; with ``by``, only the robot ``by`` counts."""
 
     body: BodyName
     _: KW_ONLY
@@ -120,7 +121,7 @@ class On(Condition):
 
 @dataclass(frozen=True)
 class ForceAbove(Condition):
-    """The contact force between two things is above ``newtons``; see `ContactForce`."""
+    """The contact force between two bodies or robots is above ``newtons``; see `ContactForce`."""
 
     first: SolidName
     second: SolidName

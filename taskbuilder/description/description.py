@@ -31,12 +31,12 @@ class Description:
     """The success condition and the reward of a task, as a class beside its YAML file.
 
     Attributes:
-        success: The task is done. Required.
-        failure: The task can no longer be done.
-        stages: Milestones by name, in the order in which they come.
+        success: Condition that is true when the task is done. Required.
+        failure: Condition that is true when the task can no longer be done.
+        stages: Milestones: conditions by name, in the order in which they become true.
         reward: The reward terms, summed at every control step. Required.
-        progress: How far the task has come, for training rewards; never part of the reward.
-        setback: Continuing the episode would teach little, as after a drop; training may end it.
+        progress: Measure of how far the task has come, for training rewards; not in the reward.
+        setback: Condition on which training may end the episode, such as a dropped object.
     """
 
     success: ClassVar[Condition]
@@ -48,7 +48,7 @@ class Description:
 
     @classmethod
     def attributes(cls) -> dict[str, Condition]:
-        """The conditions among the class's attributes, including inherited ones."""
+        """All attributes of the class that are conditions, including inherited attributes."""
         everything = {name: getattr(cls, name) for base in cls.__mro__ for name in vars(base)}
         return {name: value for name, value in everything.items() if isinstance(value, Condition)}
 
@@ -83,13 +83,14 @@ class Outcome:
     """The result of evaluating a description at one control step.
 
     Attributes:
-        success: The success condition holds now.
-        failure: The failure condition holds now.
+        success: Whether the success condition holds now.
+        failure: Whether the failure condition holds now.
         stage: Number of the last stage that has held in this episode so far, 0 for none.
-        progress: The description's progress, or 0.0.
+        progress: Value of the description's progress; 0.0 if the description has no progress.
         conditions: Value of every named condition.
-        terms: Value of every reward term by label, in the description's order.
-        local: Each agent's own terms plus its equal share of the common ones.
+        terms: Value of every reward term by name, in the order of the description; the name of a
+            term of one agent is ``NAME/AGENT``.
+        local: Each agent's own terms plus an equal share of the common terms.
         team: The sum of the local rewards, in the order of the agents.
     """
 

@@ -74,7 +74,7 @@ def _listed(of: tuple[Condition, ...]) -> Iterator[str]:
 
 @dataclass(frozen=True, init=False)
 class AtLeast(Condition):
-    """At least ``count`` given conditions hold; a condition on a group counts once per member."""
+    """At least ``count`` given conditions hold; each member of a group is counted separately."""
 
     gathers = True
 
@@ -108,8 +108,8 @@ class AtLeast(Condition):
 class Then(Condition):
     """Several conditions have come true in the given order.
 
-    Each must hold at the control step at which the one before it came true, or at a later one. None
-    has to keep holding.
+    Each condition must be true at the control step at which the previous condition came true, or at
+    a later step. The conditions need not stay true.
     """
 
     of: tuple[Condition, ...]
@@ -145,8 +145,9 @@ class Then(Condition):
 class Simultaneous(Condition):
     """Several conditions became true within ``within`` seconds of each other.
 
-    What counts is the moment at which each became true, after having been false in this episode;
-    none has to keep holding. Once it has come about, it stays true.
+    For each condition, what counts is the last time at which it changed from false to true in this
+    episode. The conditions need not stay true. Once ``Simultaneous`` is true, it stays true until
+    the end of the episode.
     """
 
     gathers = True

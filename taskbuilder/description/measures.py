@@ -29,7 +29,10 @@ from taskbuilder.schema.names import SceneNames
 
 
 class Measure(Node):
-    """A number read from the world. Make your own by `measure`, or as a frozen dataclass."""
+    """An expression that is a number at each control step.
+
+    Define your own measures with `measure`, or as subclasses that are frozen dataclasses.
+    """
 
     def value(self, world: WorldView) -> float:
         """The number now."""
@@ -159,7 +162,7 @@ class Height(Measure):
 
 @dataclass(frozen=True)
 class Tilt(Measure):
-    """The angle between an axis of a frame and the vertical, in degrees: 0 if it points up."""
+    """The angle between an axis of a frame and the vertical, in degrees; 0 is upright."""
 
     frame: FrameName
     _: KW_ONLY
@@ -188,10 +191,11 @@ class GripperOpening(Measure):
 
 @dataclass(frozen=True)
 class ContactForce(Measure):
-    """The contact force between two things, in newtons; 0 if they do not touch.
+    """The contact force between two bodies or robots, in newtons; 0 if they do not touch.
 
-    Each is a robot, an object or a part. The force is the sum of the normal forces between the
-    two, averaged over 1/60 s; the value is its peak over the physics steps of the control step.
+    ``first`` and ``second`` each name a robot, an object or a part. The sum of the normal forces
+    between the two is averaged over 1/60 s. The value is the peak of this average over the physics
+    steps of the control step.
     """
 
     first: SolidName
@@ -286,7 +290,7 @@ class Minimum(Measure):
 
 @dataclass(frozen=True, init=False)
 class Mean(Measure):
-    """The mean of the given measures; for a measure of a group, the mean over its members."""
+    """The mean of the given measures; for a measure of a group, the mean over the members."""
 
     gathers = True
 
@@ -310,7 +314,7 @@ class Mean(Measure):
 
 @dataclass(frozen=True, init=False)
 class Count(Measure):
-    """The number of given conditions that hold; a condition on a group counts once per member."""
+    """The number of given conditions that hold; each member of a group is counted separately."""
 
     gathers = True
 
@@ -334,7 +338,7 @@ class Count(Measure):
 
 @dataclass(frozen=True, init=False)
 class Ladder(Measure):
-    """The measure of the last rung whose condition holds; ``ground`` while no condition holds.
+    """The value of the last rung whose condition holds, or ``ground`` if no condition holds.
 
     ::
 

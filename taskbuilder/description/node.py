@@ -171,8 +171,9 @@ class Blame(NamedTuple):
 class Condition(Node):
     """An expression that is true or false.
 
-    Compose with ``&``, ``|``, ``~`` and the conditions of `taskbuilder.description.logic`. Make
-    your own by subclassing as a frozen dataclass with a method ``holds``, or by `condition`.
+    Compose with ``&``, ``|``, ``~`` and the conditions of `taskbuilder.description.logic`. Define
+    your own conditions with `condition`, or as subclasses that are frozen dataclasses with a method
+    ``holds``.
     """
 
     def holds(self, world: WorldView) -> bool:

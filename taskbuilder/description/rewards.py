@@ -17,7 +17,7 @@ from taskbuilder.schema.names import SceneNames
 
 
 class Term(Node):
-    """A named part of the reward; its value is the reward of a control step."""
+    """A named part of the reward, with a value at each control step."""
 
     name: str
     agent: str | None = None
@@ -67,8 +67,8 @@ class Distance(Term):
 class Potential(Term):
     """The gain in a measure since the last control step: weight * (discount * now - before).
 
-    With the learner's own discount, this does not change the optimal policies (Ng, Harada and
-    Russell, "Policy invariance under reward transformations", 1999).
+    If ``discount`` is the discount factor of the learner, this term does not change the optimal
+    policies (Ng, Harada and Russell, "Policy invariance under reward transformations", 1999).
     """
 
     name: str

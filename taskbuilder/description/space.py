@@ -56,9 +56,10 @@ class Near(Condition):
 class Inside(Condition):
     """A body is inside a container.
 
-    In a site: the body's centre is at least ``margin`` inside the site's marker. In an object:
-    the body's outline lies within the container's, ``margin`` from it, and its lowest point is
-    below the container's rim and not below its floor, all in the container's own frame.
+    If the container is a site, the centre of the body must be at least ``margin`` inside the marker
+    of the site. If the container is an object or a part, the outline of the body must lie at least
+    ``margin`` inside the outline of the container, and the lowest point of the body must be between
+    the bottom and the top of the container. Both are measured in the frame of the container.
     """
 
     body: BodyName
@@ -154,10 +155,11 @@ def _height(world: WorldView, frame: str, reference: str | None) -> float:
 
 @dataclass(frozen=True)
 class Beyond(Condition):
-    """A frame is at least ``by`` metres beyond another one, along an axis of the latter.
+    """A frame is at least ``by`` metres beyond a reference frame, along an axis of the reference.
 
-    ``Beyond("block", "gate", axis="x")``: the block's origin is past the plane through the gate's
-    origin, on the side to which the gate's x axis points. ``axis="-x"`` is the other side.
+    For example, ``Beyond("block", "gate", axis="x")`` is true if the block's origin is on the side
+    of the gate's origin to which the gate's x axis points. With ``axis="-x"``, the block must be on
+    the opposite side.
     """
 
     frame: FrameName

@@ -9,7 +9,7 @@ from taskbuilder.geometry import Box, Pose, Vec3
 
 
 class WorldView(Protocol):
-    """The state of the world that conditions and rewards read; constant within a control step.
+    """The state of the world that descriptions read; constant within a control step.
 
     Frames are named ``stick``, ``tray.left_handle``, ``goal``, ``left.tcp``; poses and velocities
     are in the world frame, in metres, seconds and radians.
@@ -37,7 +37,7 @@ class WorldView(Protocol):
         """Linear (m/s) and angular (rad/s) velocity of a body or of a robot's tcp."""
 
     def box(self, body: str) -> Box:
-        """Bounding box of an object, a part or a site's marker, in the frame of this thing."""
+        """Bounding box of an object, a part or a site's marker, in the frame of ``body``."""
 
     def is_solid(self, name: str) -> bool:
         """True for the name of an object or a part; False for the name of a site."""
@@ -52,7 +52,7 @@ class WorldView(Protocol):
         """Upward force in newtons with which ``below`` carries ``body``."""
 
     def contact_force(self, first: str, second: str) -> float:
-        """Peak contact force between two things in this control step, in N.
+        """Peak contact force between two bodies or robots in this control step, in N.
 
         It is measured only for pairs that a node of the description names in `Node.force_pairs`;
         see `ContactForce` for its definition.

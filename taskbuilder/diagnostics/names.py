@@ -11,8 +11,8 @@ ENTRIES = {
     ),
     "TB201": Code(
         "Unknown name",
-        "The task file uses a name that the scene does not have, or one of the wrong kind, such "
-        "as a site where a robot is needed.",
+        "The task file uses a name that the scene does not have, or a name of the wrong kind, "
+        "such as a site where a robot is needed.",
         within(
             "scene.objects.cube",
             "place: {surface: tabel, center: [-0.4, 0], size: [0.1, 0.1]}",
@@ -56,8 +56,8 @@ ENTRIES = {
     ),
     "TB207": Code(
         "Unknown name in the description",
-        "A condition, measure or reward term uses a name that the scene does not have, or one of "
-        "the wrong kind.",
+        "A condition, measure or reward term uses a name that the scene does not have, or a name "
+        "of the wrong kind.",
         Example("description", 'success = Held("cub")', 'success = Held("cube")'),
     ),
     "TB208": Code(
@@ -84,7 +84,7 @@ ENTRIES = {
     "TB211": Code(
         "Duplicate name in the description",
         "Two reward terms have the same name and agent, or a stage has the same name as another "
-        "condition. They could not be told apart in logs.",
+        "condition. In logs, the two could not be told apart.",
         Example(
             "description",
             'reward = (Bonus("grasp", Held("cube"), 1.0), Bonus("grasp", Held("tray"), 1.0))',
@@ -111,15 +111,15 @@ ENTRIES = {
     "TB214": Code(
         "Unknown condition",
         "The expert waits for a condition that the description does not have, or the lock of a "
-        "joint depends on one. The condition can be success, failure, a stage, or any other "
-        "attribute of the description class that is a condition.",
+        "joint depends on such a condition. The condition can be success, failure, a stage, or "
+        "any other attribute of the description class that is a condition.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),
     "TB215": Code(
-        "Of how many members?",
-        "An expression of the description names a group without saying of how many of its members "
-        "it must be true. All, Any and AtLeast say so for conditions; Mean, Minimum and Count make "
-        "one number of many.",
+        "Members of a group not combined",
+        "An expression of the description names a group, but does not state how the values for "
+        "the members of the group are combined. Put a condition into All, Any, AtLeast or Count, "
+        "and a measure into Mean or Minimum.",
         Example(
             "description",
             'failure = Near("pegs", "cube", within=0.01)',
@@ -128,8 +128,8 @@ ENTRIES = {
     ),
     "TB216": Code(
         "Not with this end effector",
-        "A robot without a gripper is told to take hold of something or to let go, or its actions "
-        "set the gripper that it does not have. Such a robot moves, pushes and presses.",
+        "A robot without a gripper is told to take hold of something or to let go, or has a key "
+        "for gripper actions. A robot without a gripper can only move, push and press.",
         within(
             "scene.robots.left",
             "model: ur5e_pusher\naction: {gripper: binary}",

@@ -9,9 +9,9 @@ _OURS = " No task file is known that fails this check. Please report one that do
 ENTRIES = {
     "TB501": Code(
         "Episodes differ for the same seed",
-        "Two episodes with the same seed and the same actions differ, both in one process and in "
-        "a new one. Some code uses a random-number generator that is not seeded by the episode, "
-        "or reads the clock.",
+        "Two episodes with the same seed and the same actions differ, both within one process and "
+        "in a new process. Some code uses a random-number generator that is not seeded by the "
+        "episode, or reads the clock.",
         Example(
             "module",
             "import random\n\n\n@measure\ndef luck(world):\n    return random.random()\n\n\n"
@@ -21,12 +21,12 @@ ENTRIES = {
     ),
     "TB502": Code(
         "Episodes depend on earlier ones",
-        "With the same seed and actions, two new processes give the same episode, but after "
-        "other episodes the result differs. The usual cause is a description that keeps state in "
-        "a module variable: use conditions with memory instead, such as Once, Then and Sustained. "
+        "With the same seed and actions, two new processes give the same episode, but after other "
+        "episodes the result differs. The usual cause is a description that keeps state in a "
+        "module variable: use conditions with memory instead, such as Once, Then and Sustained. "
         "Another cause is that several loose objects lie against each other on a moving link. The "
-        "physics engine keeps contacts of earlier episodes there. Let the objects begin apart, or "
-        "use fewer of them.",
+        "physics engine keeps contacts of earlier episodes between such objects. Let the objects "
+        "begin apart, or use fewer of them.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -38,8 +38,8 @@ ENTRIES = {
     "TB503": Code(
         "Episodes depend on the process",
         "With the same seed and actions, episodes are the same within one process, but differ in "
-        "another one. String hashes, the order of sets, id() and the process id differ between "
-        "processes.",
+        "another process. String hashes, the order of sets, id() and the process id differ "
+        "between processes.",
         Example(
             "module",
             "@measure\ndef order(world):\n    return hash('cube') % 1000\n\n\n"
@@ -78,7 +78,7 @@ ENTRIES = {
         "For some placement, inverse kinematics finds no joint positions within the limits for a "
         "pose that a stage requires, and the expert also fails when it is played. The finding "
         "names the seed, the stage and the robot, and how far the pose is out of reach. If the "
-        "expert succeeds before it reaches this stage, it is only a warning.",
+        "expert succeeds before it reaches this stage, the finding is only a warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -90,8 +90,8 @@ ENTRIES = {
     "TB512": Code(
         "Suction on nothing",
         "At a grasp point that the expert takes by suction, there is no surface within the reach "
-        "of the cup, or the point lies inside the object. Such a point belongs onto the surface, "
-        "in the direction from which it is approached.",
+        "of the cup, or the point lies inside the object. Put the grasp point on the surface of "
+        "the object, on the side from which the tool approaches.",
         within(
             "scene.robots",
             "left:\n  model: ur5e_suction\n  base: {position: [-0.7, 0, 0.4]}\n"
@@ -121,8 +121,8 @@ ENTRIES = {
     "TB524": Code(
         "Observation outside its space",
         "An observation differs from its space in shape or type, exceeds the bounds, or is not a "
-        "number. Observations are clipped to their bounds. No task file is known that fails this "
-        "check, unless its description changes values of the world.",
+        "number. Observations are clipped to their bounds. No task file is known that fails "
+        "this check, unless the description changes values of the world.",
     ),
     "TB525": Code(
         "Constant observation",
@@ -138,8 +138,8 @@ ENTRIES = {
     "TB526": Code(
         "Observations shared between agents",
         "Two agents have exactly the same observations and neither observes itself, so neither "
-        "can tell which one it is. Or writing to one observation changes another observation or "
-        "the episode.",
+        "agent can tell which of the two it is. Or writing to one observation changes another "
+        "observation or the episode.",
         Example(
             "task",
             "observe: {left: [cube.pose, time_left], right: [cube.pose, time_left]}",
@@ -192,8 +192,9 @@ ENTRIES = {
     "TB535": Code(
         "Success does not last",
         "After the expert succeeds, all robots hold still for two seconds, and success does not "
-        "last that long. For example, the load may fly through its goal. A learner would learn "
-        "to do the same. Require a state that lasts, and let the expert come to rest in it.",
+        "last that long. For example, the load may fly through its goal. A learner would learn to "
+        "do the same. Define success as a state that lasts, and let the expert come to rest in "
+        "this state.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05) & ~Stationary("cube", speed=0.02)',
@@ -242,10 +243,10 @@ ENTRIES = {
     "TB545": Code(
         "An object starts within reach of several robots",
         "The task requires cooperation, but an object that one robot is meant to fetch starts "
-        "where another one can take it: it did so in the simulation. A policy might learn to do "
-        "the task with that robot alone, even where the attempts of single robots (TB542) fail. "
-        "Objects that several robots hold or carry together, or push to each other, may start "
-        "within reach of all of them. This is a warning.",
+        "where another robot can take hold of it. In the simulation, the other robot did so. A "
+        "policy might learn to do the task with this other robot alone, even where the attempts "
+        "of single robots (TB542) fail. Objects that several robots hold or carry together, or "
+        "push to each other, may start within reach of all of them. This is a warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"
@@ -271,9 +272,9 @@ ENTRIES = {
     "TB552": Code(
         "Stalling earns as much as continuing",
         "Holding still after one of the expert's stages earns as much as the expert, or the "
-        "difference is not significant: its confidence interval, from pairs of episodes with the "
-        "same seed, includes zero. A learner would stop there. Give more reward for later "
-        "stages, or less for earlier ones.",
+        "difference is not significant: the confidence interval of the difference, from pairs of "
+        "episodes with the same seed, includes zero. A learner would stop after this stage. Give "
+        "more reward for later stages, or less for earlier ones.",
         Example(
             "description",
             'reward = (Bonus("hold", Held("cube") & ~success, 1.0), Bonus("done", success, 0.1))',
@@ -292,7 +293,7 @@ ENTRIES = {
     ),
     "TB554": Code(
         "Leaving out a robot earns as much",
-        "Cooperation is required, but the others earn as much as the expert while one robot "
+        "Cooperation is required, but the other robots earn as much as the expert while one robot "
         "stays at home. A learner would leave that robot idle.",
         Example(
             "description",
@@ -305,11 +306,10 @@ ENTRIES = {
     "TB555": Code(
         "Failing on purpose earns as much",
         "After one of the expert's stages, dropping a held object or throwing it away earns as "
-        "much as the expert. In half of these episodes all grippers open; in the others, all arms "
-        "swing sideways at full speed meanwhile. Episodes that succeed all the same are left out. "
-        "The cause may be a bonus that is paid after a failure, too: write "
-        "`Bonus(..., done & ~Once(failure))`. If failure ends the episode, it may also cut off "
-        "negative rewards.",
+        "much as the expert. In half of these episodes, all grippers open. In the other half, all "
+        "arms also swing sideways at full speed. Episodes that nevertheless succeed are left out. "
+        "A possible cause is a bonus that is also paid after a failure: write `Bonus(..., done & "
+        "~Once(failure))`. If a failure ends the episode, it may also cut off negative rewards.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"), '
@@ -320,8 +320,9 @@ ENTRIES = {
     ),
     "TB561": Code(
         "Speed and cost",
-        "Measurements without a verdict: control steps per second, the time that a control step "
-        "takes in addition to its physics steps, and the time to reset and to build the world.",
+        "Measurements, which neither pass nor fail: control steps per second, the time that a "
+        "control step takes in addition to its physics steps, and the time to reset and to build "
+        "the world.",
     ),
     "TB571": Code(
         "Render returns no picture",

@@ -45,8 +45,9 @@ ENTRIES = {
     ),
     "TB305": Code(
         "No room for an object",
-        "A hundred placements were tried. In each of them the object was less than 5 mm from "
-        "something other than what it stands on or is placed in.",
+        "A hundred placements were tried. In each of them, the object was too close to another "
+        "body: closer than its clearance, which is 5 mm by default. The surface on which the "
+        "object stands, and the container in which it is placed, do not count.",
         block(
             "place: {surface: table, center: [0.4, 0], size: [0.05, 0.05]}",
             "place: {surface: table, center: [0, 0.3], size: [0.05, 0.05]}",

@@ -16,8 +16,8 @@ ENTRIES = {
     ),
     "TB002": Code(
         "Not UTF-8",
-        "Task and robot files must be UTF-8. The finding names the line of the first byte that "
-        "is not.",
+        "Task and robot files must be UTF-8. The finding names the line of the first byte that is "
+        "not valid UTF-8.",
         Example("file", "summary: Öffne die Tür.  # Latin-1", "summary: Öffne die Tür.  # UTF-8"),
     ),
     "TB003": Code(
@@ -27,7 +27,7 @@ ENTRIES = {
     ),
     "TB004": Code(
         "Key given twice",
-        "A key occurs twice in one mapping. Most YAML readers would silently keep the last one.",
+        "A key occurs twice in one mapping. Most YAML readers would silently keep the last value.",
         Example("file", "state: all\nstate: [cube.pose]", "state: [cube.pose]"),
     ),
     "TB005": Code(
@@ -48,8 +48,8 @@ ENTRIES = {
     ),
     "TB008": Code(
         "Two files with the same name",
-        "Two tasks, or two robots, have the same name in the catalogue. Neither is used: rename"
-        " one, or remove its folder from the task path.",
+        "Two tasks, or two robots, have the same name in the catalogue. Neither of the two is "
+        "used. Rename one of them, or remove its folder from the task path.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(
@@ -88,7 +88,7 @@ ENTRIES = {
     ),
     "TB105": Code(
         "Not one of the choices",
-        "The value must be one of a few words, and is not.",
+        "The value is not one of the allowed words.",
         Example("task", "cooperation: needed", "cooperation: required"),
     ),
     "TB106": Code(
@@ -127,15 +127,15 @@ ENTRIES = {
     ),
     "TB110": Code(
         "Wrong unit for the joint",
-        "start, limits and rest are in metres and are for prismatic joints. start_deg, "
-        "limits_deg and rest_deg are in degrees and are for revolute joints. In the same way, an "
-        "expert slides a prismatic joint and turns a revolute one.",
+        "start, limits and rest are in metres and are for prismatic joints. start_deg, limits_deg "
+        "and rest_deg are in degrees and are for revolute joints. In the same way, the verb slide "
+        "is for prismatic joints, and the verb turn is for revolute joints.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
     "TB111": Code(
         "Group does not fit",
-        "The objects of a group overlap as they are arranged, or there are more of them than fit "
-        "into the box of their pile. The message gives a size that would do.",
+        "The objects of a group overlap in their arrangement, or the box of a pile is too small "
+        "for the objects. The message gives a size that is large enough.",
         within(
             "scene.objects",
             "blocks: {shape: {box: [0.03, 0.03, 0.05]}, mass: 0.02, count: 4, "

@@ -23,18 +23,19 @@ from taskbuilder.task import Task
 
 
 class JointEnv(gymnasium.Env[Any, Any]):
-    """A task as a single-agent environment with the team reward, or the sparse one.
+    """A task as a Gymnasium environment in which one agent controls all robots.
 
-    Flat observations and actions are those of the robots in file order, concatenated in one box
-    each. Flat observations with images are a dictionary of ``agent_pos``, the numbers, and
-    ``pixels/CAMERA``, the images, each of which is there once. With ``flat=False`` observations
-    and actions are dictionaries by robot.
+    The reward is the team reward, or the sparse reward. A flat observation is one box: the
+    observations of the robots, concatenated in the order of the task file. A flat action is made in
+    the same way. With images, a flat observation is a dictionary: ``agent_pos`` has the numbers,
+    and ``pixels/CAMERA`` the image of a camera. With ``flat=False``, observations and actions are
+    dictionaries by robot.
 
     Attributes:
-        observation_names: Name of each number of a flat observation, or of its ``agent_pos``
-            where it has images: the observer and what it
-            observes, such as ``left/stick.x``.
-        action_names: Name of each number of a flat action, such as ``left.dx``.
+        observation_names: Name of each number in a flat observation, or in ``agent_pos`` with
+            images. A name consists of the robot and the quantity that this robot observes:
+            ``left/stick.x``.
+        action_names: Name of each number in a flat action, such as ``left.dx``.
         render_mode: "rgb_array" or None.
 
     Args:
@@ -42,7 +43,8 @@ class JointEnv(gymnasium.Env[Any, Any]):
         render_mode: "rgb_array" if `render` should return pictures.
         pixels: ``flat``: keys such as ``pixels/front``, which Stable-Baselines3 reads; ``nested``:
             a dictionary by camera under ``pixels``, as in LeRobot's environments.
-        options: See `taskbuilder.env.options.Options`; a ``local`` reward is the ``team``'s.
+        options: Options of the environment; see `taskbuilder.env.options.Options`. The reward
+            ``local`` is the same as ``team``, because there is one agent.
 
     Raises:
         UnknownNameError: There is no such task.

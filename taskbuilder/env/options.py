@@ -39,35 +39,40 @@ class Options:
     """The options of an environment.
 
     Attributes:
-        reward: ``team`` gives every agent the sum of all terms; ``local`` gives each its own terms
-            and an equal share of the common ones. Local rewards add up to the team reward exactly.
-            ``sparse`` gives every agent 1 in each control step in which success holds, and else 0.
-        flat: Whether observations and actions are flat float32 boxes, or dictionaries of channels.
-        normalize: Actions from -1 to 1, or in physical units.
-        horizon: Control steps of an episode; by default the task's.
-        control_hz: Control steps per second; by default the task's. The maximum step and turn in an
-            action are scaled, so that tools and joints keep their speed.
-        variation: Number of the variation, 0 being the task as written; or ``random``, drawn each
-            episode.
-        randomize: True: draw the quantities that the task lists under ``randomize``, and the parts
-            of the look that it lists under ``looks``; ``looks``: draw all parts of the look
-            instead; ``all``: the quantities and all parts.
+        reward: ``team`` gives every agent the sum of all terms. ``local`` gives every agent its own
+            terms and an equal share of the common terms; the local rewards add up to the team
+            reward exactly. ``sparse`` gives every agent 1 in each control step in which the success
+            condition is true, and otherwise 0.
+        flat: Whether observations and actions are flat float32 boxes, instead of dictionaries of
+            channels.
+        normalize: Whether actions are from -1 to 1, instead of in physical units.
+        horizon: Control steps of an episode; by default as in the task file.
+        control_hz: Control steps per second; by default as in the task file. The maximum step and
+            turn of an action are scaled, so that the maximum speeds of tools and joints stay the
+            same.
+        variation: Number of the variation, where 0 is the task as written; or ``random``, which
+            draws a variation in each episode.
+        randomize: What is drawn at random in each episode. True: the quantities that the task file
+            lists under ``randomize``, and the parts of the look that it lists under ``looks``.
+            ``looks``: all parts of the look, but no quantities. ``all``: these quantities and all
+            parts of the look.
         position_noise: Standard deviation in metres of Gaussian noise on every number of an
-            observed position, besides the noise of the task file; the state has none.
-        observe: ``task``: every agent observes what the task file lists for it; ``scene``: itself,
-            the other robots' tools and grippers, all moving objects, all sites and the time left.
+            observed position, in addition to the noise in the task file; ``state`` has no noise.
+        observe: ``task``: every agent observes the channels that the task file lists for it.
+            ``scene``: every agent observes its own robot, the tools and grippers of the other
+            robots, all moving objects, all sites and the time left.
         frame: ``task``: observed poses and commanded motions are in the frames of the task file;
-            ``base``: those in the world's frame are in each robot's own base frame instead, so that
-            robots that face each other can share a policy.
-        rotation: Orientations as ``quaternion`` (x, y, z, w), or as ``matrix``: the first two
+            ``base``: poses and motions in the world's frame are expressed in the base frame of each
+            robot instead, so that robots that face each other can share a policy.
+        rotation: Format of orientations: ``quaternion`` (x, y, z, w), or ``matrix``, the first two
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
-        cameras: Cameras whose colour images every agent observes besides its own channels.
+        cameras: Cameras whose colour images every agent observes in addition to its channels.
         camera_size: Width and height of observed images; by default each camera's own.
-        renderer: Renderer of images: ``raster``, ``tiny``, ``egl``; or ``auto``, which is
-            ``raster`` where its packages are installed and else ``tiny``.
-        render_camera: The camera of ``render()``; by default the scene's first.
-        robots: Other models for robots of the scene, such as ``{"left": "panda"}``: names of the
-            catalogue, or paths of robot files. Kept as pairs.
+        renderer: Renderer of images: ``raster``, ``tiny`` or ``egl``; or ``auto``, which is
+            ``raster`` if the packages for it are installed, and otherwise ``tiny``.
+        render_camera: The camera of ``render()``; by default the first camera of the scene.
+        robots: Robot models that replace those of the task file, such as ``{"left": "panda"}``:
+            names in the catalogue, or paths of robot files. Stored as a tuple of pairs.
     """
 
     reward: RewardSharing = "team"

@@ -48,7 +48,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
 
     Each agent observes the channels that the task file lists for it under ``observe``, and nothing
     else; `state` is for centralised critics. All agents act at every step, and their episodes end
-    together. Infos are numbers with the same keys for every agent, at every step and reset.
+    together. An info is a dictionary of numbers; its keys are the same for every agent, at every
+    step and reset.
 
     A copy (including one made by pickle) has its own physics engine: it rebuilds the scene and
     replays the actions of the episode.
@@ -59,8 +60,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         render_mode: "rgb_array" or None.
 
     Attributes:
-        possible_agents: The robots of the scene, in file order.
-        agents: The same robots while an episode runs, else empty.
+        possible_agents: The names of the robots, in the order of the task file.
+        agents: The names of the robots while an episode runs, otherwise empty.
         episode: The episode that the environment wraps.
     """
 
@@ -303,7 +304,7 @@ def parallel_env(
     Args:
         task: Name or path of the task, or the task itself.
         render_mode: "rgb_array" if `render` should return pictures.
-        options: See `Options`.
+        options: Options of the environment; see `Options`.
 
     Raises:
         UnknownNameError: There is no such task.

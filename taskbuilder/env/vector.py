@@ -37,9 +37,9 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     where an episode was cut off because its process was lost. Returned arrays are copies and belong
     to the caller.
 
-    Each environment draws the seeds of its episodes like a `TaskEnv` that is reset once with a seed
-    and then without. The results therefore depend only on the seeds and the actions, not on the
-    number of workers.
+    Each environment draws the seeds of episodes like a `TaskEnv` that is reset once with a seed and
+    afterwards without a seed. The results therefore depend only on the seeds and the actions, not
+    on the number of workers.
 
     When an episode ends (``metadata["autoreset_mode"]``):
 
@@ -289,19 +289,19 @@ def make_vec(
     Args:
         task: Name or path of the task, or the task itself.
         num_envs: Number of environments; each takes about 30 MB.
-        workers: Number of processes; 0 to run in this one.
+        workers: Number of worker processes; with 0, all environments run in the calling process.
         autoreset: Gymnasium's autoreset mode, "SameStep" or "NextStep".
         timeout_s: Time limit for a worker to step its environments; a slower worker is replaced.
         retries: Maximum number of replacements of a worker in a row.
-        wrap: Function that wraps each environment, called in the process where it runs. With
-            workers it must be picklable, such as a function in a module.
-        options: See `Options`.
+        wrap: Function that wraps each environment, called in the process that runs the environment.
+            With workers, the function must be picklable, such as a function of a module.
+        options: Options of the environments; see `Options`.
 
     Raises:
         UnknownNameError: There is no such task.
         FileError: The files of the task have errors.
-        UsageError: An argument or option does not fit.
-        WorkerError: A worker does not start.
+        UsageError: An argument is invalid, or an option does not fit the task.
+        WorkerError: A worker process does not start.
     """
     mode = _mode(autoreset)
     _check_numbers(num_envs, workers, timeout_s, retries)

@@ -38,18 +38,18 @@ def evaluate(
     jobs: int | None = None,
     **options: Any,
 ) -> evaluation.EvaluationSummary:
-    """Evaluate a policy without exploration, in episodes that it has never seen.
+    """Evaluate a policy without exploration, in episodes that were not used in training.
 
     Args:
-        policy: The policy, or its name as for `load_policy`.
+        policy: The policy, or a name that `load_policy` accepts.
         episodes: Number of episodes, with consecutive seeds.
-        task: The task to play; by default the one it was trained on.
+        task: The task to play; by default the task that the policy was trained on.
         first_seed: Seed of the first episode.
-        jobs: Processes; by default one for each core.
+        jobs: Number of processes; by default one for each CPU core.
         options: Options of the environment that differ from those used in training; see `Options`.
 
     Returns:
-        The success rate and its interval, returns, and stages.
+        The success rate with its confidence interval, the returns, and the stages reached.
 
     Raises:
         UsageError: The policy does not fit the task, or there is no such file.

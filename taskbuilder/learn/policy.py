@@ -56,7 +56,7 @@ class TrainedPolicy:
     """A decentralised policy: each agent acts on its own observation.
 
     Attributes:
-        networks: A network for each agent, by name.
+        networks: The network of each agent, by the agent's name.
         about: Metadata of the training: task, options of the environment, algorithm, ...
     """
 

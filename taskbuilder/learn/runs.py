@@ -59,12 +59,12 @@ def train(
     """Train a policy for each robot of a task.
 
     Args:
-        task: Name or path of the task, or the task itself; with ``data``, by default that of the
-            data set.
+        task: Name or path of the task, or the task itself; with ``data``, by default the task of
+            the data set.
         out: Folder of the run; by default ``runs/TASK-TRACK-SEED``.
         settings: Settings of the algorithm, by name.
         watch: Called with the status of the run after each step of all environments.
-        plan: Other fields of `Plan`, such as ``algorithm``, ``steps``, ``seed``, ``demos``.
+        plan: Further fields of `Plan`, such as ``algorithm``, ``steps``, ``seed``, ``demos``.
 
     Raises:
         UsageError: An option is invalid, the folder already has a run, or PyTorch is missing.

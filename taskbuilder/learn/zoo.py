@@ -38,11 +38,12 @@ def load_policy(name: str) -> TrainedPolicy:
     """Load a policy.
 
     Args:
-        name: ``zoo:handover/scratch``, the folder of a training run, or a policy's file.
+        name: Name of a pretrained policy, such as ``zoo:handover/scratch``, or the path of a
+            training run's folder or of a policy file.
 
     Raises:
         UnknownNameError: The zoo has no policy of this name.
-        UsageError: There is no such folder or file, or no policy in it yet.
+        UsageError: There is no such folder or file, or the folder has no policy yet.
         StoreError: The file is damaged, is not a policy, or has numbers that are not finite.
     """
     path = policy_file(name)

@@ -27,9 +27,9 @@ MODELS: Mapping[str, type[BaseModel]] = {
 
 # What the aliases of the models' vocabulary are called.
 _ALIASES: tuple[tuple[Any, str], ...] = (
-    (values.Position, "[x, y, z], m"),
-    (values.Edges, "[x, y, z], m"),
-    (values.RpyDeg, "[roll, pitch, yaw], degrees"),
+    (values.Position, "[x, y, z] in m"),
+    (values.Edges, "[x, y, z] in m"),
+    (values.RpyDeg, "[roll, pitch, yaw] in degrees"),
     (values.Coordinate, "m"),
     (values.Length, "m"),
     (values.Extent, "m"),
@@ -47,6 +47,7 @@ _ALIASES: tuple[tuple[Any, str], ...] = (
     (expert.Seconds, "s"),
     (robot.LinkName, "name in the URDF"),
 )
+_NOUNS = ("number", "name", "text", "list")
 HEAD = ("key", "value", "default", "meaning")
 
 _UNITS = {"_deg": "degrees", "_hz": "Hz"}
@@ -99,7 +100,7 @@ def _rows(name: str, keys: list[str]) -> list[list[str]]:
         field = model.model_fields[key]
         shown = field.alias or key
         own = field.description or _inner_description(hints[key])
-        meaning = own or given.get(shown)
+        meaning = given.get(shown) or own
         if not meaning:
             raise ValueError(f"{name}.{shown} has no meaning; write one in meanings.py")
         value = VALUES.get((name, shown)) or _with_unit(shown, describe(hints[key]))
@@ -125,7 +126,7 @@ def describe(hint: Any) -> str:
     origin, inner = get_origin(hint), get_args(hint)
     for alias, words in _ALIASES:
         if hint == alias:
-            bounds = _range(inner[0]) if origin is tuple else _range(hint)
+            bounds = _range(inner[0], "each ") if origin is tuple else _range(hint)
             return f"{words}{bounds}"
     if origin is Annotated:
         return _annotated(inner)
@@ -135,12 +136,12 @@ def describe(hint: Any) -> str:
         return ", ".join(code("true" if choice is True else choice) for choice in inner)
     if origin is tuple:
         if inner[-1] is Ellipsis:
-            return f"list of {describe(inner[0])}"
+            return f"list of {_plural(describe(inner[0]))}"
         parts = [describe(part) for part in inner]
         alike = len(set(parts)) == 1
-        return f"{len(parts)} × {parts[0]}" if alike else f"[{', '.join(parts)}]"
+        return f"two {_plural(parts[0])}" if alike and len(parts) == 2 else f"[{', '.join(parts)}]"
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        return f"{describe(inner[0])} → {describe(inner[1])}"
+        return f"mapping: {describe(inner[0])} → {describe(inner[1])}"
     if isinstance(hint, type) and issubclass(hint, BaseModel):
         return f"[{SECTIONS[hint.__name__]}](#{SECTIONS[hint.__name__].replace(' ', '-')})"
     return {bool: "true or false", int: "whole number", float: "number", str: "text"}.get(
@@ -163,7 +164,17 @@ def _annotated(inner: tuple[Any, ...]) -> str:
     return words
 
 
-def _range(hint: Any) -> str:
+def _plural(words: str) -> str:
+    """Several of what ``words`` call one: ``numbers in m, 0 to 10`` for ``m, 0 to 10``."""
+    if words.startswith("`"):
+        return f"words from {words}"
+    if words == "any value":
+        return "values of any type"
+    noun = next((noun for noun in _NOUNS if words.startswith(noun)), "")
+    return f"{noun}s{words.removeprefix(noun)}" if noun else f"numbers in {words}"
+
+
+def _range(hint: Any, each: str = "") -> str:
     """The bounds of an annotated number, such as ``, 0 to 10``."""
     if any(hint == alias for alias in _UNBOUNDED):
         return ""
@@ -173,8 +184,8 @@ def _range(hint: Any) -> str:
     if least is None or most is None:
         return ""
     if least == bounds.get("gt") and least != bounds.get("ge"):
-        return f", above {number(least)} to {number(most)}"
-    return f", {number(least)} to {number(most)}"
+        return f", above {number(least)} and at most {number(most)}"
+    return f", {each}{number(least)} to {number(most)}"
 
 
 def _bounds(hint: Any) -> Iterator[tuple[str, float]]:
@@ -208,7 +219,8 @@ def _default(field: FieldInfo) -> str:
         return "required"
     value = field.get_default(call_default_factory=True)
     if isinstance(value, BaseModel):
-        return "its keys' own"
+        section = SECTIONS[type(value).__name__]
+        return f"the defaults under [{section}](#{section.replace(' ', '-')})"
     if isinstance(value, Mapping):
         return ", ".join(code(name) for name in value) or "none"
     if value is None or value == ():

@@ -126,7 +126,7 @@ def _with(verb: str) -> Sequence[Sequence[str]]:
 def _channels() -> Iterator[Entry]:
     for subject, quantity, meaning in vocabulary.quantities():
         whole = quantity if subject == "none" else f"SUBJECT.{quantity}"
-        of = "" if subject == "none" else f" of {subject}"
+        of = "" if subject == "none" else f" (subject: {subject})"
         yield Entry(whole, "observation channel", f"{meaning[:1].upper()}{meaning[1:]}{of}.")
 
 

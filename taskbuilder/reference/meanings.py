@@ -1,6 +1,7 @@
 """What keys mean where their models do not say it themselves, and where each model is explained.
 
-A model's own word comes first. The build fails where a key has no meaning.
+A word here comes before a model's own, which findings on missing keys show too. The build fails
+where a key has no meaning.
 """
 
 from __future__ import annotations
@@ -45,154 +46,179 @@ SECTIONS: Mapping[str, str] = {
 }
 """Model -> heading of the section that explains it."""
 
-_CYLINDER = "Radius and length, along z."
-_CAPSULE = "A cylinder with round ends; the length is that of the straight part."
-_RPY = "Orientation."
+_CYLINDER = "Radius of the cylinder, and length along z."
+_CAPSULE = "A cylinder with round ends; its length is the length without the ends."
+_JOINTS = "One value per arm joint, from base to wrist: degrees, or metres for a prismatic joint."
+_RPY = "Orientation of the base frame, in the world."
 
 MEANINGS: Mapping[str, Mapping[str, str]] = {
     "Arrangement": {},
-    "Grid": {},
+    "Grid": {"spacing": "Distances between the centres of neighbouring objects along x and y."},
     "TaskSpec": {
-        "timing": "Control and physics rates, and the length of an episode.",
+        "task": "Name of the task; it must be the file name without .yaml.",
+        "summary": "One sentence that states which robot does what.",
+        "timing": "Control rate, physics rate and length of an episode.",
         "scene": "Robots, objects, sites and cameras.",
-        "observation_noise": "Noise on the channels of each robot.",
-        "expert": "Script that does the task, as a list of stages.",
+        "observation_noise": "Noise on the channels that each robot observes.",
+        "expert": "Script that carries out the task, as a list of stages.",
     },
     "SceneSpec": {
-        "robots": "The agents, in this order; at least one.",
-        "objects": "All bodies that are not robots.",
-        "sites": "Named frames without a body: goals, meeting points.",
-        "cameras": "Cameras for pictures and for observations.",
+        "robots": "The robots by name; each robot is an agent.",
+        "objects": "All bodies that are not robots, by name.",
+        "sites": "Frames without a body, by name, such as goals.",
+        "cameras": "Cameras by name, for pictures and for observations.",
     },
     "RobotEntry": {
-        "base": "Pose of its base.",
-        "action": "Meaning of the agent's actions.",
+        "model": "Name of a robot in the catalogue, or path of a robot.yaml.",
+        "base": "Pose of the robot's base, such as {position: [0, 0, 0.4]}.",
+        "action": "Action mode and its settings.",
     },
     "Base": {"position": "Position of the base frame, in the world.", "rpy_deg": _RPY},
-    "Home": {"tcp": "Pose of the tool centre point; inverse kinematics finds the joints."},
-    "NamedPosture": {},
+    "Home": {
+        "joints_deg": _JOINTS,
+        "tcp": "Pose of the tool centre point; inverse kinematics computes the joint positions.",
+    },
+    "NamedPosture": {"joints_deg": _JOINTS},
     "TcpPose": {
         "position": "Position in the world.",
-        "rpy_deg": "Orientation; z is the direction of approach, so [180, 0, 0] points down.",
+        "rpy_deg": "Orientation in the world. The tool points along z, so [180, 0, 0] is down.",
     },
     "ActionSpec": {
-        "arm": "Action mode: what the arm's numbers mean.",
-        "frame": "Frame of the translation of `tcp_delta`.",
-        "turn": "How the tool may turn.",
-        "max_turn_deg": "Largest turn in a control step.",
-        "gripper": "Open or close, or an opening width.",
+        "arm": "Action mode: what the numbers in an action of the arm mean.",
+        "frame": "Frame of the translation in actions of the mode `tcp_delta`.",
+        "turn": "Rotations of the tool that actions command: none, `yaw` about its axis, or all.",
+        "max_turn_deg": "Maximum rotation in a control step.",
+        "gripper": "`binary`: open or close. `continuous`: an opening width.",
     },
     "ObjectSpec": {
-        "position": "Position; either this or `place`.",
-        "rpy_deg": "Orientation at `position`.",
-        "place": "Region in which it is placed at random in each episode.",
-        "shape": "One shape; either this or `parts`.",
-        "parts": "Named primitives that make one rigid body.",
-        "friction": "Lateral friction; the engine multiplies the values of two touching bodies.",
+        "position": "Position of the object, given instead of `place`.",
+        "rpy_deg": "Orientation of the object at `position`.",
+        "place": "Region in which the object is placed at random in each episode.",
+        "shape": "Shape of the object, given instead of `parts`.",
+        "parts": "Named primitives that together form one rigid body, given instead of `shape`.",
+        "friction": "Lateral friction. The engine multiplies the values of two touching bodies.",
         "rolling_friction": "Rolling friction, in m: torque per newton of contact force.",
-        "restitution": "Coefficient of restitution: 0 no bounce, 1 a bounce without loss of speed.",
-        "color": "Colour, also for parts that do not set their own.",
-        "grasps": "Points where a gripper can grasp it.",
+        "restitution": "Coefficient of restitution: 0 for no bounce, 1 for no loss of speed.",
+        "color": "Colour of the object, and of all parts without a `color`.",
+        "grasps": "Points at which a gripper can grasp the object, by name.",
     },
     "Shape": {"cylinder": _CYLINDER, "capsule": _CAPSULE},
-    "Cylinder": {"radius": "Radius.", "length": "Length along z."},
+    "Cylinder": {"radius": "Radius of the cylinder.", "length": "Length of the cylinder along z."},
     "PartSpec": {
         "cylinder": _CYLINDER,
         "capsule": _CAPSULE,
-        "at": "Position of its centre in the body's frame.",
-        "rpy_deg": "Orientation in the body's frame.",
+        "at": "Position of the centre of the part, in the frame of the object.",
+        "rpy_deg": "Orientation of the part, in the frame of the object.",
     },
     "Grasp": {},
     "JointSpec": {},
-    "Spring": {},
-    "Lock": {},
+    "Spring": {"stiffness": "Stiffness in N/m, or N m/rad for a revolute joint."},
+    "Lock": {
+        "unless": "Condition of the description; the joint is free while this condition is true."
+    },
     "Place": {
-        "center": "Middle of the region: [x, y] on a surface, [x, y, z] without.",
-        "size": "Full edge lengths of the region; 0 fixes an axis.",
+        "center": "Middle of the region: [x, y] with `surface`, [x, y, z] without.",
+        "size": "Full edge lengths of the region; 0 fixes the position along an axis.",
     },
     "SiteSpec": {
-        "position": "Position; either this or `place`.",
-        "rpy_deg": "Orientation at `position`.",
-        "place": "Region in which it is placed at random in each episode.",
-        "marker": "Shape of the site; without one it is invisible and has no volume.",
+        "position": "Position of the site, given instead of `place`.",
+        "rpy_deg": "Orientation of the site at `position`.",
+        "place": "Region in which the site is placed at random in each episode.",
+        "marker": "Shape of the site; a site without a marker is invisible and has no volume.",
         "color": "Colour of the marker.",
     },
     "Marker": {"cylinder": _CYLINDER},
     "CameraSpec": {
-        "position": "Position in the world, or in the frame of its mount.",
-        "look_at": "Point to look at, in the same frame.",
+        "position": "Position of the camera, in the world or in the frame of `mount`.",
+        "look_at": "Point that the camera looks at, in the same frame as `position`.",
         "fov_deg": "Vertical field of view.",
     },
     "Timing": {},
     "Noise": {},
     "Distribution": {"choice": "Values to choose from, with equal probability."},
     "Order": {},
-    "Together": {},
-    "Wait": {},
-    "Repeat": {},
+    "Together": {
+        "bring": "The load, or an object that lies on the load.",
+        "to": "Frame, or point in the world, to which the object is brought.",
+    },
+    "Wait": {
+        "until": "Name of a condition: `success`, `failure`, a stage or another condition of the "
+        "description.",
+    },
+    "Repeat": {"repeat": "Maximum number of times that the stages are carried out."},
     "RobotSpec": {
-        "robot": "The name of the folder that the file is in.",
-        "summary": "One line: manufacturer, model, joints, gripper.",
-        "tcp": "The tool centre point.",
+        "robot": "Name of the robot; it must be the name of the folder that contains this file.",
+        "summary": "One line that states manufacturer, model, joints and gripper.",
+        "urdf": "Path of the URDF, relative to this file, or package://pybullet_data/….",
+        "arm": "The joints of the arm, from base to wrist.",
+        "tcp": "The tool centre point, such as {link: tool}.",
+        "home_deg": f"Start configuration. {_JOINTS}",
         "gripper": "Joints, fingers, stroke and force of the gripper.",
     },
     "Tcp": {
-        "link": "The link that it is fixed to.",
-        "position": "Position in the link's frame.",
-        "rpy_deg": "Orientation in the link's frame.",
+        "link": "The link to which the tool centre point is fixed.",
+        "position": "Position of the tool centre point, in the frame of `link`.",
+        "rpy_deg": "Orientation of the tool centre point, in the frame of `link`.",
     },
-    "GripperSpec": {"joints": "Every joint of the gripper that moves."},
-    "SuctionSpec": {},
+    "GripperSpec": {
+        "joints": "All movable joints of the gripper, by name.",
+        "fingers": "The links that touch held objects: one list of links per finger.",
+        "stroke": "Distance between the finger pads when the gripper is open, in metres.",
+    },
+    "SuctionSpec": {
+        "cup": "The link that touches the held object.",
+        "force": "Pulling force in newtons above which the suction cup lets go of an object.",
+    },
     "GripperJoint": {
-        "open": "Position when the gripper is open, in m or rad.",
-        "closed": "Position when it is closed, in m or rad.",
+        "open": "Position of the joint when the gripper is open, in m or rad.",
+        "closed": "Position of the joint when the gripper is closed, in m or rad.",
     },
 }
 """Model -> key -> meaning."""
 
 VALUES: Mapping[tuple[str, str], str] = {
-    ("TaskSpec", "observe"): "robot → list of [channels](#observation-channels)",
-    ("TaskSpec", "observation_noise"): "robot → channel → [noise](#noise)",
+    ("TaskSpec", "observe"): "mapping: robot → list of [channels](#observation-channels)",
+    ("TaskSpec", "observation_noise"): "mapping: robot → channel → [noise](#noise)",
     ("TaskSpec", "state"): "list of [channels](#observation-channels), or the word `all`",
     ("TaskSpec", "expert"): "list of [stages](#expert)",
     ("TaskSpec", "variations"): "list of [changes](#variations-and-randomisation)",
-    ("TaskSpec", "randomize"): "`thing.key` → [distribution](#distribution)",
-    ("RobotEntry", "model"): "name or path",
+    ("TaskSpec", "randomize"): "mapping: `NAME.KEY` → [distribution](#distribution)",
+    ("RobotEntry", "model"): "name or path of a robot",
     ("Shape", "mesh"): "path",
     ("Shape", "urdf"): "path",
     ("RobotSpec", "urdf"): "path",
-    ("Order", "grasp"): "grasp point",
-    ("Order", "reach"): "frame, or [x, y, z], m",
-    ("Order", "turn"): "joint",
-    ("Order", "slide"): "joint",
+    ("Order", "grasp"): "name of a grasp point",
+    ("Order", "reach"): "name of a frame, or [x, y, z] in m",
+    ("Order", "turn"): "name of a joint",
+    ("Order", "slide"): "name of a joint",
     ("Order", "posture"): "name of a posture",
-    ("Order", "push"): "object",
-    ("Order", "press"): "frame",
-    ("Order", "bring"): "object",
-    ("Order", "close"): "object, or the word `nothing`",
-    ("Order", "to"): "frame, or [x, y, z], m; of a joint: m",
+    ("Order", "push"): "name of an object",
+    ("Order", "press"): "name of a frame",
+    ("Order", "bring"): "name of an object",
+    ("Order", "close"): "name of an object, or the word `nothing`",
+    ("Order", "to"): "name of a frame, or [x, y, z] in m; for a joint: m",
     ("Order", "to_deg"): "degrees",
-    ("Order", "touching"): "list of objects",
-    ("Together", "together"): "list of robots",
-    ("Together", "bring"): "object",
-    ("Together", "to"): "frame, or [x, y, z], m",
-    ("Together", "touching"): "list of objects",
+    ("Order", "touching"): "list of names of objects",
+    ("Together", "together"): "list of names of robots",
+    ("Together", "bring"): "name of an object",
+    ("Together", "to"): "name of a frame, or [x, y, z] in m",
+    ("Together", "touching"): "list of names of objects",
     ("Repeat", "stages"): "list of [stages](#expert)",
     ("Noise", "std"): "number, 0 to 100",
-    ("ObjectSpec", "joints"): "joint → [joint](#joint), or a number: its start",
-    ("Grasp", "link"): "name in the URDF",
+    ("ObjectSpec", "joints"): "mapping: joint → [joint](#joint), or → initial position",
+    ("Grasp", "link"): "name of a link in the URDF",
 }
 """Values that a type says less well than words."""
 
 DRAWN: Mapping[str, tuple[str, str]] = {
     "gains": (
-        "distribution of factors, above 0 to 2",
-        "Factor of the position gain of the arm's motors, drawn in each episode.",
+        "distribution of factors above 0, at most 2",
+        "Factor by which the position gain of the arm's motors is multiplied, drawn in each "
+        "episode.",
     ),
     "delay": (
         "choice of whole numbers, 0 to 50",
-        "Control steps by which every action of the robot is carried out late, drawn in each "
-        "episode.",
+        "Delay of the robot's actions in control steps, drawn in each episode.",
     ),
 }
 """What `randomize` can draw for a robot: value and meaning."""

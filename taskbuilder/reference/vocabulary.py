@@ -20,7 +20,7 @@ _KINDS: Mapping[str, str] = {
     "object": "an object",
     "body": "an object, a part or a link of an object: `tray`, `tray.left_handle`, "
     "`cabinet.drawer`",
-    "solid": "a robot, an object, or a part or link of an object",
+    "solid": "a robot, an object, or a part or a link of an object",
     "frame": "anything with a pose: `tray`, `goal`, `left.tcp`, `left.base`, a part, a link, a "
     "grasp point",
     "site": "a site",
@@ -29,22 +29,22 @@ _KINDS: Mapping[str, str] = {
 }
 _CHANNELS: Mapping[str, str] = {
     "joints": "positions of the arm's joints, rad or m",
-    "joint_velocities": "their velocities, rad/s or m/s",
+    "joint_velocities": "velocities of the arm's joints, rad/s or m/s",
     "tcp": "pose of the tool centre point",
-    "tcp_velocity": "its linear and angular velocity",
-    "gripper": "how far the gripper is open, 0 to 1",
-    "holding": "1 while it holds an object, or a moving link of a fixed one, else 0",
+    "tcp_velocity": "linear and angular velocity of the tool centre point, m/s and rad/s",
+    "gripper": "opening of the gripper, from 0 (closed) to 1 (open)",
+    "holding": "1 while the robot holds an object or a movable link of a fixed object, otherwise 0",
     "force": "contact force of each finger, N",
     "previous_action": "action of the previous control step",
     "pose": "position and orientation",
     "position": "position, m",
     "orientation": "orientation",
-    "velocity": "linear and angular velocity",
+    "velocity": "linear and angular velocity, m/s and rad/s",
     "rgb": "colour image",
     "depth": "depth image",
-    "mask": "number of the body that each pixel shows",
+    "mask": "number of the body that each pixel of the image shows",
     "points": "point cloud",
-    "time_left": "remaining fraction of the episode",
+    "time_left": "fraction of the episode that remains, from 1 to 0",
 }
 
 
@@ -91,7 +91,7 @@ def view(_: str) -> str:
         asked = member.fget if isinstance(member, property) else member
         call = f"world.{name}" + ("" if isinstance(member, property) else _parameters(asked))
         rows.append([code(call), first_sentences(asked.__doc__)])
-    return table(["", "gives"], rows)
+    return table(["attribute or method", "value"], rows)
 
 
 def channels(_: str) -> str:

@@ -25,7 +25,7 @@ Watch = Callable[[TaskEnv], None]
 
 
 class Policy(Protocol):
-    """Chooses the actions of all agents; deterministic for a given episode seed."""
+    """Chooses the actions of all agents; deterministic for a given seed of the episode."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Prepare for an episode; called after the environment was reset with this seed."""
@@ -69,12 +69,13 @@ def play(
     Args:
         env: The environment.
         policy: A `Policy`, or a function from observations to actions.
-        seed: Seed of the reset, which determines everything random.
-        observations: Record the observations of every agent.
-        cameras: Record images of these cameras of the scene.
+        seed: Seed of the reset; it determines all random values of the environment.
+        observations: Whether to record the observations of every agent.
+        cameras: Names of the cameras whose images are recorded.
         size: Width and height of the images; by default each camera's own.
-        forces: Record the force between robots, also if the task does not use it.
-        explain: Record why success does not hold at the end.
+        forces: Whether to record the force between robots, even if the task does not use this
+            force.
+        explain: Whether to record why the success condition is false at the end.
         watch: Called after reset and after each control step.
 
     Returns:
@@ -82,7 +83,7 @@ def play(
 
     Raises:
         UnknownNameError: The scene has no such camera.
-        UsageError: The actions of the environment are dictionaries.
+        UsageError: The environment has dictionary actions (``flat=False``).
     """
     recorder = Recorder(env, observations=observations, cameras=cameras, size=size, forces=forces)
     witness = Witness() if explain else None
@@ -126,7 +127,7 @@ def resume(
 
 
 def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollout:
-    """Replay the actions of a record; the episode repeats bit for bit.
+    """Replay the actions of a recorded episode; the new episode is the same bit for bit.
 
     Args:
         env: An environment of the record's task and variation, with the same options.
@@ -134,7 +135,7 @@ def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollou
         watch: Called after reset and after each control step.
 
     Returns:
-        The record of the replayed episode, with the log of the original script.
+        The record of the new episode, with the ``log`` of ``rollout``.
 
     Raises:
         UsageError: The environment is of another task.

@@ -85,7 +85,7 @@ class Rollout:
     Attributes:
         task: The task's name.
         seed: Seed of the reset.
-        variation: Number of the variation, 0 being the task as written.
+        variation: Number of the variation; 0 is the task as written.
         options: Options of the environment.
         control_hz: Control steps per second.
         horizon: Length of a full episode in control steps.
@@ -93,17 +93,22 @@ class Rollout:
         actions: (steps, n) float32 by agent, as `TaskEnv.step` takes them.
         rewards: (steps,) the team reward.
         agent_rewards: (steps,) by agent: the rewards that the environment returned.
-        terms: (steps,) by label: each reward term.
+        terms: (steps,) by name: each reward term; the name of a term of one agent is
+            ``NAME/AGENT``.
         conditions: (steps + 1,) bool by name: success, failure, stages and all others.
         stage: (steps + 1,) number of the last stage reached so far; 0 for none.
         progress: (steps + 1,) the description's progress.
-        succeeded: (steps + 1,) bool: success has been reached, and failure had not been before.
-        exploded: The physics diverged, which ended the episode.
-        observations: (steps + 1, ...) by agent, or by agent and channel; empty unless requested.
-        pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless requested.
+        succeeded: (steps + 1,) bool: whether success has been reached so far, without a failure
+            before it.
+        exploded: Whether the physics diverged, which ends the episode.
+        observations: (steps + 1, ...) by agent, or by agent and channel; empty unless `play` was
+            called with ``observations=True``.
+        pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless `play` was called with
+            ``cameras``.
         robot_force: (steps + 1,) the largest force between two robots in each control step, in
-            newtons, and 0 after reset; empty unless requested.
-        why: Why success does not hold at the end; empty if it holds, or unless requested.
+            newtons, and 0 after reset; empty unless `play` was called with ``forces=True``.
+        why: Why the success condition is false at the end; empty if the condition is true, or if
+            `play` was called without ``explain=True``.
         log: The log of the expert's stages, or None if no expert played.
     """
 

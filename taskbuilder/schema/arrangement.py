@@ -53,16 +53,20 @@ class Arrangement(Model):
     """How the objects stand, chosen by its key."""
 
     line: Length | None = Field(
-        None, description="In a line along x: distance between their centres."
+        None,
+        description="A line along x, with this distance between the centres of neighbouring "
+        "objects.",
     )
-    grid: Grid | None = Field(None, description="In rows along x, one beside the other along y.")
+    grid: Grid | None = Field(
+        None, description="A grid of rows along x, one beside the other along y."
+    )
     ring: Length | None = Field(
-        None, description="In a ring: its radius, in metres. Each x axis points outwards."
+        None, description="A ring with this radius. The x axis of each object points outwards."
     )
     pile: Edges | None = Field(
         None,
-        description="In a heap: edges of the box in which they are stacked loosely; from there "
-        "they fall and come to rest.",
+        description="A heap. The objects are first stacked loosely in a box with these edges; they "
+        "then fall and come to rest.",
     )
 
     @property

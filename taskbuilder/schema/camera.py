@@ -14,12 +14,12 @@ class CameraSpec(Model):
     """A camera that stands in the world or is mounted on a frame."""
 
     mount: FrameName | None = Field(
-        None, description="Frame that it is attached to, such as left.tcp."
+        None, description="Frame to which the camera is attached, such as left.tcp."
     )
     position: Position | None = None
     look_at: Position | None = None
     fov_deg: Annotated[float, Field(ge=5.0, le=150.0)] = 50.0
-    size: tuple[Pixels, Pixels] = Field((640, 480), description="Width and height in pixels.")
+    size: tuple[Pixels, Pixels] = Field((640, 480), description="Width and height of the images.")
 
     @model_validator(mode="after")
     def _aims(self) -> CameraSpec:

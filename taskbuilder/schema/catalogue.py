@@ -59,13 +59,13 @@ class CatalogueEntry:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Task and robot files by name; ``folders`` are searched in addition to installed packages."""
+    """Task and robot files by name, in installed packages and in ``folders``."""
 
     folders: tuple[Path, ...] = ()
 
     @classmethod
     def discover(cls, folders: Iterable[Path | str] = ()) -> Catalogue:
-        """Make the catalogue of this installation, TASKBUILDER_PATH and the given folders.
+        """Make a catalogue of installed packages, TASKBUILDER_PATH and the given folders.
 
         Raises:
             UnknownNameError: A folder does not exist.
@@ -79,7 +79,7 @@ class Catalogue:
 
     @cached_property
     def tasks(self) -> Mapping[str, CatalogueEntry]:
-        """All tasks by their ids.
+        """All tasks by id.
 
         Raises:
             FileError: Two tasks have the same id.
@@ -88,7 +88,7 @@ class Catalogue:
 
     @cached_property
     def robots(self) -> Mapping[str, CatalogueEntry]:
-        """All robots by their ids.
+        """All robots by id.
 
         Raises:
             FileError: Two robots have the same id.

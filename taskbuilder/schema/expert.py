@@ -76,7 +76,7 @@ class Wait(Model):
     until: Condition = Field(
         description="Success, failure, a stage or another condition of the description."
     )
-    within: Seconds = Field(2.0, description="Timeout in seconds, after which the stage fails.")
+    within: Seconds = Field(2.0, description="Time limit, after which the stage fails.")
 
     def __str__(self) -> str:
         return f"until {self.until}"
@@ -90,7 +90,7 @@ class Repeat(Model):
         description="The stages to repeat."
     )
     unless: Condition | None = Field(
-        None, description="Stop once this condition of the description holds."
+        None, description="Condition of the description that ends the repetition when it is true."
     )
 
     def __str__(self) -> str:

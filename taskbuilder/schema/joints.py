@@ -60,21 +60,28 @@ class JointSpec(Model):
         None, description="Initial position of a revolute joint, in degrees; 0 by default."
     )
     limits: tuple[Coordinate, Coordinate] | None = Field(
-        None, description="Minimum and maximum position, within the URDF's limits, in metres."
+        None,
+        description="Minimum and maximum position of a prismatic joint, within the limits in the "
+        "URDF.",
     )
     limits_deg: tuple[float, float] | None = Field(
-        None, description="The same for a revolute joint, in degrees."
+        None,
+        description="Minimum and maximum position of a revolute joint, within the limits in the "
+        "URDF.",
     )
     spring: Spring | None = Field(
         None, description="A spring that pulls the joint to a rest position."
     )
     damping: Resistance | None = Field(
         None,
-        description="In N s/m, or N m s/rad for a revolute joint; by default that of the URDF.",
+        description="Damping in N s/m, or N m s/rad for a revolute joint; by default as in the "
+        "URDF.",
     )
-    friction: Resistance = Field(0.5, description="Friction force to overcome, in N or N m.")
+    friction: Resistance = Field(
+        0.5, description="Friction force in N, or friction torque in N m for a revolute joint."
+    )
     lock: Lock | None = Field(
-        None, description="Holds the joint at its position until a condition frees it."
+        None, description="Lock that holds the joint at its position until a condition is true."
     )
 
     @model_validator(mode="after")

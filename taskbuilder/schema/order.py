@@ -49,22 +49,28 @@ To = Annotated[
 """A place, or the position of a joint in metres."""
 
 # What all motions can say of how they go.
-Above = Annotated[Coordinate, Field(description="Metres above the named frame.")]
-Offset = Annotated[Position, Field(description="Offset from the named frame, along its own axes.")]
-Straight = Annotated[bool, Field(description="Allow only the straight path.")]
+Above = Annotated[
+    Coordinate, Field(description="Height of the end position above the named frame, in metres.")
+]
+Offset = Annotated[
+    Position, Field(description="Offset of the end position, along the axes of the named frame.")
+]
+Straight = Annotated[bool, Field(description="Whether the path must be a straight line.")]
 Touching = Annotated[
     tuple[ObjectOrGroup, ...],
-    Field(description="Objects that may be touched during the motion, to push or press them."),
+    Field(description="Objects that the robot and its load may touch during the motion."),
 ]
 Speed = Annotated[
     float,
-    Field(gt=0.0, le=1.0, description="Fraction of the speed that the action mode allows."),
+    Field(
+        gt=0.0, le=1.0, description="Speed, as a fraction of the maximum speed of the action mode."
+    ),
 ]
 Tolerance = Annotated[
     Length | None,
     Field(
-        description="Tolerance of the end position in metres: by default 0.01; for bring, turn, "
-        "slide and push 0.02, and for press on a joint 0.002."
+        description="Tolerance of the end position. The default is 0.02 for `bring`, `turn`, "
+        "`slide` and `push`, 0.002 for `press` on a joint, and otherwise 0.01."
     ),
 ]
 
@@ -89,61 +95,68 @@ class Order(Model):
     }
 
     grasp: Annotated[Reference, Refers("grasp")] | None = Field(
-        None, description="Grasp point to take, such as stick.left_end."
+        None, description="Grasp point to take hold of, such as stick.left_end."
     )
     reach: Place | None = Field(
-        None, description="Grasp point, frame or point of the world to go to."
+        None, description="Grasp point, frame or point in the world to which the tool moves."
     )
     bring: ObjectName | None = Field(
-        None, description="Object to move: the held one, or one that lies on it."
+        None,
+        description="Object to move: the held object, or an object that lies on the held object.",
     )
     retreat: Extent | None = Field(
-        None, description="Metres to move back, against the direction of the tool."
+        None,
+        description="Distance to move the tool back, against the direction in which the tool "
+        "points.",
     )
-    release: Literal[True] | None = Field(None, description="Open the gripper.")
+    release: Literal[True] | None = Field(
+        None, description="Open the gripper, or switch suction off."
+    )
     close: Annotated[Reference, Refers("object", besides=NOTHING)] | None = Field(
-        None, description="Close the gripper on an object until it is held, or on nothing."
+        None,
+        description="Object on which the gripper closes until it holds the object; or `nothing`.",
     )
     turn: JointName | None = Field(
-        None, description="Revolute joint to turn by its handle, which the robot holds."
+        None, description="Revolute joint to turn by a handle that the robot holds."
     )
     slide: JointName | None = Field(
-        None, description="Prismatic joint to move by its handle, which the robot holds."
+        None, description="Prismatic joint to move by a handle that the robot holds."
     )
     push: ObjectName | None = Field(
         None, description="Object to push in a straight line with the closed gripper."
     )
     press: FrameName | None = Field(
-        None, description="What to press from above with the closed gripper, such as a button."
+        None, description="Frame to press from above with the closed gripper, such as a button."
     )
-    home: Literal[True] | None = Field(
-        None, description="Bring the arm to where episodes start it."
-    )
+    home: Literal[True] | None = Field(None, description="Move the arm to its start configuration.")
     posture: Name | None = Field(
-        None, description="Bring the arm to a posture of the robot, such as tucked."
+        None, description="Posture of the robot to which the arm moves, such as tucked."
     )
     to: To | None = Field(
         None,
-        description="Where to bring or push the object: a frame, or a point of the world. Or the "
-        "position of the joint that is moved, in metres; press does without.",
+        description="For `bring` and `push`: frame, or point in the world, to which the object is "
+        "moved. For `slide` and `press`: target position of the joint; optional for `press`.",
     )
     to_deg: JointDegrees | None = Field(
-        None, description="Position of the joint that is turned, in degrees."
+        None, description="Target position of the joint, in degrees."
     )
-    turn_tool: bool = Field(True, description="Whether the tool turns with the handle.")
+    turn_tool: bool = Field(True, description="Whether the tool turns together with the handle.")
     depth: Length | None = Field(
-        None, description="Metres to press down, if no joint position is given: by default 0.01."
+        None, description="Distance to press down, if `to` is not given; by default 0.01."
     )
     above: Above = 0.0
     offset: Offset = (0.0, 0.0, 0.0)
     approach: Extent | None = Field(
         None,
-        description="Metres of straight path at the end: by default 0.08 to grasp, none to reach.",
+        description="Length of the straight path at the end; by default 0.08 for `grasp` and 0 for "
+        "`reach`.",
     )
     rpy_deg: RpyDeg | None = Field(
-        None, description="Orientation of the tool at the frame, in the world."
+        None, description="Orientation of the tool at the end of the motion, in the world's frame."
     )
-    align: bool = Field(False, description="Turn the object to the orientation of the frame.")
+    align: bool = Field(
+        False, description="Whether the object is also turned to the orientation of the frame."
+    )
     straight: Straight = False
     touching: Touching = ()
     speed: Speed = 1.0

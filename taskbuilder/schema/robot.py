@@ -57,9 +57,9 @@ class GripperSpec(Model):
     ]
     stroke: Positive = Field(description="Opening between the pads when open, in metres.")
     force: Positive = Field(
-        20.0, description="Force of each finger in newtons (N m for a revolute joint)."
+        20.0, description="Force of each finger in N, or torque in N m for revolute joints."
     )
-    friction: Friction = Field(1.2, description="Lateral friction of the finger links.")
+    friction: Friction = Field(1.2, description="Lateral friction coefficient of the finger links.")
 
 
 class SuctionSpec(Model):
@@ -68,7 +68,9 @@ class SuctionSpec(Model):
     cup: LinkName = Field(description="The link that touches what is held.")
     force: Positive = Field(description="Pull in newtons beyond which it lets go.")
     reach: Annotated[float, Field(gt=0.0, le=0.1)] = Field(
-        0.005, description="Distance in metres from the tcp at which it takes hold of a surface."
+        0.005,
+        description="Maximum distance from the tcp to a surface that the cup can take hold of, in "
+        "metres.",
     )
 
 
@@ -85,9 +87,13 @@ class RobotSpec(Model):
     home_deg: tuple[float, ...] = Field(
         description="One value per arm joint: degrees, or metres for a prismatic joint."
     )
-    gripper: GripperSpec | None = Field(None, description="Its joints, fingers, stroke and force.")
+    gripper: GripperSpec | None = Field(
+        None, description="Joints, fingers, stroke and force of the gripper."
+    )
     suction: SuctionSpec | None = Field(
-        None, description="Its cup and force; without this or a gripper, the robot pushes."
+        None,
+        description="Cup and force of suction. A robot with neither `gripper` nor `suction` can "
+        "only push.",
     )
 
     @model_validator(mode="after")

@@ -50,13 +50,13 @@ class Cylinder(Model):
 class Shape(Model):
     """One shape, chosen by its key."""
 
-    box: Edges | None = Field(None, description="Full edge lengths.")
-    sphere: Length | None = Field(None, description="Radius.")
+    box: Edges | None = Field(None, description="Full edge lengths of a box.")
+    sphere: Length | None = Field(None, description="Radius of a sphere.")
     cylinder: Cylinder | None = None
     capsule: Cylinder | None = None
-    mesh: Text | None = Field(None, description="OBJ or binary STL file beside the task file.")
-    urdf: Text | None = Field(None, description="URDF file beside the task file.")
-    scale: Positive | None = Field(None, description="Scale of a mesh or URDF.")
+    mesh: Text | None = Field(None, description="Path of an OBJ or binary STL file.")
+    urdf: Text | None = Field(None, description="Path of a URDF file.")
+    scale: Positive | None = Field(None, description="Scale factor of a mesh or URDF.")
 
     @property
     def kind(self) -> str:
@@ -77,13 +77,15 @@ SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh", "urdf")
 class PartSpec(Model):
     """One primitive of a compound body, placed in the body's frame."""
 
-    box: Edges | None = Field(None, description="Full edge lengths.")
-    sphere: Length | None = Field(None, description="Radius.")
+    box: Edges | None = Field(None, description="Full edge lengths of a box.")
+    sphere: Length | None = Field(None, description="Radius of a sphere.")
     cylinder: Cylinder | None = None
     capsule: Cylinder | None = None
     at: Position = (0.0, 0.0, 0.0)
     rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
-    color: Color | None = Field(None, description="Colour; by default that of the body.")
+    color: Color | None = Field(
+        None, description="Colour of the part; by default the colour of the object."
+    )
 
     @property
     def kind(self) -> str:
@@ -107,17 +109,20 @@ PRIMITIVES = SHAPES[:4]
 class Grasp(Model):
     """Where and how a gripper can take a body."""
 
-    at: Position = Field((0.0, 0.0, 0.0), description="Point in the body's frame, or the link's.")
+    at: Position = Field(
+        (0.0, 0.0, 0.0), description="Position of the point, in the frame of the object or `link`."
+    )
     link: Reference | None = Field(
-        None, description="Link of a URDF that the point is fixed to; by default the base."
+        None, description="Link of a URDF that the point is fixed to; by default the base link."
     )
     approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
         "down",
-        description="Direction in which the tool approaches: down in the world, or an axis of that "
-        "frame.",
+        description="Direction in which the tool approaches: down in the world, or an axis of the "
+        "frame in which `at` is given.",
     )
     across: Literal["x", "y", "z"] = Field(
-        "y", description="Axis of that frame along which the fingers close."
+        "y",
+        description="Axis along which the fingers close, in the frame in which `at` is given.",
     )
 
 
@@ -125,15 +130,17 @@ class Place(Model):
     """A region to be placed in at random: on a surface (x, y) or in the air (x, y, z)."""
 
     surface: Annotated[Reference, Refers("surface")] | None = Field(
-        None, description="Object or part on whose top the object is placed."
+        None, description="Object or part on top of which the object or site is placed."
     )
-    frame: FrameOrWorld = Field("world", alias="in", description="Frame of center and size.")
+    frame: FrameOrWorld = Field("world", alias="in", description="Frame of `center` and `size`.")
     center: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
     size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
-    yaw_deg: tuple[Degrees, Degrees] = Field((0.0, 0.0), description="Minimum and maximum yaw.")
+    yaw_deg: tuple[Degrees, Degrees] = Field(
+        (0.0, 0.0), description="Minimum and maximum of the random yaw."
+    )
     rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation, before the yaw is added.")
     clearance: Length = Field(
-        0.005, description="Minimum distance in metres from everything else; objects only."
+        0.005, description="Minimum distance to everything except the surface; only for objects."
     )
 
     @model_validator(mode="after")
@@ -156,7 +163,9 @@ class _Placed(Model):
     position: Position | None = None
     rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
     frame: FrameOrWorld = Field(
-        "world", alias="in", description="Frame of the position: a body, site or robot frame."
+        "world",
+        alias="in",
+        description="Frame of `position`: the world, or an object, a site or a robot frame.",
     )
     place: Place | None = None
 
@@ -184,13 +193,15 @@ class ObjectSpec(_Placed):
     }
 
     count: Annotated[int, Field(ge=1, le=MAX_COUNT)] | None = Field(
-        None, description="Makes a group of this many objects, which `arrange` puts up."
+        None, description="Number of objects; this key makes the entry a group of equal objects."
     )
-    arrange: Arrangement | None = Field(None, description="How the objects of a group stand.")
+    arrange: Arrangement | None = Field(None, description="Arrangement of the objects of a group.")
     shape: Shape | None = None
     parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
-    fixed: bool = Field(False, description="Whether it is fixed to the world.")
-    mass: Mass | None = Field(None, description="Mass in kilograms; a URDF has its own.")
+    fixed: bool = Field(False, description="Whether the object is fixed to the world.")
+    mass: Mass | None = Field(
+        None, description="Mass of the object; a URDF states the masses of its links."
+    )
     friction: Friction = 0.8
     rolling_friction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
@@ -202,7 +213,7 @@ class ObjectSpec(_Placed):
         Mapping[Reference, Annotated[JointSpec | float, OrNumber()]], AfterValidator(frozen)
     ] = Field(
         default_factory=lambda: frozen({}),
-        description="Start, limits, spring, damping, friction and lock of URDF joints.",
+        description="Initial position, limits, spring, damping, friction and lock of URDF joints.",
     )
 
     def joint(self, name: str, *, turns: bool) -> JointSpec:
@@ -246,8 +257,8 @@ class ObjectSpec(_Placed):
 class Marker(Model):
     """How a site looks; its volume is what `Inside` means by being inside the site."""
 
-    box: Edges | None = Field(None, description="Full edge lengths.")
-    sphere: Length | None = Field(None, description="Radius.")
+    box: Edges | None = Field(None, description="Full edge lengths of a box.")
+    sphere: Length | None = Field(None, description="Radius of a sphere.")
     cylinder: Cylinder | None = None
 
     @model_validator(mode="after")
@@ -263,8 +274,10 @@ class SiteSpec(_Placed):
     color: Color = "green"
     opacity: Annotated[float, Field(gt=0.0, le=1.0)] | None = Field(
         None,
-        description="From 0, invisible, to 1, solid. The default is 0.35 for markers thicker than "
-        "6 cm, which are zones, and 1 for others. TinyRenderer draws all of them solid.",
+        description="Opacity of the marker; 1 is not transparent. The default is 0.35 if the "
+        "marker "
+        "is thicker than 6 cm in every direction, and otherwise 1. The renderer `tiny` draws all "
+        "markers with opacity 1.",
     )
 
     @model_validator(mode="after")
@@ -304,7 +317,8 @@ class Home(Model):
 
     tcp: TcpPose | None = None
     joints_deg: tuple[float, ...] | None = Field(
-        None, description="One value per arm joint: degrees, or metres for a prismatic joint."
+        None,
+        description="One value per arm joint: degrees, or metres for a prismatic joint.",
     )
 
     @model_validator(mode="after")
@@ -335,7 +349,7 @@ class ActionSpec(Model):
     ] = "tcp_delta"
     frame: Literal["world", "base", "tcp"] = "world"
     max_step: Annotated[float, Field(gt=0.0, le=0.5)] = Field(
-        0.05, description="Longest translation in a control step, in metres."
+        0.05, description="Maximum translation in a control step, in metres."
     )
     turn: Literal["none", "yaw", "full"] = "yaw"
     max_turn_deg: Annotated[float, Field(gt=0.0, le=90.0)] = 15.0
@@ -347,10 +361,13 @@ class RobotEntry(Model):
 
     model: Text = Field(description="A robot of the catalogue, or the path of a robot.yaml.")
     base: Base = Field(description="Pose of its base, such as {position: [0, 0, 0.4]}.")
-    home: Home | None = Field(None, description="Start configuration; by default the model's own.")
+    home: Home | None = Field(
+        None, description="Start configuration; by default the one in the robot.yaml of the model."
+    )
     postures: Annotated[Mapping[Name, NamedPosture], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
-        description="Postures that orders can name, such as {tucked: {joints_deg: [...]}}.",
+        description="Named joint configurations for the expert, such as {tucked: {joints_deg: "
+        "[...]}}.",
     )
     action: ActionSpec = ActionSpec()
 
@@ -372,4 +389,4 @@ class SceneSpec(Model):
             {"front": CameraSpec(position=(0.0, -1.7, 1.35), look_at=(0.0, 0.0, 0.5))}
         )
     )
-    floor: bool = Field(True, description="A floor at height 0.")
+    floor: bool = Field(True, description="Whether there is a floor at z = 0.")

@@ -54,11 +54,11 @@ class Suite:
     """A group of tasks.
 
     Attributes:
-        name: Its name.
-        summary: Its summary.
-        tasks: The ids of its tasks.
-        train: What to train on.
-        test: What to test on.
+        name: Name of the suite.
+        summary: One sentence about the suite.
+        tasks: The ids of the tasks in the suite.
+        train: The variations and the first seed to train on.
+        test: The variations and the first seed to test on.
     """
 
     name: str

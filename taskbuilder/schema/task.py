@@ -40,7 +40,7 @@ class Timing(Model):
         50, description="Length of an episode in control steps."
     )
     ends_on: tuple[Literal["success", "failure"], ...] = Field(
-        (), description="Conditions that terminate an episode early."
+        (), description="Conditions that end an episode early."
     )
 
     @property
@@ -64,10 +64,12 @@ class Noise(Model):
     """Gaussian noise on an observation channel."""
 
     std: Extent | None = Field(
-        None, description="Standard deviation of every number, in the channel's unit."
+        None,
+        description="Standard deviation of every number of the channel, in the unit of the "
+        "channel.",
     )
     position_std: Extent | None = Field(
-        None, description="Standard deviation of positions, in metres."
+        None, description="Standard deviation of each coordinate of positions, in metres."
     )
     angle_std_deg: Extent | None = Field(
         None, description="Standard deviation of orientations, in degrees."
@@ -77,7 +79,9 @@ class Noise(Model):
 class Distribution(Model):
     """What a randomised quantity is drawn from."""
 
-    uniform: tuple[float, float] | None = Field(None, description="Minimum and maximum value.")
+    uniform: tuple[float, float] | None = Field(
+        None, description="Minimum and maximum of a uniform distribution."
+    )
     choice: Annotated[tuple[Any, ...], Field(min_length=1), AfterValidator(frozen)] | None = None
 
     @model_validator(mode="after")
@@ -96,35 +100,41 @@ class TaskSpec(Model):
     summary: Text = Field(description="One sentence: who does what.")
     instructions: tuple[Text, ...] = Field(
         (),
-        description="Instructions for language-conditioned policies; {stick.color} is filled in.",
+        description="Instructions for language-conditioned policies; placeholders such as "
+        "{stick.color} are filled in.",
     )
     cooperation: Literal["required", "optional"] = Field(
         "required",
-        description="With several robots, required: one robot alone must not be able to succeed; "
-        "optional: it may. With one robot, it changes nothing.",
+        description="For tasks with several robots. `required`: one robot alone must not be able "
+        "to "
+        "succeed. `optional`: one robot alone may be able to succeed.",
     )
     timing: Timing = Timing()
     scene: SceneSpec = Field(description="The robots, objects, sites and cameras.")
     observe: Annotated[Mapping[RobotName, tuple[Reference, ...]], AfterValidator(frozen)] | None = (
-        Field(None, description="Channels that each agent observes; by default the whole scene.")
+        Field(None, description="Channels that each robot observes; by default the whole scene.")
     )
     observation_noise: Annotated[
         Mapping[RobotName, Mapping[Reference, Noise]], AfterValidator(frozen)
     ] = Field(default_factory=lambda: frozen({}))
     state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
-        ("all",), description="Channels that a centralised critic observes, or all."
+        ("all",),
+        description="Channels that a centralised critic observes; `all` stands for all channels.",
     )
     expert: tuple[ExpertStage, ...] = ()
     variations: tuple[
         Annotated[Mapping[Reference, Any], Field(min_length=1), AfterValidator(frozen)], ...
     ] = Field(
         (),
-        description="Changed values, such as {stick.color: green}; 0 is the task as written.",
+        description="Variations of the task. Each one is a mapping of changed values, such as "
+        "{stick.color: green}. Variation 0 is the task as written and is not listed.",
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
-        description="Quantities to draw in each episode, if requested.",
+        description="Quantities that environments made with `randomize=True` draw in each episode.",
     )
     looks: Annotated[tuple[LookPart, ...], Shorthand("all", LOOK_PARTS)] = Field(
-        (), description="Parts of the scene's look to draw in each episode, if requested, or all."
+        (),
+        description="Parts of the scene's look that environments made with `randomize=True` draw "
+        "in each episode; `all` stands for all parts.",
     )

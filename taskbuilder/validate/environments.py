@@ -62,23 +62,24 @@ def check_env(
 ) -> tuple[Finding, ...]:
     """Check that an environment has the properties that learning libraries rely on.
 
-    The environment may come from taskbuilder or from another package. It may be a subclass, or
-    wrapped by PettingZoo, SuperSuit or Gymnasium. It is played with random actions, and then tested
-    by PettingZoo's or Gymnasium's own tests. Reset it before you use it again.
+    The environment may come from taskbuilder or from another package. Subclasses, and environments
+    wrapped by PettingZoo, SuperSuit or Gymnasium, are checked too. The check plays episodes with
+    random actions, and then runs PettingZoo's or Gymnasium's own tests. Reset the environment
+    before you use it again.
 
     Args:
         env: A PettingZoo ParallelEnv, or a gymnasium.Env.
         seeds: Seeds of the episodes.
         max_steps: Maximum number of control steps in an episode; by default the length of the
-            episode if it is known, else 10,000.
-        raises: Whether to raise an error if there are findings, instead of returning them.
+            task's episodes, or 10,000 if this length is not known.
+        raises: Whether to raise an error if there are findings, instead of returning the findings.
 
     Returns:
         The findings.
 
     Raises:
         ContractError: There are findings.
-        UsageError: The environment is of another kind.
+        UsageError: ``env`` is neither a ParallelEnv nor a gymnasium.Env.
     """
     stage = _as_parallel(env)
     results = list(_checked(env, stage, tuple(dict.fromkeys(seeds)), max_steps))

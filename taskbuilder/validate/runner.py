@@ -110,17 +110,18 @@ def validate_task(
         reference: Name of the task, or path of its YAML file.
         level: ``static`` (no physics), ``build``, or ``full``.
         seeds: Number of seeds per variation.
-        catalogue: The catalogue that names are looked up in; by default that of this installation.
-        progress: Wraps the seeds of a family to display progress.
-        jobs: Number of processes that play episodes; results do not depend on it.
-        only: Names of the families to run; by default all.
+        catalogue: Catalogue in which to look up names; by default the catalogue of this
+            installation.
+        progress: Function that wraps the seeds of a family of checks, to display a progress bar.
+        jobs: Number of processes that play episodes; the results do not depend on this number.
+        only: Names of the families of checks to run; by default all.
         apart: Whether to load and play the task only in child processes, where a crash or hang does
             no harm. Use False to debug a description in this process.
-        robots: Other models for robots of the scene; see `load_task`.
+        robots: Robot models that replace those of the task file; see `load_task`.
 
     Raises:
         UnknownNameError: There is no such task.
-        UsageError: There is no such family, or a robot does not fit.
+        UsageError: There is no family of a name in ``only``, or a model in ``robots`` does not fit.
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)

@@ -47,13 +47,13 @@ def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto
 
     Args:
         task: The task file.
-        variation: Number of the variation; 0 for the task as written.
-        renderer: The renderer of its cameras.
+        variation: Number of the variation; 0 is the task as written.
+        renderer: Renderer of the pictures that cameras take.
 
     Raises:
         FileError: The world cannot be built from the task's files; the findings say where the
             problems are.
-        SimulationError: The renderer does not work here.
+        SimulationError: The renderer does not work on this machine.
     """
     scene = task.scenes[variation]
     client = Client(physics_hz=task.spec.timing.physics_hz, renderer=choose(renderer))

@@ -45,26 +45,26 @@ class World(Single):
     """The robots, objects and sites of a scene, by name, in one physics client.
 
     Values are read from the physics once and cached until the next step, so that they stay the same
-    within a control step. It implements `WorldView` for descriptions.
+    within a control step. A world implements `WorldView`, which descriptions read.
 
     Attributes:
         task: The task file.
-        spec: Its content.
+        spec: The keys and values of the task file.
         scene: The scene that was built, with the changes of the variation.
         client: The physics client.
-        robots: The agents, in file order.
-        objects: The bodies that are not robots.
-        sites: The named frames without a body.
-        floor: The floor's body, if the scene has one.
-        warnings: Warnings of the engine while it loaded assets.
+        robots: The robots by name, in the order of the task file.
+        objects: The objects by name: all bodies that are not robots.
+        sites: The sites by name: frames without a body.
+        floor: The body of the floor, or None if the scene has no floor.
+        warnings: Warnings from the physics engine while assets were loaded.
         time: Seconds since the episode began.
         quantities: Values of the quantities that the task can randomise, in this episode.
-        look: How this episode looks.
-        piled: Where the members of piles lie at the start of this episode, in the frames of their
-            arrangements.
-        onlooker: An iterator, advanced before each physics step, to read the state between control
-            steps. It must not change anything, and must call `refresh` before it reads any values.
-            Usually None.
+        look: Light, background, textures, distractors and camera poses of this episode.
+        piled: Pose of each object of a pile at the start of this episode, in the frame of the
+            pile's arrangement.
+        onlooker: None, or an iterator that is advanced before each physics step, to read the state
+            between control steps. The iterator must not change anything, and must call `refresh`
+            before it reads any values.
     """
 
     def __init__(
@@ -121,11 +121,11 @@ class World(Single):
         Args:
             seed: Seed for placement and for randomisation; each has its own random-number
                 generator.
-            randomized: Draw the quantities that the task file lists under ``randomize``.
-            looks: The parts of the scene's look to draw, of `LOOK_PARTS`.
+            randomized: Whether to draw the quantities that the task file lists under ``randomize``.
+            looks: The parts of the scene's look to draw at random, from `LOOK_PARTS`.
 
         Raises:
-            PlacementError: The objects do not fit.
+            PlacementError: The objects could not be placed without overlap.
             ExplosionError: The physics diverged.
         """
         randomness = EpisodeRandomness(seed)
@@ -168,12 +168,12 @@ class World(Single):
         """Run one control step.
 
         Args:
-            arm_targets: Target joint positions (rad or m) by robot for the last physics step of
-                this control step, interpolated linearly from the last commanded ones. Other arms,
-                and the grippers, keep their commands.
+            arm_targets: Target joint positions (rad or m) by robot. The commands change linearly
+                from the last commanded positions to the targets, which they reach in the last
+                physics step. Arms without targets, and all grippers, keep their commands.
 
         Raises:
-            ExplosionError: The physics diverged; build the world anew.
+            ExplosionError: The physics diverged; build a new world.
         """
         self._run(arm_targets or {}, self.spec.timing.substeps)
 
@@ -195,7 +195,7 @@ class World(Single):
         self._check()
 
     def set_locks(self, conditions: Mapping[str, bool]) -> None:
-        """Lock and free joints by the description's conditions; all are locked after `reset`.
+        """Lock or free the joints that have a ``lock``; after `reset`, all of them are locked.
 
         Args:
             conditions: Whether each condition of the description holds, by name.
@@ -205,18 +205,18 @@ class World(Single):
 
     @property
     def locked(self) -> Mapping[str, str]:
-        """The joints locked now, such as ``box.hinge``, and the condition that frees each."""
+        """The locked joints, such as ``box.hinge``, each with the condition that frees it."""
         return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
 
     def refresh(self) -> None:
-        """Clear the cached values."""
+        """Clear the cached values, so that they are read from the physics again."""
         self._frames.refresh()
         self._touch.refresh()
 
     def save(self) -> WorldState:
         """Save the state, including the motors' targets; takes about 3 ms and 250 KB.
 
-        `release` the state when it is no longer needed.
+        Call `release` when the state is no longer needed.
         """
         motors: list[Commanded] = [lock.joint for lock in self._locks]
         for robot in self.robots.values():
@@ -282,22 +282,22 @@ class World(Single):
 
     @cached_property
     def robot_names(self) -> tuple[str, ...]:
-        """The agents, in file order."""
+        """The names of the robots, in the order of the task file."""
         return tuple(self.robots)
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:
-        """The objects, in file order."""
+        """The names of the objects, in the order of the task file."""
         return tuple(self.objects)
 
     @cached_property
     def movable(self) -> tuple[str, ...]:
-        """The objects that are not fixed, in file order."""
+        """The names of the objects that are not fixed, in the order of the task file."""
         return tuple(name for name, thing in self.objects.items() if not thing.spec.fixed)
 
     @cached_property
     def holdable(self) -> tuple[str, ...]:
-        """What robots can hold: objects that are not fixed, and moving links of those that are."""
+        """What robots can hold: objects that are not fixed, and moving links of fixed objects."""
         handles = (
             f"{name}.{link}"
             for name, thing in self.objects.items()
@@ -307,7 +307,7 @@ class World(Single):
         return (*self.movable, *handles)
 
     def is_solid(self, name: str) -> bool:
-        """Whether a name refers to a body, not to a site."""
+        """Whether a name refers to a body, and not to a site."""
         return name not in self.sites
 
     # Where things are
@@ -329,7 +329,7 @@ class World(Single):
         return self._frames.velocity(frame)
 
     def box(self, body: str) -> Box:
-        """Bounding box of an object, a part or a site's marker, in its own frame."""
+        """Bounding box of an object, a part or a site's marker, in the frame of ``body``."""
         return self._frames.box(body)
 
     def opening(self, robot: str) -> float:
@@ -343,7 +343,7 @@ class World(Single):
     # What touches what
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether fingers of a robot press on an object or part from opposite sides."""
+        """Whether a robot holds an object or part, with opposing fingers or by suction."""
         return self._touch.held(body, robot)
 
     def grip_forces(self, body: str, robot: str) -> tuple[float, ...]:
@@ -355,11 +355,11 @@ class World(Single):
         return self._touch.fingers_touch(body, robot)
 
     def touching(self, first: str, second: str) -> bool:
-        """Whether two things touch: objects, parts, or robots."""
+        """Whether two objects, parts or robots touch."""
         return bool(self._touch.between(first, second))
 
     def support(self, body: str, below: str) -> float:
-        """Upward force in newtons with which one object or part carries another."""
+        """Upward force in newtons with which the body ``below`` carries the body ``body``."""
         return self._touch.support(body, below)
 
     def watch_forces(self, pairs: Iterable[Pair]) -> None:
@@ -375,7 +375,7 @@ class World(Single):
         self._forces.restore(known)
 
     def contact_force(self, first: str, second: str) -> float:
-        """Contact force between two things in newtons, 0 after reset; see `ForceMeter`.
+        """Contact force between two bodies or robots in newtons, 0 after reset; see `ContactForce`.
 
         Raises:
             UsageError: The pair is not watched.
@@ -385,7 +385,7 @@ class World(Single):
     # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
-        """The current view of a named camera, fixed or on its mount, in the look of the episode.
+        """The view of a named camera, from its current pose and in the look of this episode.
 
         Raises:
             UnknownNameError: The scene has no such camera.
@@ -393,7 +393,7 @@ class World(Single):
         return camera_view(self.scene.cameras, name, self.pose, self.look, size)
 
     def move_markers(self) -> None:
-        """Move the markers of moving sites to their sites; needed for pictures only."""
+        """Move the marker of each moving site to the site; needed only before rendering."""
         for name, site in self.sites.items():
             if site.marker is not None and site.rides_on:
                 site.marker.place(self.pose(name))

@@ -19,7 +19,7 @@ from taskbuilder.schema.variants import DRIVES
         ("tb101", "TB101", "missing"),
         ("Held", "Held", "Held(body: BodyName"),
         ("grasp", "expert.grasp", "Grasp point to take"),
-        ("objects.place", "scene.objects.NAME.place", "yaw_deg: 2 × degrees"),
+        ("objects.place", "scene.objects.NAME.place", "yaw_deg: two numbers in degrees"),
         ("objects.place.size", "scene.objects.NAME.place.size", "Full edge lengths"),
         ("control_hz", "timing.control_hz", "Value: Hz, 1 to 1000; by default `10`."),
         ("slide", "expert.slide", "  tolerance: m, 0.0005 to 100"),

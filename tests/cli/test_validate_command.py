@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import sys
+import time
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -136,14 +137,26 @@ def test_elsewhere_progress_is_a_line_now_and_then(run, good, monkeypatch):
     assert re.search(r"^taskbuilder: .*reset.*: 7 of 20$", run(*words).err, re.M)
 
 
-def test_many_tasks_are_validated_at_the_same_time_and_told_in_order(run, good):
+def copies(good, bad=""):
+    """Four copies of a task, one of which may raise an error."""
     text, module = good.read_text(), good.with_suffix(".py").read_text()
     names = [f"good_{number}" for number in range(4)]
     for name in names:
         (good.parent / f"{name}.yaml").write_text(text.replace("task: good", f"task: {name}"))
-        ending = "\nraise ValueError\n" if name == "good_2" else ""
+        ending = "\nraise ValueError\n" if name == bad else ""
         (good.parent / f"{name}.py").write_text(module + ending)
-    files = [f"{name}.yaml" for name in names]
+    return [f"{name}.yaml" for name in names]
+
+
+def test_the_time_of_many_tasks_is_that_of_the_clock(run, good):
+    begun = time.perf_counter()
+    ran = run("validate", *copies(good), "--level", "build", "--jobs", "2")
+    took = time.perf_counter() - begun
+    assert float(re.search(r"^ok in ([\d.]+) s$", ran.out, re.M)[1]) <= took + 0.5  # rounded
+
+
+def test_many_tasks_are_validated_at_the_same_time_and_told_in_order(run, good):
+    files = copies(good, bad="good_2")
     words = ("validate", *files, "--level", "build", "--seeds", "2", "--json")
     together, alone = (run(*words, "--jobs", jobs) for jobs in ("2", "1"))
     assert together.status == alone.status == 1

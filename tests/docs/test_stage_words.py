@@ -22,46 +22,56 @@ STAGE = TypeAdapter(ExpertStage)
 # A stage, and how a page tells it.
 TOLD = {
     "{'left': {'grasp': 'stick.end', 'approach': 0.1}, 'right': 'release'}": (
-        "1. `left`: grasp `stick.end`, straight in from 10 cm away; `right`: release"
+        "1. `left`: grasp `stick.end`, with a straight approach of 10 cm; "
+        "`right`: let go of the object"
     ),
     "{'left': {'reach': 'goal', 'above': -0.005, 'rpy_deg': (180.0, 0.0, 90.0)}}": (
-        "1. `left`: reach `goal`, 5 mm below, turned to (180, 0, 90)°"
+        "1. `left`: reach a point 5 mm below `goal`, "
+        "with roll, pitch and yaw of the tool at (180, 0, 90)°"
     ),
     "{'left': {'bring': 'cube', 'to': 'tray', 'offset': (-0.04, 0.0, 0.0), 'above': 0.04}}": (
-        "1. `left`: bring `cube` to `tray`, offset by (−0.04, 0, 0) m, 4 cm above"
+        "1. `left`: bring `cube` to 4 cm above `tray`, "
+        "offset by (−0.04, 0, 0) m along the axes of `tray`"
     ),
     "{'left': {'bring': 'cube', 'to': 'tray', 'align': True, 'tolerance': 0.005}}": (
-        "1. `left`: bring `cube` to `tray`, turned like that frame, to within 5 mm"
+        "1. `left`: bring `cube` to `tray`, with the orientation of `tray`, "
+        "with a tolerance of 5 mm"
     ),
     "{'left': {'retreat': 0.12, 'speed': 0.5, 'touching': ('a', 'b')}}": (
-        "1. `left`: retreat 12 cm, may touch `a` and `b`, at 50 % of full speed"
+        "1. `left`: move the tool back by 12 cm, contact with `a` and `b` allowed, "
+        "at 50 % of full speed"
     ),
     "{'left': [{'reach': 'a'}, {'push': 'b', 'to': (0.1, 0.0, 0.5)}], 'right': 'release'}": (
-        "1. `left`: reach `a`, then push `b` to `[0.1, 0, 0.5]`; `right`: release"
+        "1. `left`: reach `a`, then push `b` to `[0.1, 0, 0.5]`; `right`: let go of the object"
     ),
     "{'left': {'turn': 'chest.lid', 'to_deg': 70.0, 'turn_tool': False}}": (
         "1. `left`: turn `chest.lid` to 70°, without turning the tool"
     ),
     "{'left': {'slide': 'cabinet.runner', 'to': 0.2}, 'right': {'press': 'x', 'to': 0.01}}": (
-        "1. `left`: slide `cabinet.runner` to 20 cm; `right`: press `x` to 1 cm"
+        "1. `left`: slide `cabinet.runner` to 20 cm; "
+        "`right`: press `x` until the pressed joint is at 1 cm"
     ),
     "{'left': 'home', 'right': {'posture': 'tucked'}}": (
-        "1. `left`: go home; `right`: take the posture `tucked`"
+        "1. `left`: move to the start configuration; `right`: move to the posture `tucked`"
     ),
-    "{'left': {'press': 'button', 'depth': 0.005}}": "1. `left`: press `button`, 5 mm deep",
+    "{'left': {'press': 'button', 'depth': 0.005}}": "1. `left`: press `button` down by 5 mm",
     "{'left': {'close': 'nothing'}, 'right': {'close': 'cube'}}": (
-        "1. `left`: close on nothing; `right`: close on `cube`"
+        "1. `left`: close the gripper; `right`: close the gripper on `cube`"
     ),
     "{'together': ('left', 'right'), 'bring': 'tray', 'to': 'goal', 'straight': True}": (
         "1. `left` and `right` together: bring `tray` to `goal`, in a straight line"
     ),
-    "{'until': 'at goal', 'within': 1.5}": "1. wait until `at goal` holds, 1.5 s at most",
-    "{'repeat': 3, 'unless': 'done', 'stages': ({'left': 'release'}, {'until': 'success'})}": (
-        "1. 3 times, until `done` holds:\n\n"
-        "   1. `left`: release\n"
-        "   1. wait until `success` holds, 2 s at most"
+    "{'until': 'at goal', 'within': 1.5}": (
+        "1. wait until the condition `at goal` is true, for at most 1.5 s"
     ),
-    "{'repeat': 1, 'stages': ({'left': 'release'},)}": "1. once:\n\n   1. `left`: release",
+    "{'repeat': 3, 'unless': 'done', 'stages': ({'left': 'release'}, {'until': 'success'})}": (
+        "1. at most 3 times, until the condition `done` is true:\n\n"
+        "   1. `left`: let go of the object\n"
+        "   1. wait until the condition `success` is true, for at most 2 s"
+    ),
+    "{'repeat': 1, 'stages': ({'left': 'release'},)}": (
+        "1. once:\n\n   1. `left`: let go of the object"
+    ),
 }
 
 

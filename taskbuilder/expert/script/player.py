@@ -22,8 +22,9 @@ longer than until success is reached, and not after a stage that could not be do
 class Expert:
     """Plays the expert of a task file; deterministic for a given seed.
 
-    It is a `Policy` for its environment; `play` offers further options. An expert can be used for
-    any number of episodes. It keeps a second world for planning, which `close` frees.
+    An expert is a `Policy` for the environment `env`. The method `play` has further options. An
+    expert can play any number of episodes. It plans in a second physics simulation, which `close`
+    frees.
 
     Args:
         env: An environment of the task, with flat actions and a fixed variation.
@@ -57,15 +58,19 @@ class Expert:
         Args:
             seed: Seed of the reset.
             stages: Stages to play instead of those of the task file.
-            without: Robots that stay at home; their orders are left out of all stages.
-            persist: Whether to continue with the next stage if a stage cannot be done.
-            finish: Hold still after the last stage until the episode is over; with ``"undecided"``
-                only until success is reached, and not after a stage that failed.
+            without: Names of robots that hold still; the orders of these robots are left out of all
+                stages.
+            persist: Whether to continue with the next stage after a stage that failed.
+            finish: Whether all robots hold still after the last stage until the episode is over.
+                With ``"undecided"``, they hold still only until success is reached, and not after a
+                stage that failed.
             after_stage: Called with the number of each completed stage, from 1, before the next
-                one begins. It may save the environment, and must not change it.
-            forces: As for `taskbuilder.rollout.play`.
-            explain: As for `taskbuilder.rollout.play`.
-            watch: Called after reset and after each control step.
+                stage begins. The function may save the state of the environment, but must not
+                change the state.
+            forces: Whether to record the force between robots, even if the task does not use this
+                force.
+            explain: Whether to record why the success condition is false at the end.
+            watch: Called with the environment after reset and after each control step.
 
         Raises:
             UsageError: The task has no expert.
@@ -85,7 +90,7 @@ class Expert:
         """Start with the first stage of the task file.
 
         Raises:
-            UsageError: The environment is not the expert's, or the task has no expert.
+            UsageError: The expert was made for another environment, or the task has no expert.
         """
         if env is not self.env:
             raise UsageError("an expert plays in the environment that it was made for")
@@ -93,7 +98,7 @@ class Expert:
         self._script.reset(env, seed)
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
-        """The next actions; they depend on the world and not on the observations.
+        """The next actions, which depend on the simulation and not on the observations.
 
         Raises:
             UsageError: No episode has begun.
@@ -109,7 +114,7 @@ class Expert:
         return self._begun().log()
 
     def close(self) -> None:
-        """Free the world for planning."""
+        """Free the simulation in which the expert plans."""
         self._planner.close()
 
     def _begun(self) -> _Script:
