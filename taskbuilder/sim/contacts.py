@@ -6,9 +6,15 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from taskbuilder.geometry import Vec3
+from taskbuilder.geometry import Vec3, dot
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
+
+NEAR_M = 0.01
+"""Gap up to which shapes are compared that have a contact, which may have opened a little."""
+
+TURNED = math.cos(math.radians(30.0))
+"""Cosine of the angle from which on the normal of a contact is out of date."""
 
 
 class ContactPoint(NamedTuple):
@@ -57,6 +63,27 @@ def contacts(
         ContactPoint(a, link_of_a, b, link_of_b, position, normal, force, distance)
         for _, a, b, link_of_a, link_of_b, _, position, normal, distance, force, *_ in found
     )
+
+
+def forget_turned(body: Body) -> None:
+    """Have the contacts of a body found anew whose normals point where they no longer should.
+
+    Bullet keeps the normal of a contact, in the world, for as long as the contact lasts. If both
+    bodies turn together, as a gripper and what it holds, only one of the points between two shapes
+    is found anew in each physics step. The others keep a normal that lags behind. Opening fingers
+    would then pull, by contacts that seem to slide, what they should let go of.
+    """
+    bullet, turned = body.client.bullet, set()
+    for contact in contacts(body.client, body):
+        links = (contact.body_b, contact.link_a, contact.link_b)
+        if links not in turned:
+            nearest = bullet.getClosestPoints(body.id, contact.body_b, NEAR_M, *links[1:])
+            cosines = (dot(point[7], contact.normal_on_b) for point in nearest)
+            if max(cosines, default=1.0) < TURNED:
+                turned.add(links)
+    for found in (0, 1):
+        for other, link_a, link_b in sorted(turned):
+            bullet.setCollisionFilterPair(body.id, other, link_a, link_b, found)
 
 
 def normal_force_reader(

@@ -15,6 +15,7 @@ from taskbuilder.geometry import dot, norm, subtract
 from taskbuilder.schema.robot import GripperSpec
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.body import Body
+from taskbuilder.sim.contacts import forget_turned
 from taskbuilder.sim.motors import Command, Motors, couple
 from taskbuilder.world.end_effector import Push, Pushes
 
@@ -77,8 +78,11 @@ class Fingers:
     def move(self, opening: float) -> None:
         """Drive it to an opening from 0 (closed) to 1 (open)."""
         positions = self.positions(opening)
-        if positions != self.command.values:  # motors go on with what they were told
-            self._motors.position(positions)
+        if positions == self.command.values:
+            return  # motors go on with what they were told
+        if self.command.values and opening > self.told():
+            forget_turned(self._body)
+        self._motors.position(positions)
 
     def positions(self, opening: float) -> tuple[float, ...]:
         """Positions of its joints at an opening from 0 to 1."""

@@ -311,3 +311,37 @@ def test_an_expert_plays_in_every_frame_of_the_tool(play, frame, turn, normalize
         normalize=normalize,
     )
     assert demonstration.trouble is None
+
+
+CUP = """\
+    stand: {shape: {box: [0.12, 0.12, 0.12]}, fixed: true, position: [0, 0, 0.46]}
+    cup:
+      parts:
+        floor: {box: [0.064, 0.064, 0.006], at: [0, 0, -0.042]}
+        near: {box: [0.006, 0.064, 0.084], at: [-0.029, 0, 0.003]}
+        far: {box: [0.006, 0.064, 0.084], at: [0.029, 0, 0.003]}
+        left: {box: [0.052, 0.006, 0.084], at: [0, 0.029, 0.003]}
+        right: {box: [0.052, 0.006, 0.084], at: [0, -0.029, 0.003]}
+      mass: 0.25
+      friction: 0.5
+      place: {surface: stand, center: [0, 0], size: [0.03, 0.03], yaw_deg: [-8, 8]}
+      grasps: {side: {at: [0, 0, 0.005], approach: +x, across: y}}
+"""
+TIPPED = """\
+    over: {position: [0, -0.2, 0.75]}
+    tipped: {position: [0, -0.2, 0.75], rpy_deg: [130, 0, 0]}
+    down: {position: [0, 0, 0.567]}
+"""
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_was_tipped_and_set_down_stays_when_the_gripper_opens(play, seed):
+    places = ("over", "tipped", "over", "down")
+    moves = [f"arm: {{bring: cup, to: {place}, align: true}}" for place in places]
+    demonstration, world = play(
+        *("arm: {grasp: cup.side}", *moves, "arm: release", "arm: {retreat: 0.1}"),
+        **{"objects": CUP, "sites": TIPPED, "action": "turn: full", "steps": 120},
+        seed=seed,
+    )
+    assert demonstration.trouble is None
+    assert math.dist(world.position("cup"), (0.0, 0.0, 0.565)) < 0.005
