@@ -7,11 +7,14 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from taskbuilder.geometry import Vec3, dot
-from taskbuilder.sim.body import Body
+from taskbuilder.sim.body import BASE, Body
 from taskbuilder.sim.client import Client
 
 NEAR_M = 0.01
 """Gap up to which shapes are compared that have a contact, which may have opened a little."""
+
+FAR_M = 1000.0
+"""Where nothing is, above all else."""
 
 TURNED = math.cos(math.radians(30.0))
 """Cosine of the angle from which on the normal of a contact is out of date."""
@@ -66,7 +69,7 @@ def contacts(
 
 
 def forget_turned(body: Body) -> None:
-    """Have the contacts of a body found anew whose normals point where they no longer should.
+    """Have Bullet find contacts anew whose normals no longer point where they should.
 
     Bullet keeps the normal of a contact, in the world, for as long as the contact lasts. If both
     bodies turn together, as a gripper and what it holds, only one of the points between two shapes
@@ -75,15 +78,26 @@ def forget_turned(body: Body) -> None:
     """
     bullet, turned = body.client.bullet, set()
     for contact in contacts(body.client, body):
-        links = (contact.body_b, contact.link_a, contact.link_b)
-        if links not in turned:
-            nearest = bullet.getClosestPoints(body.id, contact.body_b, NEAR_M, *links[1:])
+        if contact.body_b not in turned:
+            links = (contact.link_a, contact.link_b)
+            nearest = bullet.getClosestPoints(body.id, contact.body_b, NEAR_M, *links)
             cosines = (dot(point[7], contact.normal_on_b) for point in nearest)
             if max(cosines, default=1.0) < TURNED:
-                turned.add(links)
-    for found in (0, 1):
-        for other, link_a, link_b in sorted(turned):
-            bullet.setCollisionFilterPair(body.id, other, link_a, link_b, found)
+                turned.add(contact.body_b)
+    for other in sorted(turned):
+        if bullet.getDynamicsInfo(other, BASE)[0] > 0.0:  # what is fixed does not turn
+            _forget_contacts(body.client, other)
+
+
+def _forget_contacts(client: Client, body_id: int) -> None:
+    """Take a body away and put it back; Bullet forgets contacts only of what is far away."""
+    bullet = client.bullet
+    (x, y, z), turn = bullet.getBasePositionAndOrientation(body_id)
+    velocity = bullet.getBaseVelocity(body_id)
+    bullet.resetBasePositionAndOrientation(body_id, (x, y, z + FAR_M), turn)
+    client.collide()
+    bullet.resetBasePositionAndOrientation(body_id, (x, y, z), turn)
+    bullet.resetBaseVelocity(body_id, *velocity)
 
 
 def normal_force_reader(
