@@ -66,7 +66,8 @@ class Arrangement(Model):
     pile: Edges | None = Field(
         None,
         description="A heap. The objects are first stacked loosely in a box with these edges; they "
-        "then fall and come to rest.",
+        "then fall and come to rest. The edges must leave each object a cube of 1.05 times the "
+        "diameter of its bounding sphere.",
     )
 
     @property

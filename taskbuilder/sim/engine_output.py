@@ -18,6 +18,8 @@ _WORDINGS = {
     "Could not parse visual element for Link": "a <visual> of link {} was not understood",
     "Could not parse collision element for Link": "a <collision> of link {} was not understood",
     "Could not parse inertial element for Link": "the <inertial> of link {} was not understood",
+    "Bad inertia tensor properties": "a principal moment of inertia of link {} exceeds the sum of "
+    "the other two, perhaps only by rounding; Bullet takes 0 for all three, so make it smaller",
 }
 
 

@@ -340,7 +340,10 @@ def test_what_was_tipped_and_set_down_stays_when_the_gripper_opens(play, seed):
     moves = [f"arm: {{bring: cup, to: {place}, align: true}}" for place in places]
     demonstration, world = play(
         *("arm: {grasp: cup.side}", *moves, "arm: release", "arm: {retreat: 0.1}"),
-        objects=CUP, sites=TIPPED, action="turn: full", steps=120,
+        objects=CUP,
+        sites=TIPPED,
+        action="turn: full",
+        steps=120,
         seed=seed,
     )
     assert demonstration.trouble is None

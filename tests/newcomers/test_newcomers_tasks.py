@@ -1,4 +1,4 @@
-"""Tasks by newcomers, who had only the guide, and proved them within twenty minutes each.
+"""Tasks by newcomers, who had only the guide, and proved them within 25 minutes each.
 
 What made them stumble was mended. The tasks still work as they were written.
 """

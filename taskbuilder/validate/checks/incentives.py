@@ -37,6 +37,8 @@ from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
 LEAST_PAIRS = 3
 """Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
 
+NAME = "pays for success"
+
 ENOUGH = 40
 """Seeds up to which an undecided comparison is repeated, each time with twice as many."""
 
@@ -81,9 +83,11 @@ def pays_family(context: Context) -> FamilyResult:
         plays |= _expert_and_left(context, context.some_starts())
         seeds = context.seeds
         while seeds < ENOUGH and _check_terms(context, plays)[0].ok and _undecided(plays):
-            more = _expert_and_left(context, context.later_starts(seeds, min(2 * seeds, ENOUGH)))
+            enough = min(2 * seeds, ENOUGH)
+            label = f"{NAME}: undecided, playing {enough} seeds"
+            more = _expert_and_left(context, context.later_starts(seeds, enough), label)
             plays = {way: {**plays.get(way, {}), **found} for way, found in (plays | more).items()}
-            seeds = min(2 * seeds, ENOUGH)
+            seeds = enough
     plays |= {way: found for way, found in context.plays.items() if way.kind is not Kind.ALONE}
     bounded = _check_terms(context, plays)
     results = [bounded]
@@ -98,16 +102,16 @@ def pays_family(context: Context) -> FamilyResult:
         summary = _summary(plays)
     else:
         summary = ", ".join(f"{probe.way} {_mean(probe.returns):.1f}" for probe in probes)
-    return FamilyResult("pays for success", checks, findings, summary, probes=probes)
+    return FamilyResult(NAME, checks, findings, summary, probes=probes)
 
 
 def _expert_and_left(
-    context: Context, starts: Sequence[Start]
+    context: Context, starts: Sequence[Start], label: str = NAME
 ) -> dict[Way, Mapping[Start, Rollout]]:
     """The expert's successful episodes, and those that leave its script."""
-    played = zip(starts, context.demonstrate(starts, "pays for success"), strict=True)
+    played = zip(starts, context.demonstrate(starts, label), strict=True)
     jobs = [Replayed(start, demo) for start, demo in played if demo.success]
-    return {EXPERT: {job.start: job.rollout for job in jobs}, **_left(context, jobs)}
+    return {EXPERT: {job.start: job.rollout for job in jobs}, **_left(context, jobs, label)}
 
 
 def _undecided(plays: Plays) -> bool:
@@ -116,10 +120,10 @@ def _undecided(plays: Plays) -> bool:
     return any(lead.mean > 0.0 >= lead.low for lead in leads)
 
 
-def _left(context: Context, jobs: Sequence[Replayed]) -> Plays:
+def _left(context: Context, jobs: Sequence[Replayed], label: str) -> Plays:
     found: dict[Way, dict[Start, Rollout]] = {}
     starts = [job.start for job in jobs]
-    asked = context.ask(leave_stages, starts, "pays for success", about=jobs)
+    asked = context.ask(leave_stages, starts, label, about=jobs)
     for start, plays in zip(starts, asked, strict=True):
         for way, play in plays.items():
             found.setdefault(way, {})[start] = play
