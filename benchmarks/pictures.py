@@ -5,12 +5,14 @@
 draws the handover with its two UR5e, and the same scene with two Pandas and with two xArms, from a
 camera in front and from one at a wrist, at 128 x 128 in colour, depth and segmentation. Poses are
 read from the simulation for every picture. Then it plays random actions with two cameras observed,
-and without. All figures are medians of CPU time. Writes benchmarks/results/pictures.json.
+and without, and the expert with the same two cameras, whose pictures are kept. All figures are
+medians of CPU time. Writes benchmarks/results/pictures.json.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import statistics
 import tempfile
@@ -34,6 +36,7 @@ RENDERERS = ("raster", "tiny")
 CAMERAS = {"front": "front", "wrist": "left_wrist"}
 SIZE = (128, 128)
 ROUNDS = 7
+FIRST_SEED = 3_500_000
 
 
 def cpu_seconds(action: Callable[[], object], count: int) -> float:
@@ -88,6 +91,18 @@ def step_ms(renderer: Any, cameras: tuple[str, ...]) -> float:
     return milliseconds
 
 
+def demonstrations_per_minute(renderer: Any, cameras: tuple[str, ...]) -> float:
+    """Episodes of the handover's expert a CPU-minute, with all observations kept."""
+    env = taskbuilder.parallel_env("handover", renderer=renderer, cameras=cameras, camera_size=SIZE)
+    expert, seeds = taskbuilder.Expert(env), itertools.count(FIRST_SEED)
+    seconds = cpu_seconds(
+        lambda: taskbuilder.play(env, expert, seed=next(seeds), observations=True), 5
+    )
+    expert.close()
+    env.close()
+    return 60.0 / seconds
+
+
 def main() -> None:
     """Measure, print and write."""
     argparse.ArgumentParser(description=__doc__).parse_args()
@@ -98,12 +113,15 @@ def main() -> None:
             rates[f"two {model}"] = {name: pictures(task, name) for name in RENDERERS}
     both = tuple(CAMERAS.values())
     steps = {name: step_ms(name, both) for name in RENDERERS} | {"no camera": step_ms("tiny", ())}
+    demonstrations = {name: demonstrations_per_minute(name, both) for name in RENDERERS}
+    demonstrations["no camera"] = demonstrations_per_minute("tiny", ())
     data = {
         "command": "python benchmarks/pictures.py",
         "machine": describe_machine(),
         "size": SIZE,
         "pictures_per_cpu_second": rates,
         "control_step_cpu_ms": steps,
+        "demonstrations_per_cpu_minute": demonstrations,
     }
     RESULTS.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     print(json.dumps({name: data[name] for name in list(data)[3:]}, indent=1))
