@@ -33,7 +33,10 @@ from taskbuilder.visual.still import Pixels, save_image
 IMAGES = Path(__file__).parent / "images"
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
 RUNS = RESULTS / "learning"
-PAPER = {"pick_push_place-1": "Pick-Push-Place, the paper's learner"}
+PAPER = {
+    "pick_push_place-1": "Pick-Push-Place, the paper's learner",
+    "collaborative_lift-1": "Collaborative Lift, the paper's learner",
+}
 SHOWN = {
     "pick_push_place": "Pick-Push-Place",
     "collaborative_lift": "Collaborative Lift",
