@@ -16,7 +16,7 @@ Severity = Literal["error", "warning"]
 
 @dataclass(frozen=True, order=True)
 class Location:
-    """A place in a file. Lines and columns count from 1; 0 stands for the entire file."""
+    """A place in a file. Lines and columns count from 1; 0 stands for the whole file or line."""
 
     file: Path
     line: int = 0
@@ -36,7 +36,7 @@ class Finding:
     Attributes:
         code: Stable code such as ``TB102``; each has an entry in the documentation.
         message: What is wrong and, after a semicolon, how to correct it.
-        path: Dotted path in the file (``scene.robots.left.model``), or "" for none.
+        path: Dotted path of the key in the file (``scene.robots.left.model``), or "" for none.
         location: File, line and column, or None for a finding that belongs to no file.
         excerpt: Source line to show below the finding, or "".
     """
@@ -95,7 +95,7 @@ class FileError(TaskbuilderError):
     """A task, robot or asset file has errors; ``findings`` lists them.
 
     Attributes:
-        findings: Every finding of the file, in reading order; at least one is an error.
+        findings: The findings, sorted by file and line; at least one is an error.
     """
 
     def __init__(self, findings: Iterable[Finding]) -> None:
@@ -107,7 +107,7 @@ class FileError(TaskbuilderError):
 
 
 class UnknownNameError(TaskbuilderError):
-    """There is no task, robot, camera or option of this name."""
+    """There is no task, robot, file, camera or policy of this name."""
 
 
 class UsageError(TaskbuilderError):
@@ -115,11 +115,14 @@ class UsageError(TaskbuilderError):
 
 
 class SimulationError(TaskbuilderError):
-    """The physics engine refused a call or lost its state."""
+    """The physics engine or the renderer refused a call, or the simulation diverged."""
 
 
 class ExplosionError(SimulationError):
-    """The simulation diverged: its state is not finite or implausible. Rebuild the world."""
+    """The simulation diverged: its state has a number that is not finite, or implausibly large.
+
+    Build a new world.
+    """
 
 
 class DivergenceError(TaskbuilderError):

@@ -36,7 +36,7 @@ class Task:
 
     @property
     def name(self) -> str:
-        """The id of the task."""
+        """The name of the task."""
         return self.file.entry.name
 
     @property
@@ -62,14 +62,14 @@ def load_task(
         catalogue: Catalogue in which to look up names; by default the catalogue of this
             installation.
         guarded: Whether to import the description in a child process first, unless the task is part
-            of an installed package. A hang or a crash of the import is then a finding.
+            of an installed package. If the import hangs or crashes, this is then a finding.
         robots: Robot models that replace those of the task file, such as ``{"left": "panda"}``:
             names in the catalogue, or paths of robot files.
 
     Raises:
-        UnknownNameError: There is no task of this name, or no model of a name in ``robots``.
-        UsageError: ``robots`` replaces a robot that the scene does not have, or a robot that the
-            expert moves to a posture of the original model.
+        UnknownNameError: There is no task of this name, or ``robots`` names an unknown model.
+        UsageError: ``robots`` names a robot that the scene does not have, or replaces a robot that
+            the expert moves to a posture of the original model.
         FileError: The files of the task have errors; the attribute ``findings`` lists them all.
     """
     catalogue = catalogue or Catalogue.discover()

@@ -26,7 +26,12 @@ class ButtonsInOrder(Description):
 
     success = Sustained(done, seconds=1.0)
     failure = (second & ~one) | (third & ~two)
-    stages = {"one": one, "two": two, "three": three, "let go of": success}
+    stages = {
+        "first pressed": one,
+        "second pressed": two,
+        "third pressed": three,
+        "let go of": success,
+    }
     reward = (
         Distance("reach", "left.tcp", "first.cap", 0.2, agent="left"),
         Distance("reach", "back.tcp", "second.cap", 0.2, agent="back"),
@@ -44,4 +49,4 @@ class ButtonsInOrder(Description):
         (done, 5.0 + Fraction(Duration(done), of=1.0)),
         (success, 6.5),
     )
-    setback = Then(three, Sustained(~done & ~Once(success), seconds=2.0))
+    setback = Sustained(three & ~done & ~Once(success), seconds=2.0)

@@ -96,6 +96,33 @@ def test_a_description_is_checked_against_its_scene(write):
     assert codes(write(('"cube", by', '"cub", by'))) == ["small.py:5 TB207"]
 
 
+ABOVE = (("import Bonus, Description, Held", "import Above, Bonus, Description"),)
+WITH_PARTS = (
+    "shape: {box: [0.1, 0.1, 0.1]}, mass: 0.1",
+    "parts: {lid: {box: [0.1, 0.1, 0.1]}}, mass: 0.1",
+)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "code"),
+    [
+        (", mass: 0.1", "", "TB101"),
+        ("mass: 0.1", "mass: heavy", "TB103"),
+        ("mass: 0.1", "mass: 0.1, friction: -1", "TB104"),
+    ],
+)
+def test_a_mistake_elsewhere_in_an_object_does_not_hide_a_wrong_part(write, right, wrong, code):
+    parts = (WITH_PARTS[0], WITH_PARTS[1].replace(right, wrong))
+    path = write(parts, ('Held("cube", by="arm")', 'Above("cube.lit", height=0.1)'), *ABOVE)
+    assert codes(path) == ["small.py:5 TB207", f"small.yaml:7 {code}"]
+
+
+@pytest.mark.parametrize("wrong", ["parts: 3, mass: 0.1", "pats: {lid: {}}, mass: 0.1"])
+def test_a_mistake_in_the_parts_themselves_may_hide_a_part(write, wrong):
+    changes = ((WITH_PARTS[0], wrong), ('Held("cube", by="arm")', 'Above("cube.lid", height=0.1)'))
+    assert {found.split()[0] for found in codes(write(*changes, *ABOVE))} == {"small.yaml:7"}
+
+
 def test_a_description_whose_robot_is_not_in_the_scene_is_refused(write):
     assert codes(write(('agent="arm"', 'agent="left"'))) == ["small.py:6 TB207"]
 

@@ -20,7 +20,10 @@ CERTIFICATES = RESULTS / "certificates"
 VERIFIED = "verified.json"
 """Who has verified which certificate: lists of ``by``, ``processor`` and ``date``, by its path."""
 
-_SEES = {"scene": "observing the whole scene", "task": "observing what the task lists"}
+_SEES = {
+    "scene": "The policies observe the whole scene",
+    "task": "The policies observe what the task file lists",
+}
 
 
 class Entry(NamedTuple):
@@ -48,7 +51,7 @@ def rows(_: str) -> str:
     groups: dict[tuple[str, str], list[Entry]] = {}
     for each in found:
         groups.setdefault((each.data["task"], _compared(each)), []).append(each)
-    head = ["policy", "at the last step", "at some step", "return, the expert's", "seeds"]
+    head = ["policy", "at the last step", "at some step", "returns: policy, expert", "seeds"]
     head += ["made on", "verified by"]
     parts = []
     for (task, compared), entries in sorted(groups.items()):
@@ -63,11 +66,11 @@ def _compared(found: Entry) -> str:
     """Robots and observations: policies that differ in these cannot be compared."""
     data = found.data
     robots = ", ".join(
-        f"{name} {robot.model}" for name, robot in found.task.file.spec.scene.robots.items()
+        f"{name} ({robot.model})" for name, robot in found.task.file.spec.scene.robots.items()
     )
-    seen = _SEES.get(data["options"].get("observe", "task"), "unknown observations")
+    seen = _SEES.get(data["options"].get("observe", "task"), "Observations: unknown")
     changed = data["digests"]["task"] != digests_of_task(found.task)
-    return f"{'An earlier version; ' * changed}{robots}, {seen}"
+    return f"{'An earlier version of the task. ' * changed}Robots: {robots}. {seen}"
 
 
 def entry(file: Path) -> Entry:

@@ -18,6 +18,12 @@ RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 PHASE = 5_000
 """Training episodes in a row of the tables on the paper's learner."""
 
+NONE = "–"
+"""In a table, for what was not measured."""
+
+DASH = "A dash means that the policies were not evaluated in this way. "
+"""Below a table with `NONE`."""
+
 
 def proof(task: str) -> str:
     """When and how a task was proved, and how its expert does it."""
@@ -210,9 +216,13 @@ def robust(_: str) -> str:
     noise = f"worst variation, noise of {1000.0 * found['noise_m']:g} mm"
     head = ["task", "seed", "variation 0", noise, "worst variation, randomised", "minutes"]
     told = (
-        f"Measured with `{found['command']}`. Each share is that of {found['episodes']} episodes, "
-        "with its 95 % interval. The column *minutes* is the duration of the training run on one "
-        "core, with its evaluations."
+        f"Measured with `{found['command']}`. The table shows success rates over "
+        f"{found['episodes']} episodes, with 95 % intervals in brackets. *Variation 0* was played "
+        "without noise. The next two columns show the variation with the lowest success rate "
+        "(*worst variation*): with noise on all observed positions, and with quantities that were "
+        "drawn at random in each episode (*randomised*). "
+        f"{DASH * any(NONE in row for row in rows)}The column *minutes* is the "
+        "duration of the training run on one core, with its evaluations."
     )
     return f"{table(head, rows)}\n\n{told}"
 
@@ -220,7 +230,7 @@ def robust(_: str) -> str:
 def _worst(evaluations: Sequence[Mapping[str, Any]] | None) -> str:
     """The lowest success rate of several variations, with its interval."""
     if not evaluations:
-        return "–"
+        return NONE
     found = min(evaluations, key=lambda each: each["success_rate"])
     low, high = (100.0 * bound for bound in found["interval"])
     return f"{100.0 * found['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)"
@@ -301,7 +311,10 @@ def zoo(_: str) -> str:
     head = ["policy", "trained for", "success (95 % interval)", "success at the last step"]
     head += ["largest force between robots, median", "success under the earlier definition"]
     made = "\n".join(["These commands trained the policies:", "", "```text", *commands, "```"])
-    asked = f"The results were measured with `{measured['command']}`."
+    asked = (
+        "The forces, and the success rates under today's definition, were measured with "
+        f"`{measured['command']}`."
+    )
     return f"{table(head, rows)}\n\n{asked}\n\n{made}"
 
 

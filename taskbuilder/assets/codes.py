@@ -25,26 +25,27 @@ TOO_MANY = "TB421"
 CODES: dict[str, tuple[str, str]] = {
     MISSING: (
         "Asset not found",
-        "A file refers to another file that does not exist. Write its path relative to the file "
-        "that refers to it, or as package://NAME/…, where NAME is a folder beside or above that "
-        "file.",
+        "A file refers to another file that does not exist. Write the path of the other file "
+        "relative to the file that refers to it, or as `package://NAME/…`, where NAME is a folder "
+        "beside or above the file that refers to it.",
     ),
     OUTSIDE: (
         "Asset outside the allowed folders",
-        "An asset must be in the folder of the task or robot that uses it, or in pybullet_data, "
-        "so that the task works on every machine. Copy the asset to that folder and write its "
-        "path relative to the file that refers to it. Absolute paths and URLs are refused.",
+        "An asset must be in the folder of the task or robot that uses it, in a folder given by "
+        "`--task-path` or `TASKBUILDER_PATH`, or in the package pybullet_data. Copy the asset to "
+        "the folder of the task or robot, and write its path relative to the file that refers to "
+        "it. Absolute paths and URLs are refused, because they do not work on every machine.",
     ),
     NOT_READABLE: (
         "Asset cannot be read",
-        "The path leads to a folder, to a file that you may not read, to a file that is too "
-        "large, or to a file whose type does not match its extension.",
+        "The path leads to a folder, to a file that you have no permission to read, to a file that "
+        "is too large, or to a file whose type does not match its extension.",
     ),
     BAD_MESH: (
         "Invalid mesh",
         "The mesh has no faces, a face refers to a vertex that does not exist, a number is not "
         "finite, or the size is implausible. The physics engine would crash, or load the mesh "
-        "without a collision shape. Export the mesh again from the modelling tool.",
+        "without a collision shape. Export the mesh again from your modelling tool.",
     ),
     MESH_FORMAT: (
         "Unsupported mesh format",
@@ -53,65 +54,68 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     CRASHED: (
         "Asset crashed the physics engine",
-        "The asset was loaded in a separate process first. The process crashed or hung, or the "
-        "physics engine refused the asset. Simplify the asset until it loads.",
+        "Assets are first loaded in a separate process, as a test. This process crashed or hung, "
+        "or the physics engine refused the asset. Simplify the asset until it loads.",
     ),
     ENGINE_WARNING: (
         "Warning from the physics engine",
-        "The physics engine issued a warning. The asset loaded, but the warning usually means "
+        "The physics engine issued a warning. The asset was loaded, but the warning usually means "
         "that the engine replaced part of it with a default. Correct the part that the message "
         "names.",
     ),
     XML: (
         "Not well-formed XML",
-        "The URDF is not well-formed XML, has a document type declaration, or is far longer or "
-        "more deeply nested than any robot requires. Convert xacro files with xacro first.",
+        "The URDF is not well-formed XML, has a document type declaration, has a line of more than "
+        "8,000 characters, or is nested more deeply than any robot requires. If the file uses "
+        "xacro, convert it with xacro first.",
     ),
     STRUCTURE: (
         "Unexpected URDF structure",
-        "A required element or attribute is missing from the URDF, or appears too often. The "
-        "physics engine would read only the first of several.",
+        "The root element is not `<robot>`, there is no `<link>`, or an element appears twice "
+        "where only one is allowed. The physics engine would read only the first of the two.",
     ),
     NAME: (
         "Invalid or duplicate name",
-        "Every link and every joint needs a unique name with at most 128 characters. The physics "
-        "engine crashes if two joints have the same name.",
+        "Every link and every joint needs a unique name of at most 128 bytes. The robot and every "
+        "material need a name as well. The physics engine crashes if two joints have the same "
+        "name.",
     ),
     NUMBER: (
         "Invalid number",
         "A value is not a finite number, is out of range, or consists of too many or too few "
-        "numbers. Use a decimal point: the physics engine reads 1,5 as 1.",
+        "numbers. Use a decimal point: the physics engine reads `1,5` as 1.",
     ),
     MASS: (
         "Implausible or missing mass",
-        "A link that moves needs a mass above 0 and at most 1000 kg. Without <inertial> the "
-        "physics engine assumes 1 kg, and with a mass of 0 the link does not move.",
+        "A link that moves needs a mass above 0 and at most 1000 kg. Without `<inertial>`, "
+        "the physics engine assumes 1 kg, and with a mass of 0 the link does not move.",
     ),
     INERTIA: (
         "Impossible inertia",
         "All three principal moments of inertia must be above 0, and none may exceed the sum of "
-        "the other two. Compute them from the shape and mass of the link.",
+        "the other two. Compute the moments from the shape and mass of the link.",
     ),
     JOINT: (
         "Invalid joint",
-        "A joint must be revolute, continuous, prismatic or fixed and must connect two links of "
-        "the file. Unless it is fixed, its axis must have a non-zero length.",
+        "A joint must be revolute, continuous, prismatic or fixed, and must connect two links of "
+        "the file. If a joint is not fixed, its axis must have a non-zero length. A joint can "
+        "mimic only another joint that moves.",
     ),
     LIMIT: (
         "Invalid joint limits",
-        "A revolute or prismatic joint needs <limit lower=… upper=… effort=… velocity=…/>. lower "
-        "must not exceed upper, and effort and velocity must not be negative.",
+        "A revolute or prismatic joint needs `<limit lower=… upper=… effort=… velocity=…/>`. "
+        "`lower` must not exceed `upper`, and `effort` and `velocity` must not be negative.",
     ),
     GEOMETRY: (
         "Invalid geometry",
-        "A <geometry> must contain exactly one box, sphere, cylinder, capsule or mesh, with "
-        "sizes above 0.",
+        "Every `<visual>` and `<collision>` needs one `<geometry>` with exactly one box, sphere, "
+        "cylinder, capsule or mesh, with sizes above 0.",
     ),
     TREE: (
         "Links do not form a tree",
         "The links must form a tree: exactly one link, the root, has no parent joint, and every "
-        "other link has exactly one parent joint. The physics engine crashes on two roots or two "
-        "parents.",
+        "other link has exactly one parent joint. The physics engine crashes if there are two "
+        "roots, or if a link has two parents.",
     ),
     IGNORED: (
         "Ignored element",

@@ -191,7 +191,8 @@ def _add_new(adder: Adder) -> None:
 
 def _add_validate(adder: Adder) -> None:
     parser = adder.command(
-        "check and prove tasks, and report what was measured", "handover --quick"
+        "check tasks, play them in many ways, and report faults and measured values",
+        "handover --quick",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.add_argument("--all", action="store_true", help="all tasks of the catalogue")
@@ -261,7 +262,7 @@ def _add_render(adder: Adder) -> None:
         "--randomize",
         type=whole(1, 100),
         metavar="N",
-        help="render one sheet with the starts of N episodes instead, with random looks, and with "
+        help="render one sheet instead: the starts of N episodes, with random looks and with "
         "random values of the quantities that the task lists under randomize",
     )
     add_json(parser)

@@ -23,7 +23,7 @@ ACTIONS = ("info", "check", "film", "export")
 def add_collect(adder: CommandAdder) -> None:
     """`taskbuilder collect`."""
     parser = adder.command(
-        "collect a data set of episodes, or continue collecting it",
+        "collect a data set of episodes, or continue one that was begun",
         "handover --episodes 100 --cameras front,left_wrist --size 128 --out data/handover",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
@@ -41,9 +41,9 @@ def add_collect(adder: CommandAdder) -> None:
         nargs="+",
         default=["expert"],
         metavar="P",
-        help="expert, noisy:0.3, random, nothing, or a trained policy (zoo:TASK/TRACK, the folder "
-        "of a run, a policy file); several policies take turns, and P*3 plays three times as often "
-        "(default expert)",
+        help="expert, noisy:0.3 (the expert with noise), random, nothing, or a trained policy "
+        "(zoo:TASK/TRACK, the folder of a run, or a policy file); several policies take turns, and "
+        "P*3 plays three times as often (default expert)",
     )
     parser.add_argument(
         "--cameras", type=listed, default=(), metavar="C,C", help="cameras to record (default none)"
@@ -53,7 +53,7 @@ def add_collect(adder: CommandAdder) -> None:
         type=side_or_size,
         metavar="WxH",
         help="size of the pictures in pixels, such as 224 or 320x240 "
-        "(default: the size of each camera)",
+        "(default: the size of each camera in the task file)",
     )
     parser.add_argument("--depth", action="store_true", help="also record depth images")
     add_renderer(parser)
@@ -62,28 +62,32 @@ def add_collect(adder: CommandAdder) -> None:
         type=variation_or_all,
         default=None,
         metavar="K",
-        help="number of the variation, or all, which takes the variations in turn (default 0; "
+        help="number of the variation, or all: the variations take turns (default 0; "
         "with --suite, the training variations of the suite)",
     )
     parser.add_argument(
         "--seed",
         type=whole(0, 2**31 - 1),
         metavar="N",
-        help="seed of the first attempt; the next attempts have the next seeds (default 0; with "
-        "--suite, the first training seed of the suite)",
+        help="seed of the first attempt at an episode; the next attempts have the next seeds "
+        "(default 0; with --suite, the first training seed of the suite)",
     )
     parser.add_argument(
         "--observe",
         choices=("task", "scene"),
         default="task",
-        help="what robots observe: what the task file lists, or the whole scene (default task)",
+        help="what robots observe; task: what the task file lists; scene: the whole scene (default "
+        "task)",
     )
     add_randomize(parser)
     parser.add_argument(
         "--keep-failures", action="store_true", help="also keep episodes without success"
     )
     parser.add_argument(
-        "--license", default="MIT", metavar="L", help="licence stated in README.md (default MIT)"
+        "--license",
+        default="MIT",
+        metavar="L",
+        help="licence that README.md of the data set states (default MIT)",
     )
     parser.add_argument(
         "--out",
@@ -92,7 +96,7 @@ def add_collect(adder: CommandAdder) -> None:
         metavar="DIR",
         help="folder of a new data set, or of a data set to continue (default data)",
     )
-    _add_format(parser, "also export the data set, to the folder DIR-FORMAT")
+    _add_format(parser, "also export the data set to the folder DIR-FORMAT, in this format")
     add_jobs(parser)
     add_ray(parser, "the episodes")
     add_json(parser)
@@ -120,7 +124,7 @@ def add_dataset(adder: CommandAdder) -> None:
         "--episode",
         type=whole(0, 10_000_000),
         metavar="N",
-        help="film: number of the episode, from 0",
+        help="film: number of the episode, counted from 0",
     )
     parser.add_argument(
         "--cameras",
@@ -130,7 +134,10 @@ def add_dataset(adder: CommandAdder) -> None:
         help="film: cameras to show (default the first)",
     )
     parser.add_argument(
-        "--size", type=side_or_size, metavar="WxH", help="film: size of each picture"
+        "--size",
+        type=side_or_size,
+        metavar="WxH",
+        help="film: size of the picture of each camera, in pixels",
     )
     _add_format(parser, "export: format to export to")
     parser.add_argument(

@@ -164,7 +164,7 @@ def _how_it_went(episode: Rollout) -> str:
     trouble, furthest = episode.trouble, episode.furthest_stage
     if trouble is not None:
         return f"in stage {trouble.stage} ({trouble.order}): {trouble.message}"
-    return f"got as far as {furthest}" if furthest else "reached nothing"
+    return f"furthest stage: {furthest}" if furthest else "no stage reached"
 
 
 def _summary(episodes: Sequence[Rollout]) -> str:
@@ -244,7 +244,7 @@ def _show(
 
 
 def _subtitle(episode: Rollout, policy: str) -> str:
-    verdict = "success after" if episode.success else "failed:"
+    verdict = "success after" if episode.success else "failed,"
     parts = [policy] if policy != "expert" else []
     parts += [f"seed {episode.seed}", f"return {episode.team_return:.2f}"]
     return " · ".join([*parts, f"{verdict} {_how_it_went(episode)}"])

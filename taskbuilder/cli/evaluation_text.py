@@ -140,7 +140,7 @@ def _line(episode: Rollout) -> str:
         how = f"{episode.first_success} of {episode.horizon} steps"
     else:
         furthest = episode.furthest_stage
-        how = f"got as far as {furthest}" if furthest else "reached nothing"
+        how = f"furthest stage: {furthest}" if furthest else "no stage reached"
     return f"seed {episode.seed}  {verdict}  return {episode.team_return:8.2f}  {how}"
 
 

@@ -16,7 +16,7 @@ def add_robots(adder: CommandAdder) -> None:
         "check path/to/robot.yaml",
     )
     parser.add_argument(
-        "action", nargs="?", choices=("check",), metavar="check", help="check the robot ROBOT"
+        "action", nargs="?", choices=("check",), metavar="check", help="check ROBOT"
     )
     parser.add_argument(
         "robot",
@@ -25,7 +25,11 @@ def add_robots(adder: CommandAdder) -> None:
         help="name of the robot, or path of a robot.yaml or a URDF",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="file of the picture (default renders/ROBOT.png)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="file of the picture (default renders/ROBOT.png); the picture of the reach is written "
+        "beside it, to ROBOT-reach.png",
     )
     add_json(parser)
 
@@ -71,5 +75,5 @@ def add_schema(adder: CommandAdder) -> None:
         "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
     )
     parser.add_argument(
-        "sort", choices=("task", "robot"), metavar="SORT", help="kind of file: task or robot"
+        "sort", choices=("task", "robot"), metavar="KIND", help="kind of file: task or robot"
     )

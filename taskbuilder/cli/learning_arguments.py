@@ -49,7 +49,11 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--algorithm", metavar="A", help=f"{', '.join(most)} or {last} (default maddpg)"
     )
-    parser.add_argument("--preset", metavar="P", help="named set of settings, such as paper")
+    parser.add_argument(
+        "--preset",
+        metavar="P",
+        help="named set of settings, such as paper; it may change the defaults of other options",
+    )
     parser.add_argument(
         "--reward",
         metavar="R",
@@ -57,7 +61,10 @@ def add_train(adder: CommandAdder) -> None:
     )
     many = whole(1, 1_000_000_000)
     parser.add_argument(
-        "--steps", type=many, metavar="N", help="number of control steps (default 300000)"
+        "--steps",
+        type=many,
+        metavar="N",
+        help="number of control steps, or of updates for bc (default 300000)",
     )
     parser.add_argument(
         "--seed",
@@ -65,7 +72,8 @@ def add_train(adder: CommandAdder) -> None:
         nargs="+",
         type=whole(0, 2**31 - 1),
         metavar="N",
-        help="random seed (default 0); with several seeds, one run for each seed, in RUN-SEED",
+        help="random seed (default 0); with several seeds, one run for each seed, in the folder "
+        "RUN-SEED",
     )
     parser.add_argument(
         "--jobs",
@@ -94,7 +102,7 @@ def add_train(adder: CommandAdder) -> None:
         "--starts",
         type=share,
         metavar="SHARE",
-        help="fraction of episodes that begin in a state from an episode of the expert",
+        help="fraction of training episodes that begin in a state from an episode of the expert",
     )
     parser.add_argument(
         "--init",
@@ -117,14 +125,14 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--observe",
         metavar="O",
-        help="what policies observe: what the task file lists (task), or the whole scene (scene) "
+        help="what policies observe; task: what the task file lists; scene: the whole scene "
         "(default task)",
     )
     parser.add_argument(
         "--frame",
         metavar="F",
-        help="frame of poses and motions: as in the task file (task), or the base frame of each "
-        "robot (base) (default base)",
+        help="frame of poses and motions; task: the frames in the task file; base: the base frame "
+        "of each robot (default base)",
     )
     parser.add_argument(
         "--rotation",
@@ -141,7 +149,7 @@ def add_train(adder: CommandAdder) -> None:
         "--randomize",
         action="store_true",
         default=None,
-        help="draw the quantities that the task lists under randomize",
+        help="draw at random in each episode what the task lists under randomize and looks",
     )
     parser.add_argument(
         "--evaluate-every",
@@ -156,7 +164,7 @@ def add_train(adder: CommandAdder) -> None:
         "--film-every",
         type=whole(0, 1_000_000),
         metavar="N",
-        help="film one episode of every Nth evaluation; with 0, none (default 10)",
+        help="film one episode in every Nth evaluation; with 0, no episode (default 10)",
     )
     parser.add_argument(
         "--checkpoint-every",
@@ -207,8 +215,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "--variation",
         type=any_variation,
         metavar="K",
-        help="number of the variation; random; or all, which takes the variations in turn "
-        "(default: as in training)",
+        help="number of the variation; random; or all, which plays all episodes in each "
+        "variation (default: as in training)",
     )
     parser.add_argument(
         "--noise",
@@ -223,8 +231,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "--controls",
         type=whole(0, 100_000),
         metavar="N",
-        help="number of seeds on which the expert, random actions, robots that hold still and "
-        "stalls are also played, for comparison (default 20; for a certificate, all seeds)",
+        help="number of seeds with which the baselines also play, for comparison: the expert, "
+        "random actions, holding still, and stalls (default 20; for a certificate, all seeds)",
     )
     add_jobs(parser)
     add_ray(parser, "episodes")
@@ -250,7 +258,7 @@ def add_evaluate(adder: CommandAdder) -> None:
     parser.add_argument(
         "--video",
         action="store_true",
-        help="film a best, a median and a failed episode, as MP4 and GIF",
+        help="film the best, a median and a failed episode, as MP4 and GIF",
     )
     add_picture(parser, cameras="the first camera of the scene", of="a film")
     add_renderer(parser)
@@ -272,8 +280,8 @@ def add_plot(adder: CommandAdder) -> None:
         type=Path,
         default=[],
         metavar="CSV",
-        help="also draw learning curves of other software; columns of the file: step, "
-        "success_rate or team_return, and seed if there are several seeds",
+        help="also draw learning curves of other software, from files with the columns step, "
+        "success_rate or team_return or both, and seed if there are several seeds",
     )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="FILE", help="file of the picture, .png or .svg"

@@ -17,7 +17,7 @@ from taskbuilder.schema.values import RESERVED
 
 _ROBOT = Template("""\
     $name:
-      model: ur5e                      # or another of `taskbuilder robots`, or a robot.yaml
+      model: ur5e                      # or another that `taskbuilder robots` lists, or a robot.yaml
       base: {position: [$x, $y, 0.4], rpy_deg: [0, 0, $yaw]}
       home: {tcp: {position: [$tcp_x, $tcp_y, 0.62], rpy_deg: [180, 0, $yaw]}}
 """)
@@ -31,14 +31,14 @@ task: $task
 summary: The robot $first picks up the cube and brings it to the goal.
 instructions:
   - bring the {cube.color} cube to the {goal.color} ball
-cooperation: optional                  # required: then no robot alone may be able to succeed
+cooperation: optional                  # or required: no robot alone may be able to succeed
 
 timing: {control_hz: 10, physics_hz: 120, episode_steps: 50}
 
 scene:
   robots:                              # the agents, in this order
 $robots
-  objects:                             # metres, kilograms, degrees where the key says _deg
+  objects:                             # in metres and kilograms; keys that end in _deg: degrees
     table:
       parts:
         top: {box: [2.0, $depth, 0.04], at: [0, 0, -0.02]}
@@ -62,14 +62,14 @@ $robots
     front: {position: $front, look_at: $aim}
     close: {position: $close, look_at: [$cube_x, $cube_y, 0.5], fov_deg: 42}
 
-observe:                               # what each robot sees of the scene
+observe:                               # the channels that each robot observes
 $observe
 
-expert:                                # how it is done: a list of stages
+expert:                                # how the task is done: a list of stages
   - $first: {grasp: cube.middle}
   - $first: {bring: cube, to: goal}
 
-variations:                            # what differs from the scene above in each
+variations:                            # each one changes values of the scene above
   - {cube.color: blue, cube.mass: 0.2}
 """)
 
@@ -95,7 +95,7 @@ class $title(d.Description):
         d.Bonus("goal", at_goal, 2.0),
     )
 
-    # For training: how far the task has come, and what undoes it.
+    # For training: how much of the task is done, and when some of it is lost again.
     progress = d.Ladder(
         d.Closeness("$first.tcp", "cube"),
         (held, 1.5 + d.Closeness("cube", "goal")),

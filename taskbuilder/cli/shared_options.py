@@ -30,7 +30,8 @@ def add_ray(parser: ArgumentParser, pieces: str) -> None:
         const="local",
         metavar="ADDRESS",
         help=f"distribute {pieces} over the nodes of a Ray cluster; ADDRESS is host:port of the "
-        "head node, or auto; without ADDRESS, Ray is started on this machine alone",
+        "head node, or auto (the cluster that this machine belongs to); without ADDRESS, Ray is "
+        "started on this machine alone",
     )
 
 
@@ -41,8 +42,9 @@ def add_randomize(parser: ArgumentParser) -> None:
         nargs="?",
         const="quantities",
         choices=("quantities", "looks", "all"),
-        help="draw at random in each episode: what the task lists under randomize and looks "
-        "(quantities, or no value), all parts of the look (looks), or both (all)",
+        help="what is drawn at random in each episode; quantities, or no value: what the task "
+        "lists under randomize and looks; looks: all parts of the look; all: what the task lists "
+        "under randomize, and all parts of the look",
     )
 
 
@@ -112,6 +114,6 @@ def add_show(parser: ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="WHAT",
-        help="draw these with their names over the pictures: frames, grasps, sites, regions, "
+        help="what to draw over the pictures, with names: any of frames, grasps, sites, regions, "
         "cameras, reach",
     )

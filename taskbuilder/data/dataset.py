@@ -56,7 +56,7 @@ class RecordedEpisode:
 
     @property
     def task(self) -> str:
-        """The id of the task."""
+        """The name of the task."""
         return str(self.about["task"])
 
     @property
@@ -101,7 +101,7 @@ class RecordedEpisode:
         return tuple(self.of_agents("action"))
 
     def of_agents(self, what: str) -> dict[str, NDArray[Any]]:
-        """One kind of array for every agent, as a dictionary by agent.
+        """The arrays of one kind, as a dictionary keyed by agent.
 
         Args:
             what: Kind of array: ``observation``, ``action``, ``reward``, ``joint_position``,
@@ -115,17 +115,17 @@ class RecordedEpisode:
 
     @property
     def observations(self) -> dict[str, NDArray[np.float32]]:
-        """Observations by agent, each array (steps + 1, n) float32."""
+        """Observations by agent: (steps + 1, n) float32 each."""
         return self.of_agents("observation")
 
     @property
     def actions(self) -> dict[str, NDArray[np.float32]]:
-        """Actions by agent, each array (steps, n) float32, as the environment takes them."""
+        """Actions by agent, as the environment takes them: (steps, n) float32 each."""
         return self.of_agents("action")
 
     @property
     def rewards(self) -> dict[str, NDArray[np.float64]]:
-        """Local rewards by agent, each array (steps,)."""
+        """Local rewards by agent: (steps,) each."""
         return self.of_agents("reward")
 
     @property
@@ -185,9 +185,9 @@ class Dataset(Sequence[RecordedEpisode]):
 
     Attributes:
         folder: Folder of the data set.
-        about: Contents of ``dataset.json``: how the data set was collected, tasks, names of all
-            numbers, versions.
-        contents: Contents of ``index.json``: a line for every episode, and the attempts that were
+        about: Contents of ``dataset.json``: how the data set was collected, its tasks, the names of
+            all numbers in its arrays, and versions.
+        contents: Contents of ``index.json``: an entry for every episode, and the attempts that were
             not kept.
     """
 
@@ -205,7 +205,7 @@ class Dataset(Sequence[RecordedEpisode]):
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        """The ids of the tasks in the data set."""
+        """The names of the tasks in the data set."""
         return tuple(self.about["tasks"])
 
     def of_task(self, task: str) -> Dataset:
@@ -250,7 +250,7 @@ def load_dataset(folder: str | Path) -> Dataset:
         folder: Folder of the data set.
 
     Raises:
-        UsageError: The folder is no data set, or the data set is not complete yet.
+        UsageError: The folder is not a data set, or the data set is not complete yet.
         StoreError: The data set is damaged.
     """
     place = Path(folder)
@@ -284,19 +284,20 @@ def make_from(
         task: The task, if the data set has several; or the path of the task file, if the task is
             not in the catalogue.
         variation: Number of the variation; by default the first that was collected.
-        cameras: Whether agents observe the recorded cameras, in the recorded size and drawn by
-            the recorded renderer.
-        renderer: Renderer to use instead of the recorded renderer; the pictures then differ from
-            the recorded pictures.
+        cameras: Whether agents observe the recorded cameras, with the image size and the renderer
+            of the data set.
+        renderer: Renderer to use instead of that of the data set; the images then differ from the
+            recorded images.
         catalogue: Catalogue in which to look up the task; by default the catalogue of this
             installation.
 
     Raises:
-        UsageError: The folder is no data set, or the data set has several tasks and ``task`` is not
-            given.
+        UsageError: The folder is not a data set, or the data set has several tasks and ``task`` is
+            not given.
         UnknownNameError: The task is not in the catalogue.
         FileError: The task has errors.
-        SimulationError: The recorded renderer is not installed; give another as ``renderer``.
+        SimulationError: The renderer of the data set does not work on this machine; give another
+            as ``renderer``.
     """
     about = layout.read_about(Path(folder))
     loaded = _task_of(about, Path(folder), task, catalogue)

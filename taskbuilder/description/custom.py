@@ -78,7 +78,8 @@ def condition(function: Callable[..., bool]) -> Callable[..., Condition]:
 
         success = higher("cube", "tray")
 
-    Parameters annotated as `BodyName`, `RobotName` and so on are checked against the scene.
+    Names that are passed to parameters with the annotations `BodyName`, `RobotName` and so on are
+    checked against the scene.
     """
 
     def make(*args: Any, **kwargs: Any) -> Condition:

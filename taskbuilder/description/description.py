@@ -28,15 +28,17 @@ from taskbuilder.schema.names import SceneNames
 
 
 class Description:
-    """The success condition and the reward of a task, as a class beside its YAML file.
+    """Base class for the description of a task, which defines success and reward.
 
     Attributes:
         success: Condition that is true when the task is done. Required.
         failure: Condition that is true when the task can no longer be done.
         stages: Milestones: conditions by name, in the order in which they become true.
-        reward: The reward terms, summed at every control step. Required.
-        progress: Measure of how far the task has come, for training rewards; not in the reward.
-        setback: Condition on which training may end the episode, such as a dropped object.
+        reward: The reward terms, which are added up at every control step. Required.
+        progress: Measure of how much of the task is done, for training rewards; it is not part of
+            the reward.
+        setback: Condition that is true when the robots have lost something that they had achieved,
+            such as their grasp of an object; training may then end the episode.
     """
 
     success: ClassVar[Condition]
@@ -85,13 +87,13 @@ class Outcome:
     Attributes:
         success: Whether the success condition holds now.
         failure: Whether the failure condition holds now.
-        stage: Number of the last stage that has held in this episode so far, 0 for none.
+        stage: Number of the furthest stage reached so far in this episode; 0 for none.
         progress: Value of the description's progress; 0.0 if the description has no progress.
         conditions: Value of every named condition.
         terms: Value of every reward term by name, in the order of the description; the name of a
             term of one agent is ``NAME/AGENT``.
-        local: Each agent's own terms plus an equal share of the common terms.
-        team: The sum of the local rewards, in the order of the agents.
+        local: Each agent's local reward: its own terms plus an equal share of the common terms.
+        team: The team reward: the sum of the local rewards, added in the order of the agents.
     """
 
     success: bool

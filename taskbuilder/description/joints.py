@@ -59,10 +59,11 @@ class JointAngle(Condition):
 
 @dataclass(frozen=True)
 class JointTravel(Measure):
-    """How far a joint is on the way from its position after the reset to a target, from 0 to 1.
+    """How far a joint has moved from its position after the reset towards a target, from 0 to 1.
 
-    ``JointTravel("chest.lid_hinge", to_deg=70)`` for a joint that turns, in degrees;
-    ``JointTravel("cabinet.runner", to=0.2)`` for a joint that slides, in metres.
+    For a revolute joint, the target is an angle in degrees:
+    ``JointTravel("chest.lid_hinge", to_deg=70)``. For a prismatic joint, the target is a position
+    in metres: ``JointTravel("cabinet.runner", to=0.2)``.
     """
 
     joint: JointName

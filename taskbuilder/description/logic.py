@@ -53,7 +53,7 @@ class All(AllOf):
 
 @dataclass(frozen=True, init=False)
 class Any(AnyOf):
-    """At least one given condition holds; a condition on a group must hold for some member."""
+    """At least one condition holds; a condition on a group must hold for at least one member."""
 
     gathers = True
 

@@ -31,7 +31,8 @@ from taskbuilder.schema.names import SceneNames
 class Measure(Node):
     """An expression that is a number at each control step.
 
-    Define your own measures with `measure`, or as subclasses that are frozen dataclasses.
+    Define your own measures with the decorator `measure`, or as subclasses that are frozen
+    dataclasses.
     """
 
     def value(self, world: WorldView) -> float:
@@ -193,9 +194,9 @@ class GripperOpening(Measure):
 class ContactForce(Measure):
     """The contact force between two bodies or robots, in newtons; 0 if they do not touch.
 
-    ``first`` and ``second`` each name a robot, an object or a part. The sum of the normal forces
-    between the two is averaged over 1/60 s. The value is the peak of this average over the physics
-    steps of the control step.
+    ``first`` and ``second`` each name a robot, an object, or a part or a link of an object. The sum
+    of the normal forces between the two is averaged over 1/60 s. The value is the peak of this
+    average over the physics steps of the control step.
     """
 
     first: SolidName
@@ -386,7 +387,7 @@ class CustomMeasure(Measure):
 
 
 def measure(function: Callable[..., float]) -> Callable[..., Measure]:
-    """Turn a function of the world into a measure, as `condition` does for conditions."""
+    """Turn a function of the world that returns a number into a measure; see `condition`."""
 
     def make(*args: Any, **kwargs: Any) -> Measure:
         return CustomMeasure(Call.bind(function, args, kwargs))

@@ -171,9 +171,9 @@ class Blame(NamedTuple):
 class Condition(Node):
     """An expression that is true or false.
 
-    Compose with ``&``, ``|``, ``~`` and the conditions of `taskbuilder.description.logic`. Define
-    your own conditions with `condition`, or as subclasses that are frozen dataclasses with a method
-    ``holds``.
+    Combine conditions with ``&`` (and), ``|`` (or) and ``~`` (not), or with conditions such as
+    `All` and `Then`. Define your own conditions with the decorator `condition`, or as subclasses
+    that are frozen dataclasses with a method ``holds``.
     """
 
     def holds(self, world: WorldView) -> bool:

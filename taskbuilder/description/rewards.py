@@ -49,7 +49,7 @@ class Bonus(Term):
 
 @dataclass(frozen=True)
 class Distance(Term):
-    """The negative distance between two frames: -weight * |a - b|, in metres."""
+    """The negative distance between two frames: -weight * |first - second|, in metres."""
 
     name: str
     first: FrameName

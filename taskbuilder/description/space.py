@@ -56,10 +56,11 @@ class Near(Condition):
 class Inside(Condition):
     """A body is inside a container.
 
-    If the container is a site, the centre of the body must be at least ``margin`` inside the marker
-    of the site. If the container is an object or a part, the outline of the body must lie at least
-    ``margin`` inside the outline of the container, and the lowest point of the body must be between
-    the bottom and the top of the container. Both are measured in the frame of the container.
+    If the container is a site, the centre of the body's bounding box must be at least ``margin``
+    inside the bounding box of the site's marker. If the container is an object, a part or a link,
+    the bounding boxes of body and container are compared along the axes of the container: in x and
+    y, the box of the body must be at least ``margin`` inside the box of the container; in z, its
+    bottom must be between the bottom and the top of the container.
     """
 
     body: BodyName

@@ -11,8 +11,8 @@ from taskbuilder.geometry import Box, Pose, Vec3
 class WorldView(Protocol):
     """The state of the world that descriptions read; constant within a control step.
 
-    Frames are named ``stick``, ``tray.left_handle``, ``goal``, ``left.tcp``; poses and velocities
-    are in the world frame, in metres, seconds and radians.
+    Frames have names such as ``stick``, ``tray.left_handle``, ``goal`` and ``left.tcp``. Poses and
+    velocities are in the world frame, in metres, seconds and radians.
     """
 
     @property
@@ -34,19 +34,19 @@ class WorldView(Protocol):
         """The position of a named frame."""
 
     def velocity(self, frame: str) -> tuple[Vec3, Vec3]:
-        """Linear (m/s) and angular (rad/s) velocity of a body or of a robot's tcp."""
+        """Linear (m/s) and angular (rad/s) velocity of a named frame."""
 
     def box(self, body: str) -> Box:
-        """Bounding box of an object, a part or a site's marker, in the frame of ``body``."""
+        """Bounding box of an object, a part, a link or a site marker, in the frame of ``body``."""
 
     def is_solid(self, name: str) -> bool:
-        """True for the name of an object or a part; False for the name of a site."""
+        """True for the name of an object, a part or a link; False for the name of a site."""
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether a robot holds an object or a part, with opposing fingers or by suction."""
+        """Whether a robot holds an object, a part or a link, by opposing fingers or by suction."""
 
     def touching(self, first: str, second: str) -> bool:
-        """Whether two objects, parts or robots touch; a robot includes its gripper."""
+        """Whether two objects, parts, links or robots touch; a robot includes its gripper."""
 
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which ``below`` carries ``body``."""
@@ -59,7 +59,7 @@ class WorldView(Protocol):
         """
 
     def fingers_touch(self, body: str, robot: str) -> bool:
-        """Whether any finger of a robot touches an object or part."""
+        """Whether any finger or tool of a robot touches an object, a part or a link."""
 
     def opening(self, robot: str) -> float:
         """How far a robot's gripper is open, from 0 (closed) to 1."""

@@ -7,7 +7,7 @@ from taskbuilder.diagnostics.entry import Code, Example, within
 ENTRIES = {
     "TB200": Code(
         "Names and description",
-        "Summary of TB201 to TB216, which check the names in the task file and the description.",
+        "Summary of TB201 to TB216, which check the description and the names in the task file.",
     ),
     "TB201": Code(
         "Unknown name",
@@ -21,8 +21,8 @@ ENTRIES = {
     ),
     "TB202": Code(
         "Name used twice",
-        "Robots, objects, sites and cameras share one namespace, and so do the links and grasp "
-        "points of a URDF object.",
+        "Robots, objects, sites and cameras share one namespace, so two of them cannot have the "
+        "same name. In an object with a URDF, a grasp point cannot have the name of a link.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),
@@ -39,19 +39,19 @@ ENTRIES = {
     ),
     "TB204": Code(
         "Unknown observation channel",
-        "A channel is subject.quantity, such as self.tcp or cube.pose. Either the subject does "
-        "not exist, or it does not have this quantity.",
+        "A channel has the form `SUBJECT.QUANTITY`, such as `self.tcp` or `cube.pose`. Either the "
+        "subject does not exist, or it does not have this quantity.",
         within("observe", "left: [self.tcp, cube.color]", "left: [self.tcp, cube.pose]"),
     ),
     "TB205": Code(
         "Impossible change of the scene",
-        "A variation, a randomised quantity or a placeholder {thing.key} in an instruction "
-        "refers to a value that the scene does not have, or that cannot change.",
+        "A variation, a randomised quantity, or a placeholder such as `{cube.color}` in an "
+        "instruction refers to a value that the scene does not have, or that cannot be changed.",
         Example("task", "variations: [{cub.color: blue}]", "variations: [{cube.color: blue}]"),
     ),
     "TB206": Code(
         "No description beside the task file",
-        "The description of NAME.yaml must be in NAME.py, in the same folder.",
+        "The description of `NAME.yaml` must be in `NAME.py`, in the same folder.",
         Example("folder", "example.yaml", "example.yaml\nexample.py"),
     ),
     "TB207": Code(
@@ -67,14 +67,15 @@ ENTRIES = {
     ),
     "TB209": Code(
         "Not exactly one description",
-        "The Python file must define exactly one subclass of Description. It defines none, or "
-        "several.",
+        "The Python file must define exactly one subclass of `Description`. This file defines "
+        "none, or more than one.",
         Example("module", "class Example:\n    ...", "class Example(Description):\n    ..."),
     ),
     "TB210": Code(
         "The description is incomplete",
-        "success and reward are required. success and failure must be conditions, stages a "
-        "mapping of names to conditions, reward a tuple of terms, and progress a measure.",
+        "`success` and `reward` are required. `success`, `failure` and `setback` must be "
+        "conditions, `stages` must map names to conditions, `reward` must be a tuple of terms, and "
+        "`progress` must be a measure.",
         Example(
             "description",
             'reward = Bonus("held", Held("cube"), 1.0)',
@@ -83,8 +84,9 @@ ENTRIES = {
     ),
     "TB211": Code(
         "Duplicate name in the description",
-        "Two reward terms have the same name and agent, or a stage has the same name as another "
-        "condition. In logs, the two could not be told apart.",
+        "Two reward terms have the same name and the same agent. Or a stage has the same name as "
+        "an attribute of the class, but is a different condition. In logs, the two could not be "
+        "told apart.",
         Example(
             "description",
             'reward = (Bonus("grasp", Held("cube"), 1.0), Bonus("grasp", Held("tray"), 1.0))',
@@ -93,8 +95,8 @@ ENTRIES = {
     ),
     "TB212": Code(
         "Invalid value in the description",
-        "A value is invalid. For example, a threshold is negative or not a number, or no number "
-        "is within both bounds.",
+        "An expression has an invalid value. For example, a threshold is negative or not a number, "
+        "or a lower bound is greater than the upper bound.",
         Example(
             "description",
             'success = Near("cube", "goal", within=-0.05)',
@@ -103,23 +105,23 @@ ENTRIES = {
     ),
     "TB213": Code(
         "The import of the description does not finish",
-        "Importing the Python file took more than ten seconds or ended the interpreter. A "
-        "description should only declare expressions, without long computations or network "
-        "access.",
+        "Importing the Python file took longer than 30 s, or ended the interpreter. (With "
+        "`validate_task(..., apart=False)`, the limit is 10 s.) A description should only declare "
+        "expressions, without long computations or network access.",
         Example("module", "import os\n\nos._exit(0)", "class Example(Description):\n    ..."),
     ),
     "TB214": Code(
         "Unknown condition",
         "The expert waits for a condition that the description does not have, or the lock of a "
-        "joint depends on such a condition. The condition can be success, failure, a stage, or "
+        "joint depends on such a condition. The condition can be `success`, `failure`, a stage, or "
         "any other attribute of the description class that is a condition.",
         within("", "expert: [{until: sucess}]", "expert: [{until: success}]"),
     ),
     "TB215": Code(
         "Members of a group not combined",
-        "An expression of the description names a group, but does not state how the values for "
-        "the members of the group are combined. Put a condition into All, Any, AtLeast or Count, "
-        "and a measure into Mean or Minimum.",
+        "An expression of the description names a group, but does not state how the values for the "
+        "members of the group are combined. Put a condition into `All`, `Any`, `AtLeast` or "
+        "`Count`, and a measure into `Mean` or `Minimum`.",
         Example(
             "description",
             'failure = Near("pegs", "cube", within=0.01)',
@@ -128,8 +130,9 @@ ENTRIES = {
     ),
     "TB216": Code(
         "Not with this end effector",
-        "A robot without a gripper is told to take hold of something or to let go, or has a key "
-        "for gripper actions. A robot without a gripper can only move, push and press.",
+        "A robot without a gripper or suction cup is told to take hold of something or to let go, "
+        "or has a key for gripper actions. Such a robot can only move, push and press. Or a robot "
+        "with a suction cup, which is only on or off, has `gripper: continuous`.",
         within(
             "scene.robots.left",
             "model: ur5e_pusher\naction: {gripper: binary}",

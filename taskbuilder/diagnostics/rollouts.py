@@ -9,9 +9,9 @@ _OURS = " No task file is known that fails this check. Please report one that do
 ENTRIES = {
     "TB501": Code(
         "Episodes differ for the same seed",
-        "Two episodes with the same seed and the same actions differ, both within one process and "
-        "in a new process. Some code uses a random-number generator that is not seeded by the "
-        "episode, or reads the clock.",
+        "Two episodes with the same seed and the same actions differ, whether they are played in "
+        "the same process or in different processes. Some code uses a random-number generator that "
+        "is not seeded by the episode, or reads the clock.",
         Example(
             "module",
             "import random\n\n\n@measure\ndef luck(world):\n    return random.random()\n\n\n"
@@ -21,12 +21,12 @@ ENTRIES = {
     ),
     "TB502": Code(
         "Episodes depend on earlier ones",
-        "With the same seed and actions, two new processes give the same episode, but after other "
-        "episodes the result differs. The usual cause is a description that keeps state in a "
-        "module variable: use conditions with memory instead, such as Once, Then and Sustained. "
-        "Another cause is that several loose objects lie against each other on a moving link. The "
-        "physics engine keeps contacts of earlier episodes between such objects. Let the objects "
-        "begin apart, or use fewer of them.",
+        "With the same seed and actions, two new processes give the same episode, but a process "
+        "that has already played other episodes gives a different one. The usual cause is a "
+        "description that keeps state in a module variable: use conditions with memory instead, "
+        "such as `Once`, `Then` and `Sustained`. Another cause is that several loose objects lie "
+        "against each other on a moving link. The physics engine keeps contacts of earlier "
+        "episodes between such objects. Let the objects begin apart, or use fewer of them.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -37,9 +37,9 @@ ENTRIES = {
     ),
     "TB503": Code(
         "Episodes depend on the process",
-        "With the same seed and actions, episodes are the same within one process, but differ in "
-        "another process. String hashes, the order of sets, id() and the process id differ "
-        "between processes.",
+        "With the same seed and actions, episodes are the same within one process, but differ "
+        "between processes. The usual cause is a description that uses something that differs "
+        "between processes: string hashes, the order of sets, `id()`, or the process id.",
         Example(
             "module",
             "@measure\ndef order(world):\n    return hash('cube') % 1000\n\n\n"
@@ -50,8 +50,8 @@ ENTRIES = {
     "TB504": Code(
         "Restored episodes continue differently",
         "An episode was saved and continued, then restored and continued with the same actions. "
-        "The two continuations differ, because the description has state that is not saved. Use "
-        "conditions with memory instead, such as Once, Then and Sustained.",
+        "The two continuations differ. The usual cause is a description with state that is not "
+        "saved: use conditions with memory instead, such as `Once`, `Then` and `Sustained`.",
         Example(
             "module",
             "highest = []\n\n\n@measure\ndef record(world):\n    if world.time == 0:\n"
@@ -63,8 +63,8 @@ ENTRIES = {
     ),
     "TB505": Code(
         "The description changes the world",
-        "Evaluating the description changed positions, velocities or motor commands. A "
-        "description may only read the world.",
+        "Evaluating the description changed positions, velocities or motor commands. A description "
+        "must only read the world.",
         Example(
             "module",
             "@condition\ndef freed(world):\n"
@@ -75,10 +75,11 @@ ENTRIES = {
     ),
     "TB511": Code(
         "The expert needs a pose out of reach",
-        "For some placement, inverse kinematics finds no joint positions within the limits for a "
-        "pose that a stage requires, and the expert also fails when it is played. The finding "
-        "names the seed, the stage and the robot, and how far the pose is out of reach. If the "
-        "expert succeeds before it reaches this stage, the finding is only a warning.",
+        "A stage of the expert needs a pose for which inverse kinematics finds no joint positions "
+        "within the limits, and the expert also fails when it is played. The finding names the "
+        "stage, the robot and the worst seed, and tells how far the pose is out of reach with that "
+        "seed. If the expert succeeds without reaching the pose, the finding is only a "
+        "warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -89,9 +90,10 @@ ENTRIES = {
     ),
     "TB512": Code(
         "Suction on nothing",
-        "At a grasp point that the expert takes by suction, there is no surface within the reach "
-        "of the cup, or the point lies inside the object. Put the grasp point on the surface of "
-        "the object, on the side from which the tool approaches.",
+        "The expert grasps an object by suction at a grasp point that has no surface within the "
+        "reach of the cup, or that lies too deep inside the object. Put the grasp point on the "
+        "surface of the object, on the side from which the tool approaches; or, as in the example, "
+        "use a robot with a gripper.",
         within(
             "scene.robots",
             "left:\n  model: ur5e_suction\n  base: {position: [-0.7, 0, 0.4]}\n"
@@ -106,12 +108,12 @@ ENTRIES = {
     ),
     "TB522": Code(
         "PettingZoo's AEC tests",
-        "`api_test` or `seed_test` fails on the turn-based environment." + _OURS,
+        "`api_test` or `seed_test` fails on the turn-based (AEC) environment of the task." + _OURS,
     ),
     "TB523": Code(
         "Gymnasium's environment checker",
-        "`check_env` fails on the joint environment, for example because an episode has only one "
-        "step.",
+        "`check_env` fails on the joint environment (`JointEnv`), in which one agent controls all "
+        "robots. For example, an episode has only one step.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 1}",
@@ -120,15 +122,15 @@ ENTRIES = {
     ),
     "TB524": Code(
         "Observation outside its space",
-        "An observation differs from its space in shape or type, exceeds the bounds, or is not a "
-        "number. Observations are clipped to their bounds. No task file is known that fails "
-        "this check, unless the description changes values of the world.",
+        "An observation differs from its space in shape or type, exceeds the bounds of the space, "
+        "or is not a number. taskbuilder clips observations to these bounds. No task file is known "
+        "that fails this check, unless the description changes values of the world.",
     ),
     "TB525": Code(
         "Constant observation",
-        "An agent's observation is the same at every step of an episode, or the same in every "
-        "episode although objects are placed at random. The agent cannot learn from such an "
-        "observation.",
+        "All observations of an agent in an episode are the same. Or all episodes give an agent "
+        "the same observations, although objects are placed at random. The agent cannot learn from "
+        "such observations.",
         Example(
             "task",
             "observe: {left: [goal.position], right: [self.tcp, cube.position]}",
@@ -138,8 +140,9 @@ ENTRIES = {
     "TB526": Code(
         "Observations shared between agents",
         "Two agents have exactly the same observations and neither observes itself, so neither "
-        "agent can tell which of the two it is. Or writing to one observation changes another "
-        "observation or the episode.",
+        "agent can tell which of the two it is. Or observations share memory: writing into one "
+        "observation changes another observation or the episode, or the next step changes an "
+        "observation that was returned earlier.",
         Example(
             "task",
             "observe: {left: [cube.pose, time_left], right: [cube.pose, time_left]}",
@@ -148,13 +151,14 @@ ENTRIES = {
     ),
     "TB527": Code(
         "Space recreated on every call",
-        "observation_space or action_space returns a new object on every call, so seeding it has "
-        "no effect." + _OURS,
+        "`observation_space` or `action_space` returns a new object on every call, so that seeding "
+        "the space has no effect." + _OURS,
     ),
     "TB531": Code(
         "The expert does not succeed reliably",
-        "The task's expert succeeds on fewer than 95 % of the seeds. The finding counts the "
-        "causes of failure, and names the first seed and stage.",
+        "In at least one variation, the expert succeeds on fewer than 95 % of the seeds. The "
+        "finding counts the causes of failure, and states the seed and the stage of the first "
+        "failure.",
         Example(
             "task",
             "expert:\n  - {left: {grasp: cube.top}, right: {reach: lamp}}",
@@ -164,8 +168,8 @@ ENTRIES = {
     ),
     "TB532": Code(
         "The episode is too short",
-        "The expert succeeds on enough seeds, but only in episodes longer than "
-        "timing.episode_steps. The finding states how many steps it needs.",
+        "The expert succeeds on enough seeds only if episodes are longer than `episode_steps`. The "
+        "finding states how many control steps the expert needs.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 12}",
@@ -174,8 +178,9 @@ ENTRIES = {
     ),
     "TB533": Code(
         "No expert",
-        "Without an expert, nothing shows that the task can be done, and the checks that play "
-        "the expert are skipped. This is a warning.",
+        "The task has no expert, or a robot has an action mode for which the expert cannot plan. "
+        "Nothing then shows that the task can be done, and the checks that play the expert are "
+        "skipped. This is a warning.",
         Example(
             "task",
             "expert: []",
@@ -185,16 +190,16 @@ ENTRIES = {
     ),
     "TB534": Code(
         "Variation without effect",
-        "The scene of this variation is the same as that of the task as written, or of another "
-        "variation.",
+        "The variation has the same scene as the task as written, or as another variation.",
         Example("task", "variations: [{cube.color: gray}]", "variations: [{cube.color: blue}]"),
     ),
     "TB535": Code(
         "Success does not last",
-        "After the expert succeeds, all robots hold still for two seconds, and success does not "
-        "last that long. For example, the load may fly through its goal. A learner would learn to "
-        "do the same. Define success as a state that lasts, and let the expert come to rest in "
-        "this state.",
+        "The expert reached success, and its episode was continued for two seconds beyond the "
+        "usual end while all robots held still. At the end of the two seconds, success no longer "
+        "held. For example, the load may fly through its goal. A learner would learn to do the "
+        "same. Define success as a state that lasts, and let the expert come to rest in this "
+        "state.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05) & ~Stationary("cube", speed=0.02)',
@@ -203,8 +208,8 @@ ENTRIES = {
     ),
     "TB541": Code(
         "A robot is not needed",
-        "The team succeeds although one robot stays at home and takes no part. If this is "
-        "intended, write cooperation: optional.",
+        "In at least one episode, the team succeeds although one robot holds still and takes no "
+        "part. If this is intended, write `cooperation: optional`.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05)',
@@ -213,8 +218,9 @@ ENTRIES = {
     ),
     "TB542": Code(
         "One robot can do the task alone",
-        "A robot succeeded alone by moving an object to a place, both named in the success "
-        "condition. If this is intended, write cooperation: optional.",
+        "Without the other robots, a robot reached success: by lifting an object that the success "
+        "condition names, by moving it to a place that the condition names, or by moving a joint "
+        "that the condition names. If this is intended, write `cooperation: optional`.",
         Example(
             "description",
             'success = (Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
@@ -224,7 +230,8 @@ ENTRIES = {
     ),
     "TB543": Code(
         "Random actions succeed",
-        "Success becomes true in an episode of random actions, so the condition is too weak.",
+        "Success becomes true in an episode of random actions, so the success condition is too "
+        "weak.",
         Example(
             "description",
             'success = Moved("left.tcp", by=0.1)',
@@ -244,9 +251,9 @@ ENTRIES = {
         "An object starts within reach of several robots",
         "The task requires cooperation, but an object that one robot is meant to fetch starts "
         "where another robot can take hold of it. In the simulation, the other robot did so. A "
-        "policy might learn to do the task with this other robot alone, even where the attempts "
-        "of single robots (TB542) fail. Objects that several robots hold or carry together, or "
-        "push to each other, may start within reach of all of them. This is a warning.",
+        "policy might learn to do the task with this other robot alone, even if the attempts of "
+        "single robots (TB542) fail. Objects that several robots hold or carry together, or push "
+        "to each other, may start within reach of all of them. This is a warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"
@@ -259,8 +266,8 @@ ENTRIES = {
     ),
     "TB551": Code(
         "Reward term not finite or too large",
-        "A reward term is not a finite number, or it exceeds one million at a control step. "
-        "Single precision would then lose the other terms.",
+        "A reward term is not a finite number, or its absolute value exceeds one million at a "
+        "control step. In single precision, the other terms would be lost to rounding.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 1e8), Distance("point", "right.tcp", '
@@ -271,10 +278,11 @@ ENTRIES = {
     ),
     "TB552": Code(
         "Stalling earns as much as continuing",
-        "Holding still after one of the expert's stages earns as much as the expert, or the "
-        "difference is not significant: the confidence interval of the difference, from pairs of "
-        "episodes with the same seed, includes zero. A learner would stop after this stage. Give "
-        "more reward for later stages, or less for earlier ones.",
+        "Holding still after one of the expert's stages earns at least as much as the expert, or "
+        "the lead of the expert is not significant. To decide this, episodes with the same seed "
+        "are compared in pairs: the confidence interval of the mean difference must lie above "
+        "zero. A learner would stop after this stage. Give more reward for later stages, or less "
+        "for earlier ones.",
         Example(
             "description",
             'reward = (Bonus("hold", Held("cube") & ~success, 1.0), Bonus("done", success, 0.1))',
@@ -283,8 +291,8 @@ ENTRIES = {
     ),
     "TB553": Code(
         "Doing nothing or acting at random earns as much",
-        "Holding still from the start, or random actions, earn as much as the expert, or the "
-        "difference is not significant.",
+        "Holding still from the start, or acting at random, earns at least as much as the expert, "
+        "or the lead of the expert is not significant (see TB552).",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", -1.0), Bonus("done", success, 0.1))',
@@ -293,8 +301,9 @@ ENTRIES = {
     ),
     "TB554": Code(
         "Leaving out a robot earns as much",
-        "Cooperation is required, but the other robots earn as much as the expert while one robot "
-        "stays at home. A learner would leave that robot idle.",
+        "Cooperation is required, but while one robot holds still, the team earns at least as much "
+        "as the expert, or the lead of the expert is not significant (see TB552). A learner would "
+        "leave that robot idle.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 4.0), Distance("rest", "right.tcp", '
@@ -305,11 +314,12 @@ ENTRIES = {
     ),
     "TB555": Code(
         "Failing on purpose earns as much",
-        "After one of the expert's stages, dropping a held object or throwing it away earns as "
-        "much as the expert. In half of these episodes, all grippers open. In the other half, all "
-        "arms also swing sideways at full speed. Episodes that nevertheless succeed are left out. "
-        "A possible cause is a bonus that is also paid after a failure: write `Bonus(..., done & "
-        "~Once(failure))`. If a failure ends the episode, it may also cut off negative rewards.",
+        "Dropping or throwing held objects after one of the expert's stages earns at least as much "
+        "as the expert, or the lead of the expert is not significant (see TB552). In half of these "
+        "episodes, all grippers open. In the other half, all arms also swing sideways at full "
+        "speed. Episodes that nevertheless succeed are left out. A possible cause is a bonus that "
+        "is also paid after a failure: write `Bonus(..., done & ~Once(failure))`. Another possible "
+        "cause is a failure that ends the episode and so avoids negative rewards.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"), '
@@ -318,11 +328,35 @@ ENTRIES = {
             'Bonus("let go", success & Released("cube"), 5.0))',
         ),
     ),
+    "TB556": Code(
+        "Progress is higher before success",
+        "In an episode in which the expert succeeds, the description's `progress` is lower at "
+        "success than at an earlier control step. Training rewards new best values of the "
+        "progress, so it would not reward success. A common cause is a rung of a `Ladder` that is "
+        "worth less than the rung below it, or whose condition does not hold at success.",
+        Example(
+            "description",
+            'progress = Ladder(Closeness("left.tcp", "cube"), (Held("cube"), 3.0), (success, 2.0))',
+            'progress = Ladder(Closeness("left.tcp", "cube"), (Held("cube"), 2.0), (success, 3.0))',
+        ),
+    ),
+    "TB557": Code(
+        "Setback although the expert succeeds",
+        "The description's `setback` holds in an episode in which the expert succeeds. A setback "
+        "ends training episodes with a penalty, so training would punish the robots for what the "
+        "expert does. In the example, `Sustained` counts from the start of the episode and not "
+        "from the grasp, so `Then` may be satisfied as soon as the cube is grasped.",
+        Example(
+            "description",
+            'setback = Then(Held("cube"), Sustained(~success, seconds=2.0))',
+            'setback = Sustained(Once(Held("cube")) & ~success, seconds=2.0)',
+        ),
+    ),
     "TB561": Code(
         "Speed and cost",
-        "Measurements, which neither pass nor fail: control steps per second, the time that a "
-        "control step takes in addition to its physics steps, and the time to reset and to build "
-        "the world.",
+        "Measurements, which neither pass nor fail: the number of control steps per second; the "
+        "time that a control step takes in addition to its physics steps, as a multiple of the "
+        "time of a physics step; and the time of a reset.",
     ),
     "TB571": Code(
         "Render returns no picture",
@@ -336,7 +370,7 @@ ENTRIES = {
     ),
     "TB573": Code(
         "Episode without an end",
-        "The episode continues after its last control step." + _OURS,
+        "The episode does not end after its `episode_steps` control steps." + _OURS,
     ),
     "TB574": Code(
         "Agent without observation",
@@ -349,9 +383,9 @@ ENTRIES = {
     ),
     "TB575": Code(
         "Seed without effect",
-        "In the same environment, the same seed and actions gave different episodes, or the "
-        "episodes after them differed. Or all seeds gave the same episode although objects are "
-        "placed at random." + _OURS,
+        "In the same environment, two episodes with the same seed and actions differ. Or, if each "
+        "of them is followed by an episode without a seed, these two further episodes differ. Or "
+        "all seeds give the same episode although objects are placed at random." + _OURS,
     ),
     "TB576": Code(
         "Reward not finite",

@@ -7,21 +7,22 @@ from taskbuilder.diagnostics.entry import Code, Example, block, cabinet, within
 ENTRIES = {
     "TB300": Code(
         "Robots and joint values",
-        "Summary of TB301 and TB302, which compare robots and joint values with their URDFs, "
-        "without physics.",
+        "Summary of TB301 and TB302, which compare robots and joint values with the URDFs, without "
+        "physics.",
     ),
     "TB301": Code(
         "Does not match the URDF",
-        "A robot.yaml, or the joints or grasp points of an object, name a link or a movable "
-        "joint that the URDF does not have. Or a gripper position is beyond the limits of its "
-        "joint.",
+        "A robot.yaml, or a joint or grasp point of an object, names a link or a movable joint "
+        "that the URDF does not have. Other keys of a robot.yaml may also contradict the URDF: for "
+        "example, a gripper position is beyond the limits of its joint, or no joint of the gripper "
+        "moves a finger.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
         "Joint value out of limits",
-        "A joint position, or a limit in the task file, is outside the limits of the joint in "
-        "the URDF, or an expert moves a joint beyond its limits. Or there are too many or too "
-        "few joint positions.",
+        "A joint position or a joint limit in a task or robot file is outside the limits of the "
+        "joint in the URDF. Or the expert moves a joint beyond its limits, or a list has too many "
+        "or too few joint positions.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -40,14 +41,14 @@ ENTRIES = {
     ),
     "TB304": Code(
         "Overlap at the start",
-        "Two bodies overlap by more than 1 mm when the episode begins.",
+        "When the episode begins, two bodies overlap by more than 2 mm.",
         block("position: [0, 0, 0.41]", "position: [0, 0, 0.43]"),
     ),
     "TB305": Code(
         "No room for an object",
-        "A hundred placements were tried. In each of them, the object was too close to another "
-        "body: closer than its clearance, which is 5 mm by default. The surface on which the "
-        "object stands, and the container in which it is placed, do not count.",
+        "A hundred placements were tried. In each of them, the object was closer to another body "
+        "than the `clearance` of its `place`, which is 5 mm by default. Only the objects that "
+        "`surface` and `in` name may be closer.",
         block(
             "place: {surface: table, center: [0.4, 0], size: [0.05, 0.05]}",
             "place: {surface: table, center: [0, 0.3], size: [0.05, 0.05]}",
@@ -55,25 +56,26 @@ ENTRIES = {
     ),
     "TB306": Code(
         "Does not come to rest",
-        "During one second without actions, the object moved by more than 5 mm, or it was still "
-        "moving at the end.",
+        "During one second in which no robot was commanded, the object moved by more than 5 mm, or "
+        "it was still moving at the end.",
         block("position: [0, 0, 0.6]", "position: [0, 0, 0.43]"),
     ),
     "TB307": Code(
         "The simulation diverges",
-        "Without any action, bodies gain energy, leave the scene, or have positions that are not "
-        "finite. The usual cause is that bodies overlap or have very different masses.",
+        "Bodies gain energy although no robot is commanded, are more than 50 m from the origin, or "
+        "have positions that are not finite. The usual cause is that bodies overlap or have very "
+        "different masses.",
         block("position: [0, 0, -47]", "position: [0, 0, 0.43]"),
     ),
     "TB308": Code(
         "Implausible mass",
-        "The density, computed from the mass and the bounding box, is lower than that of foam or "
-        "higher than that of lead. This is a warning.",
+        "The density, computed from the mass and the bounding box, is below 10 kg/m³ (lighter than "
+        "foam) or above 25,000 kg/m³ (denser than any metal). This is a warning.",
         within("scene.objects.cube", "mass: 8", "mass: 0.08"),
     ),
     "TB309": Code(
         "Empty camera image",
-        "The image shows only the floor and the background.",
+        "More than 99.5 % of the camera image shows only the floor and the background.",
         within(
             "scene.cameras",
             "side: {position: [0, -2, 1], look_at: [0, -4, 1]}",
@@ -82,8 +84,8 @@ ENTRIES = {
     ),
     "TB310": Code(
         "Leaves its region",
-        "After the scene has settled for one control step, the object is more than 3 mm outside "
-        "the region in which it was placed. It fell, slid or was pushed.",
+        "After the reset, in which the scene settles for one control step, the object is more than "
+        "3 mm outside the region in which it was placed. It fell, slid or was pushed.",
         block(
             "place: {center: [0, 0.3, 0.436], size: [0.1, 0.1, 0]}",
             "place: {surface: table, center: [0, 0.3], size: [0.1, 0.1]}",
@@ -119,7 +121,7 @@ ENTRIES = {
     "TB314": Code(
         "The description fails during an episode",
         "A condition, measure or reward term raised an error or returned an invalid value. A "
-        "condition must return True or False, and a measure or term must return a number. The "
+        "condition must return `True` or `False`, and a measure or term must return a number. The "
         "finding shows the line.",
         Example(
             "module",
@@ -130,12 +132,13 @@ ENTRIES = {
     ),
     "TB315": Code(
         "Lost process",
-        "The description ended or crashed the interpreter while it was evaluated, or took too "
-        "long. The time limit is 20 s plus 0.8 s for each control step of an episode; on Linux, "
-        "time that a busy machine keeps the process waiting does not count. The "
-        "finding shows the line if it is known. If a process is killed or stopped from outside, "
-        "it is replaced and its work is repeated. If this happens twice in a row, the machine "
-        "may be short of memory.",
+        "While the description was evaluated, it terminated or crashed the Python interpreter, or "
+        "the evaluation took too long. The time limit is 20 s plus 0.8 s for each control step of "
+        "an episode. On Linux, the time during which the process waits for a core of a busy "
+        "machine does not count. The "
+        "finding shows the line if it is known. If a process is killed or stopped from outside, it "
+        "is replaced and its work is repeated. If the same work is lost twice in a row, the "
+        "finding is reported; the machine may be short of memory.",
         Example(
             "module",
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
@@ -146,8 +149,8 @@ ENTRIES = {
     "TB316": Code(
         "Grasp point on the wrong link",
         "A grasp point of an articulated object is fixed to the object's base, but the link "
-        "nearest to it moves. When that link moves, the grasp point stays behind, so grasps miss "
-        "and rewards refer to the wrong place. This is a warning.",
+        "nearest to it is a moving link. When that link moves, the grasp point stays behind, so "
+        "that grasps miss and rewards refer to the wrong place. This is a warning.",
         cabinet(
             "grasps: {knob: {at: [0, -0.07, 0.03]}}",
             "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",

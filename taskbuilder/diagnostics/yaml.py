@@ -11,7 +11,7 @@ ENTRIES = {
     ),
     "TB001": Code(
         "File cannot be read",
-        "The file does not exist, is not a plain file, or may not be read by this user.",
+        "The file does not exist or is not a plain file, or you have no permission to read it.",
         Example("folder", "example.yaml/", "example.yaml"),
     ),
     "TB002": Code(
@@ -32,13 +32,14 @@ ENTRIES = {
     ),
     "TB005": Code(
         "Unsupported YAML feature",
-        "Tags (!!str) and merge keys (<<) are not supported. Use plain values only.",
+        "Tags (`!!str`) and merge keys (`<<`) are not supported. Use plain values only.",
         Example("file", "summary: !!str Lift the cube.", "summary: Lift the cube."),
     ),
     "TB006": Code(
         "YAML limits exceeded",
-        "A file may have at most 256 KiB, 24 levels of nesting, and 20,000 values after its "
-        "aliases are expanded. An alias must come after its anchor.",
+        "A file must not be larger than 256 KiB, be nested deeper than 24 levels, or contain more "
+        "than 20,000 values. Each alias counts as all the values that it stands for. An alias must "
+        "come after its anchor.",
         Example("file", "state: *everything", "state: all"),
     ),
     "TB007": Code(
@@ -48,13 +49,16 @@ ENTRIES = {
     ),
     "TB008": Code(
         "Two files with the same name",
-        "Two tasks, or two robots, have the same name in the catalogue. Neither of the two is "
-        "used. Rename one of them, or remove its folder from the task path.",
+        "Two tasks, two robots or two suites in the catalogue have the same name. Until this is "
+        "resolved, no task (or robot, or suite) can be used by name. Rename one of the two, or "
+        "leave its folder out of `--task-path` and `TASKBUILDER_PATH`.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(
-        "No such robot",
-        "The model is neither the name of a robot in the catalogue nor the path of a robot.yaml.",
+        "No such robot or task",
+        "`model` is neither the name of a robot in the catalogue nor the path of a robot.yaml. The "
+        "code also stands for a task that a suite lists but that is not in the folder of the "
+        "suite.",
         within("scene.robots.left", "model: ur5", "model: ur5e"),
     ),
     "TB100": Code(
@@ -78,7 +82,7 @@ ENTRIES = {
     "TB103": Code(
         "Wrong type",
         "The value has the wrong type, for example a string instead of a number. Booleans are "
-        "true and false; off, on, yes and no are strings.",
+        "`true` and `false`; `off`, `on`, `yes` and `no` are strings.",
         within("scene.objects.cube", "fixed: off", "fixed: false"),
     ),
     "TB104": Code(
@@ -94,8 +98,8 @@ ENTRIES = {
     "TB106": Code(
         "Incompatible values",
         "Each value is valid on its own, but not in combination with the others. Examples: two "
-        "shapes for one object, [maximum, minimum] instead of [minimum, maximum], or a "
-        "physics_hz that is not a multiple of control_hz.",
+        "shapes for one object, `[maximum, minimum]` instead of `[minimum, maximum]`, or a "
+        "`physics_hz` that is not a multiple of `control_hz`.",
         within(
             "scene.objects.cube",
             "shape: {box: [0.05, 0.05, 0.05], sphere: 0.03}",
@@ -104,9 +108,9 @@ ENTRIES = {
     ),
     "TB107": Code(
         "Invalid name",
-        "A name is a letter followed by letters, digits and _, with at most 40 characters. These "
-        "words are reserved: self, world, all, together, until, repeat, nothing, time_left, "
-        "description.",
+        "A name is a letter followed by letters, digits and `_`, with at most 40 characters in "
+        "all. These words are reserved: `self`, `world`, `all`, `together`, `until`, `repeat`, "
+        "`nothing`, `time_left`, `description`.",
         within(
             "scene.sites",
             "2nd_goal: {position: [0, 0, 0.6]}",
@@ -115,27 +119,28 @@ ENTRIES = {
     ),
     "TB108": Code(
         "Invalid colour",
-        "A colour is the name of a colour in the palette, [r, g, b] with values from 0 to 1, or "
-        '"#rrggbb".',
+        "A colour is the name of a colour in the palette, `[r, g, b]` with values from 0 to 1, or "
+        '`"#rrggbb"`.',
         within("scene.objects.cube", "color: crimson", 'color: "#b01030"'),
     ),
     "TB109": Code(
         "Name does not match the file",
-        "A task must have the name of its file without .yaml. A robot must have the name of the "
-        "folder of its robot.yaml.",
+        "The value of `task` must be the name of the task file without `.yaml`. The value of "
+        "`robot` must be the name of the folder that contains the robot.yaml.",
         Example("task", "task: exmaple", "task: example"),
     ),
     "TB110": Code(
         "Wrong unit for the joint",
-        "start, limits and rest are in metres and are for prismatic joints. start_deg, limits_deg "
-        "and rest_deg are in degrees and are for revolute joints. In the same way, the verb slide "
-        "is for prismatic joints, and the verb turn is for revolute joints.",
+        "`start`, `limits` and `rest` are for prismatic joints and are given in metres. "
+        "`start_deg`, `limits_deg` and `rest_deg` are for revolute joints and are given in "
+        "degrees. In the same way, the verb `slide` is for prismatic joints, and the verb `turn` "
+        "is for revolute joints.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
     "TB111": Code(
         "Group does not fit",
         "The objects of a group overlap in their arrangement, or the box of a pile is too small "
-        "for the objects. The message gives a size that is large enough.",
+        "for the objects. The message states a spacing or a size that is large enough.",
         within(
             "scene.objects",
             "blocks: {shape: {box: [0.03, 0.03, 0.05]}, mass: 0.02, count: 4, "

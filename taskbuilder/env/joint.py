@@ -25,11 +25,12 @@ from taskbuilder.task import Task
 class JointEnv(gymnasium.Env[Any, Any]):
     """A task as a Gymnasium environment in which one agent controls all robots.
 
-    The reward is the team reward, or the sparse reward. A flat observation is one box: the
-    observations of the robots, concatenated in the order of the task file. A flat action is made in
-    the same way. With images, a flat observation is a dictionary: ``agent_pos`` has the numbers,
-    and ``pixels/CAMERA`` the image of a camera. With ``flat=False``, observations and actions are
-    dictionaries by robot.
+    The reward is the team reward or, with ``reward="sparse"``, the sparse reward. A flat
+    observation is one array: the observations of the robots, concatenated in the order of the task
+    file. A flat action is the concatenation of the robots' actions in the same order. With images,
+    a flat observation is a dictionary: ``agent_pos`` has the numbers, and ``pixels/CAMERA`` the
+    image of a camera. With ``flat=False``, observations and actions are dictionaries keyed by
+    robot.
 
     Attributes:
         observation_names: Name of each number in a flat observation, or in ``agent_pos`` with
@@ -42,7 +43,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         task: Name or path of the task, or the task itself.
         render_mode: "rgb_array" if `render` should return pictures.
         pixels: ``flat``: keys such as ``pixels/front``, which Stable-Baselines3 reads; ``nested``:
-            a dictionary by camera under ``pixels``, as in LeRobot's environments.
+            ``pixels`` is a dictionary keyed by camera, as in LeRobot's environments.
         options: Options of the environment; see `taskbuilder.env.options.Options`. The reward
             ``local`` is the same as ``team``, because there is one agent.
 

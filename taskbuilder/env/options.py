@@ -39,14 +39,13 @@ class Options:
     """The options of an environment.
 
     Attributes:
-        reward: ``team`` gives every agent the sum of all terms. ``local`` gives every agent its own
-            terms and an equal share of the common terms; the local rewards add up to the team
-            reward exactly. ``sparse`` gives every agent 1 in each control step in which the success
-            condition is true, and otherwise 0.
-        flat: Whether observations and actions are flat float32 boxes, instead of dictionaries of
-            channels.
+        reward: ``team`` gives every agent the sum of all reward terms. ``local`` gives every agent
+            its own terms and an equal share of the common terms; the local rewards add up to the
+            team reward exactly. ``sparse`` gives every agent 1 at each control step at which the
+            success condition is true, and otherwise 0.
+        flat: Whether observations and actions are flat float32 arrays, instead of dictionaries.
         normalize: Whether actions are from -1 to 1, instead of in physical units.
-        horizon: Control steps of an episode; by default as in the task file.
+        horizon: Length of an episode in control steps; by default as in the task file.
         control_hz: Control steps per second; by default as in the task file. The maximum step and
             turn of an action are scaled, so that the maximum speeds of tools and joints stay the
             same.
@@ -54,16 +53,16 @@ class Options:
             draws a variation in each episode.
         randomize: What is drawn at random in each episode. True: the quantities that the task file
             lists under ``randomize``, and the parts of the look that it lists under ``looks``.
-            ``looks``: all parts of the look, but no quantities. ``all``: these quantities and all
-            parts of the look.
-        position_noise: Standard deviation in metres of Gaussian noise on every number of an
+            ``looks``: all parts of the look, but no quantities. ``all``: the quantities under
+            ``randomize``, and all parts of the look.
+        position_noise: Standard deviation in metres of Gaussian noise on every coordinate of every
             observed position, in addition to the noise in the task file; ``state`` has no noise.
         observe: ``task``: every agent observes the channels that the task file lists for it.
-            ``scene``: every agent observes its own robot, the tools and grippers of the other
-            robots, all moving objects, all sites and the time left.
+            ``scene``: every agent observes the tools and grippers of all robots, all movable
+            objects with their grasp points, all joints of objects, all sites and the time left.
         frame: ``task``: observed poses and commanded motions are in the frames of the task file;
-            ``base``: poses and motions in the world's frame are expressed in the base frame of each
-            robot instead, so that robots that face each other can share a policy.
+            ``base``: poses and motions that would be in the world's frame are in the base frame of
+            each robot instead, so that robots that face each other can share a policy.
         rotation: Format of orientations: ``quaternion`` (x, y, z, w), or ``matrix``, the first two
             columns of the rotation matrix, which do not jump where a quaternion changes its sign.
         cameras: Cameras whose colour images every agent observes in addition to its channels.

@@ -46,10 +46,10 @@ class EnvState:
 class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
     """A task as a multi-agent environment.
 
-    Each agent observes the channels that the task file lists for it under ``observe``, and nothing
-    else; `state` is for centralised critics. All agents act at every step, and their episodes end
-    together. An info is a dictionary of numbers; its keys are the same for every agent, at every
-    step and reset.
+    By default, each agent observes only the channels that the task file lists for it under
+    ``observe``; `state` is for centralised critics. All agents act at every step, and their
+    episodes end together. Infos are dictionaries of numbers, with the same keys for every agent, at
+    every step and at every reset.
 
     A copy (including one made by pickle) has its own physics engine: it rebuilds the scene and
     replays the actions of the episode.
@@ -62,7 +62,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     Attributes:
         possible_agents: The names of the robots, in the order of the task file.
         agents: The names of the robots while an episode runs, otherwise empty.
-        episode: The episode that the environment wraps.
+        episode: The current episode; ``episode.world`` is its `World`.
     """
 
     def __init__(self, task: Task, options: Options, render_mode: str | None = None) -> None:

@@ -41,17 +41,18 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     afterwards without a seed. The results therefore depend only on the seeds and the actions, not
     on the number of workers.
 
-    When an episode ends (``metadata["autoreset_mode"]``):
+    What happens when an episode ends depends on ``metadata["autoreset_mode"]``:
 
     - same step: the environment is reset within the step. Observations, `state` and infos are those
-      after the reset. The last values of the old episode are in the infos "final_obs" (an object
-      array with a dictionary by agent for each environment whose episode ended, else None),
-      "final_state" and "final_info". "_final_obs" and so on are masks of the valid rows.
-    - next step: the next step resets the environment, ignores its actions and has zero reward.
+      after the reset. The last values of the old episode are in the infos "final_obs",
+      "final_state" and "final_info". "final_obs" is an object array: a dictionary keyed by agent
+      for each environment whose episode ended, and None for the others. The infos "_final_obs",
+      "_final_state" and "_final_info" are masks of the environments whose episode ended.
+    - next step: the next step ignores the environment's actions, resets it and gives zero reward.
 
-    A worker that dies or hangs is replaced, and a warning is logged. The episodes of its
-    environments are truncated in that step with zero reward and the last observation that was
-    returned. Environments of other workers are not affected.
+    A worker that dies or hangs is replaced, and a warning is logged. In the step in which this
+    happens, the episodes of its environments are truncated; their reward is zero, and their final
+    observation is the last one that was returned. Environments of other workers are not affected.
 
     Attributes:
         num_envs: Number of environments.
@@ -288,11 +289,12 @@ def make_vec(
 
     Args:
         task: Name or path of the task, or the task itself.
-        num_envs: Number of environments; each takes about 30 MB.
+        num_envs: Number of environments; each takes about 30 MB of memory.
         workers: Number of worker processes; with 0, all environments run in the calling process.
         autoreset: Gymnasium's autoreset mode, "SameStep" or "NextStep".
-        timeout_s: Time limit for a worker to step its environments; a slower worker is replaced.
-        retries: Maximum number of replacements of a worker in a row.
+        timeout_s: Time limit in seconds for a worker to step its environments once; a slower worker
+            is replaced.
+        retries: How many times in a row a worker may be replaced before it completes a step.
         wrap: Function that wraps each environment, called in the process that runs the environment.
             With workers, the function must be picklable, such as a function of a module.
         options: Options of the environments; see `Options`.

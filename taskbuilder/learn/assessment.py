@@ -38,10 +38,10 @@ def evaluate(
     jobs: int | None = None,
     **options: Any,
 ) -> evaluation.EvaluationSummary:
-    """Evaluate a policy without exploration, in episodes that were not used in training.
+    """Evaluate a policy without exploration, by default in episodes that training did not use.
 
     Args:
-        policy: The policy, or a name that `load_policy` accepts.
+        policy: The policy, or a name or path that `load_policy` accepts.
         episodes: Number of episodes, with consecutive seeds.
         task: The task to play; by default the task that the policy was trained on.
         first_seed: Seed of the first episode.

@@ -64,7 +64,8 @@ def train(
         out: Folder of the run; by default ``runs/TASK-TRACK-SEED``.
         settings: Settings of the algorithm, by name.
         watch: Called with the status of the run after each step of all environments.
-        plan: Further fields of `Plan`, such as ``algorithm``, ``steps``, ``seed``, ``demos``.
+        plan: The other options of ``taskbuilder train``, by name: ``algorithm``, ``steps``,
+            ``seed``, ``demos`` and so on.
 
     Raises:
         UsageError: An option is invalid, the folder already has a run, or PyTorch is missing.

@@ -18,12 +18,12 @@ _GROUPS = {
 }
 _LANGUAGES = {"description": "python", "module": "python", "folder": "text"}
 _PLACES = {
-    "file": "In a task or robot file",
-    "task": "In a task file",
-    "robot": "In a robot.yaml",
-    "description": "In a description",
-    "module": "In the Python file",
-    "folder": "On disk",
+    "file": "in a task or robot file",
+    "task": "in a task file",
+    "robot": "in a robot.yaml",
+    "description": "in a description",
+    "module": "in the Python file",
+    "folder": "on disk",
 }
 
 
@@ -56,4 +56,4 @@ def _shown(example: Example) -> str:
     language = _LANGUAGES.get(example.where, "yaml")
     under = f", under `{example.under}`" if example.under else ""
     bad, good = (fence(language, text) for text in (example.bad, example.good))
-    return f"{_PLACES[example.where]}{under}:\n\n{bad}\n\nCorrect:\n\n{good}"
+    return f"Wrong ({_PLACES[example.where]}{under}):\n\n{bad}\n\nCorrect:\n\n{good}"

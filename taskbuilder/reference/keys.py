@@ -167,7 +167,7 @@ def _annotated(inner: tuple[Any, ...]) -> str:
 def _plural(words: str) -> str:
     """Several of what ``words`` call one: ``numbers in m, 0 to 10`` for ``m, 0 to 10``."""
     if words.startswith("`"):
-        return f"words from {words}"
+        return f"any of the words {words}"
     if words == "any value":
         return "values of any type"
     noun = next((noun for noun in _NOUNS if words.startswith(noun)), "")

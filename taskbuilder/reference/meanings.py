@@ -47,7 +47,7 @@ SECTIONS: Mapping[str, str] = {
 """Model -> heading of the section that explains it."""
 
 _CYLINDER = "Radius of the cylinder, and length along z."
-_CAPSULE = "A cylinder with round ends; its length is the length without the ends."
+_CAPSULE = "A cylinder with round ends; `length` does not include the ends."
 _JOINTS = "One value per arm joint, from base to wrist: degrees, or metres for a prismatic joint."
 _RPY = "Orientation of the base frame, in the world."
 
@@ -66,7 +66,8 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "robots": "The robots by name; each robot is an agent.",
         "objects": "All bodies that are not robots, by name.",
         "sites": "Frames without a body, by name, such as goals.",
-        "cameras": "Cameras by name, for pictures and for observations.",
+        "cameras": "Cameras by name, for pictures and for observations; by default one camera, "
+        "front.",
     },
     "RobotEntry": {
         "model": "Name of a robot in the catalogue, or path of a robot.yaml.",
@@ -81,12 +82,15 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
     "NamedPosture": {"joints_deg": _JOINTS},
     "TcpPose": {
         "position": "Position in the world.",
-        "rpy_deg": "Orientation in the world. The tool points along z, so [180, 0, 0] is down.",
+        "rpy_deg": "Orientation in the world. The tool points along its z axis; [180, 0, 0] is "
+        "down.",
     },
     "ActionSpec": {
-        "arm": "Action mode: what the numbers in an action of the arm mean.",
-        "frame": "Frame of the translation in actions of the mode `tcp_delta`.",
-        "turn": "Rotations of the tool that actions command: none, `yaw` about its axis, or all.",
+        "arm": "Action mode: what the numbers in an arm's action mean.",
+        "frame": "Frame of the positions and translations in actions that command the tool; in the "
+        "mode `tcp_delta`, also of rotation vectors.",
+        "turn": "Rotations of the tool that actions command: `none`, only about the tool's z axis "
+        "(`yaw`), or about all axes (`full`).",
         "max_turn_deg": "Maximum rotation in a control step.",
         "gripper": "`binary`: open or close. `continuous`: an opening width.",
     },
@@ -96,10 +100,11 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "place": "Region in which the object is placed at random in each episode.",
         "shape": "Shape of the object, given instead of `parts`.",
         "parts": "Named primitives that together form one rigid body, given instead of `shape`.",
-        "friction": "Lateral friction. The engine multiplies the values of two touching bodies.",
+        "friction": "Coefficient of lateral friction. For two bodies in contact, the engine "
+        "multiplies their coefficients.",
         "rolling_friction": "Rolling friction, in m: torque per newton of contact force.",
         "restitution": "Coefficient of restitution: 0 for no bounce, 1 for no loss of speed.",
-        "color": "Colour of the object, and of all parts without a `color`.",
+        "color": "Colour of the object, and of its parts that have no `color`.",
         "grasps": "Points at which a gripper can grasp the object, by name.",
     },
     "Shape": {"cylinder": _CYLINDER, "capsule": _CAPSULE},
@@ -140,6 +145,8 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
     "Together": {
         "bring": "The load, or an object that lies on the load.",
         "to": "Frame, or point in the world, to which the object is brought.",
+        "touching": "Objects that the robots and the load may touch during the motion.",
+        "tolerance": "Tolerance of the end position; by default 0.02.",
     },
     "Wait": {
         "until": "Name of a condition: `success`, `failure`, a stage or another condition of the "
@@ -196,7 +203,7 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("Order", "press"): "name of a frame",
     ("Order", "bring"): "name of an object",
     ("Order", "close"): "name of an object, or the word `nothing`",
-    ("Order", "to"): "name of a frame, or [x, y, z] in m; for a joint: m",
+    ("Order", "to"): "name of a frame, or [x, y, z] in m; for a joint: position in m",
     ("Order", "to_deg"): "degrees",
     ("Order", "touching"): "list of names of objects",
     ("Together", "together"): "list of names of robots",
@@ -212,7 +219,7 @@ VALUES: Mapping[tuple[str, str], str] = {
 
 DRAWN: Mapping[str, tuple[str, str]] = {
     "gains": (
-        "distribution of factors above 0, at most 2",
+        "distribution of factors above 0 and at most 2",
         "Factor by which the position gain of the arm's motors is multiplied, drawn in each "
         "episode.",
     ),

@@ -58,19 +58,24 @@ def _parts(text: str) -> Iterator[str]:
 def prose(doc: str) -> str:
     """A docstring of Google's style as Markdown."""
     parts = []
-    for paragraph in doc.replace("``", "`").split("\n\n"):
+    for paragraph in _paragraphs(doc.replace("``", "`")):
         head, _, body = paragraph.partition("\n")
         if head in ("Args:", "Attributes:", "Raises:", "Returns:", "Yields:"):
             listed = _items(body) if head not in ("Returns:", "Yields:") else _joined(body)
             parts.append(f"**{head}**\n\n{listed}")
-        else:
+        elif paragraph != "::":  # which only announces the program after it
             parts.append(re.sub(r"::$", ":", paragraph))
     return _fenced("\n\n".join(parts))
 
 
+def _paragraphs(text: str) -> list[str]:
+    """The parts between empty lines; more than one empty line belongs to the part before it."""
+    return re.split(r"\n\n(?!\n)", text)
+
+
 def _items(body: str) -> str:
     items: list[str] = []
-    for line in inspect.cleandoc(body).splitlines():
+    for line in inspect.cleandoc("\n" + body).splitlines():
         if line.startswith(" ") and items:
             items[-1] += f" {line.strip()}"
         else:
@@ -85,7 +90,7 @@ def _joined(body: str) -> str:
 def _fenced(text: str) -> str:
     """Paragraphs that are indented are programs."""
     parts, program = [], []
-    for paragraph in [*text.split("\n\n"), ""]:
+    for paragraph in [*_paragraphs(text), ""]:
         if paragraph.startswith("    "):
             program.append(paragraph)
             continue

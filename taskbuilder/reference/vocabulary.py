@@ -25,7 +25,7 @@ _KINDS: Mapping[str, str] = {
     "grasp point",
     "site": "a site",
     "joint": "a joint of an object that is loaded from a URDF: `cabinet.drawer_joint`",
-    "container": "an object, a part, or a site with a marker",
+    "container": "an object, a part or a link of an object, or a site with a marker",
 }
 _CHANNELS: Mapping[str, str] = {
     "joints": "positions of the arm's joints, rad or m",

@@ -25,7 +25,11 @@ Watch = Callable[[TaskEnv], None]
 
 
 class Policy(Protocol):
-    """Chooses the actions of all agents; deterministic for a given seed of the episode."""
+    """Chooses the actions of all agents; deterministic for a given seed of the episode.
+
+    A policy has two methods: ``reset(env, seed)`` prepares for an episode, and
+    ``act(observations)`` returns the action of every agent, or None to stop playing.
+    """
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Prepare for an episode; called after the environment was reset with this seed."""
@@ -73,10 +77,9 @@ def play(
         observations: Whether to record the observations of every agent.
         cameras: Names of the cameras whose images are recorded.
         size: Width and height of the images; by default each camera's own.
-        forces: Whether to record the force between robots, even if the task does not use this
-            force.
+        forces: Whether to record the force between robots; the task need not use this force.
         explain: Whether to record why the success condition is false at the end.
-        watch: Called after reset and after each control step.
+        watch: Called with the environment after reset and after each control step.
 
     Returns:
         The record of the episode, up to its end or until the policy stopped.
@@ -132,7 +135,7 @@ def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollou
     Args:
         env: An environment of the record's task and variation, with the same options.
         rollout: The record to replay.
-        watch: Called after reset and after each control step.
+        watch: Called with the environment after reset and after each control step.
 
     Returns:
         The record of the new episode, with the ``log`` of ``rollout``.

@@ -89,13 +89,13 @@ class Rollout:
         options: Options of the environment.
         control_hz: Control steps per second.
         horizon: Length of a full episode in control steps.
-        stages: The description's stages, in order.
+        stages: Names of the description's stages, in order.
         actions: (steps, n) float32 by agent, as `TaskEnv.step` takes them.
         rewards: (steps,) the team reward.
         agent_rewards: (steps,) by agent: the rewards that the environment returned.
         terms: (steps,) by name: each reward term; the name of a term of one agent is
             ``NAME/AGENT``.
-        conditions: (steps + 1,) bool by name: success, failure, stages and all others.
+        conditions: (steps + 1,) bool by name: success, failure, stages and all other conditions.
         stage: (steps + 1,) number of the last stage reached so far; 0 for none.
         progress: (steps + 1,) the description's progress.
         succeeded: (steps + 1,) bool: whether success has been reached so far, without a failure

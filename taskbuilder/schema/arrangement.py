@@ -57,17 +57,15 @@ class Arrangement(Model):
         description="A line along x, with this distance between the centres of neighbouring "
         "objects.",
     )
-    grid: Grid | None = Field(
-        None, description="A grid of rows along x, one beside the other along y."
-    )
+    grid: Grid | None = Field(None, description="A grid: rows along x, side by side along y.")
     ring: Length | None = Field(
         None, description="A ring with this radius. The x axis of each object points outwards."
     )
     pile: Edges | None = Field(
         None,
         description="A heap. The objects are first stacked loosely in a box with these edges; they "
-        "then fall and come to rest. The edges must leave each object a cube of 1.05 times the "
-        "diameter of its bounding sphere.",
+        "then fall and come to rest. The box must be large enough to give each object a cubic cell "
+        "whose edge is 1.05 times the diameter of the object's bounding sphere.",
     )
 
     @property

@@ -35,7 +35,7 @@ class CatalogueEntry:
     """A task or robot file.
 
     Attributes:
-        name: Its id: ``handover``, or ``namespace/name`` from another package.
+        name: Its name: ``handover``, or ``namespace/name`` from another package.
         file: Absolute path of the YAML file.
         module: Dotted name of the Python module beside a packaged task file, or "".
         trusted: Part of an installed package, so its assets need no probe.
@@ -79,19 +79,19 @@ class Catalogue:
 
     @cached_property
     def tasks(self) -> Mapping[str, CatalogueEntry]:
-        """All tasks by id.
+        """All tasks by name.
 
         Raises:
-            FileError: Two tasks have the same id.
+            FileError: Two tasks have the same name.
         """
         return _unique("task", self._entries("task"))
 
     @cached_property
     def robots(self) -> Mapping[str, CatalogueEntry]:
-        """All robots by id.
+        """All robots by name.
 
         Raises:
-            FileError: Two robots have the same id.
+            FileError: Two robots have the same name.
         """
         return _unique("robot", self._entries("robot"))
 
@@ -100,7 +100,7 @@ class Catalogue:
 
         Raises:
             UnknownNameError: There is no such task or file.
-            FileError: Two tasks have the same id.
+            FileError: Two tasks have the same name.
         """
         return self._find("task", reference, Path())
 
@@ -109,7 +109,7 @@ class Catalogue:
 
         Raises:
             UnknownNameError: There is no such task.
-            FileError: Two tasks have the same id.
+            FileError: Two tasks have the same name.
         """
         if isinstance(name, str) and name in self.tasks:
             return self.tasks[name]

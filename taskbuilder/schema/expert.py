@@ -76,7 +76,9 @@ class Wait(Model):
     until: Condition = Field(
         description="Success, failure, a stage or another condition of the description."
     )
-    within: Seconds = Field(2.0, description="Time limit, after which the stage fails.")
+    within: Seconds = Field(
+        2.0, description="Time limit; if the condition is still false by then, the stage fails."
+    )
 
     def __str__(self) -> str:
         return f"until {self.until}"

@@ -62,12 +62,12 @@ class JointSpec(Model):
     limits: tuple[Coordinate, Coordinate] | None = Field(
         None,
         description="Minimum and maximum position of a prismatic joint, within the limits in the "
-        "URDF.",
+        "URDF; by default these limits.",
     )
     limits_deg: tuple[float, float] | None = Field(
         None,
         description="Minimum and maximum position of a revolute joint, within the limits in the "
-        "URDF.",
+        "URDF; by default these limits.",
     )
     spring: Spring | None = Field(
         None, description="A spring that pulls the joint to a rest position."
@@ -81,7 +81,7 @@ class JointSpec(Model):
         0.5, description="Friction force in N, or friction torque in N m for a revolute joint."
     )
     lock: Lock | None = Field(
-        None, description="Lock that holds the joint at its position until a condition is true."
+        None, description="Lock that holds the joint at its position while a condition is false."
     )
 
     @model_validator(mode="after")

@@ -27,7 +27,7 @@ from taskbuilder.schema.groups import (
 from taskbuilder.schema.names import ObjectNames, SceneNames
 from taskbuilder.schema.references import check_names, read_names
 from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
-from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import Model
@@ -120,7 +120,7 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         loading.findings += check_randomize(loading.source, names, spec)
         loading.findings += _check_instructions(loading.source, spec, scenes)
     if spec is None or any(finding.severity == "error" for finding in loading.findings):
-        raise TaskFileError(loading.findings, _certain(names, loading.findings))
+        raise TaskFileError(loading.findings, _certain(loading.source, names, loading.findings))
     return TaskFile(
         entry,
         replace(loading.source, entries_of=entries_of(names)),
@@ -136,12 +136,15 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
 
 
 _WHAT_NAMES = ("robots", "objects", "sites", "cameras")
+_NAMELESS = ObjectSpec.model_fields.keys() - {"shape", "parts", "grasps"}
+"""The keys of an object that name nothing inside it."""
 
 
-def _certain(names: SceneNames, findings: Sequence[Finding]) -> SceneNames | None:
+def _certain(source: Source, names: SceneNames, findings: Sequence[Finding]) -> SceneNames | None:
     """The names of a scene in whose file there are mistakes; None where names may be missing.
 
-    An object in which something is wrong may have any part, and a site any marker.
+    An object may have any part if a mistake may hide parts, and a site in which something is wrong
+    any marker.
     """
     if () in names.groups.values():
         return None
@@ -156,13 +159,23 @@ def _certain(names: SceneNames, findings: Sequence[Finding]) -> SceneNames | Non
         misplaced = finding.code == "TB102" and not rest  # "objects" may stand at the top
         if misplaced or (top == "scene" and (group not in _WHAT_NAMES or not name)):
             return None
-        name = name.partition(".")[0]
+        name, _, inside = name.partition(".")
         if top == "scene" and (name in objects or name in names.groups):
+            if _whole_inside(source, name, inside.partition(".")[0], finding):
+                continue
             for one in names.groups.get(name, (name,)):
                 objects[one] = replace(objects[one], unread=True)
         elif top == "scene" and name in sites:
             sites[name] = True
     return replace(names, objects=objects, sites=sites)
+
+
+def _whole_inside(source: Source, name: str, key: str, finding: Finding) -> bool:
+    """Whether a mistake in an object leaves all names inside it as they are."""
+    if key:
+        return key in _NAMELESS
+    shaped = any(source.get("scene", "objects", name, key) for key in ("shape", "parts"))
+    return finding.code == "TB101" and shaped  # something is missing, and it is not these
 
 
 def _read_robots(loading: _Loading) -> None:

@@ -114,7 +114,8 @@ class Order(Model):
     )
     close: Annotated[Reference, Refers("object", besides=NOTHING)] | None = Field(
         None,
-        description="Object on which the gripper closes until it holds the object; or `nothing`.",
+        description="Object that the gripper holds after closing; or `nothing`, to close an empty "
+        "gripper.",
     )
     turn: JointName | None = Field(
         None, description="Revolute joint to turn by a handle that the robot holds."
@@ -130,7 +131,7 @@ class Order(Model):
     )
     home: Literal[True] | None = Field(None, description="Move the arm to its start configuration.")
     posture: Name | None = Field(
-        None, description="Posture of the robot to which the arm moves, such as tucked."
+        None, description="Named posture to which the arm moves, such as tucked."
     )
     to: To | None = Field(
         None,
@@ -148,14 +149,14 @@ class Order(Model):
     offset: Offset = (0.0, 0.0, 0.0)
     approach: Extent | None = Field(
         None,
-        description="Length of the straight path at the end; by default 0.08 for `grasp` and 0 for "
-        "`reach`.",
+        description="Length of the straight path at the end of the motion; by default 0.08 for "
+        "`grasp` and 0 for `reach`.",
     )
     rpy_deg: RpyDeg | None = Field(
         None, description="Orientation of the tool at the end of the motion, in the world's frame."
     )
     align: bool = Field(
-        False, description="Whether the object is also turned to the orientation of the frame."
+        False, description="Whether the object is also turned to the orientation of the frame `to`."
     )
     straight: Straight = False
     touching: Touching = ()

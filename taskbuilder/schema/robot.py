@@ -93,7 +93,7 @@ class RobotSpec(Model):
     suction: SuctionSpec | None = Field(
         None,
         description="Cup and force of suction. A robot with neither `gripper` nor `suction` can "
-        "only push.",
+        "only push and press.",
     )
 
     @model_validator(mode="after")

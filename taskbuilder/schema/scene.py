@@ -110,15 +110,16 @@ class Grasp(Model):
     """Where and how a gripper can take a body."""
 
     at: Position = Field(
-        (0.0, 0.0, 0.0), description="Position of the point, in the frame of the object or `link`."
+        (0.0, 0.0, 0.0),
+        description="Position of the point, in the frame of the object or, if given, of `link`.",
     )
     link: Reference | None = Field(
-        None, description="Link of a URDF that the point is fixed to; by default the base link."
+        None, description="Link of the URDF to which the point is fixed; by default the base link."
     )
     approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
         "down",
-        description="Direction in which the tool approaches: down in the world, or an axis of the "
-        "frame in which `at` is given.",
+        description="Direction in which the tool approaches: `down` in the world, or along an axis "
+        "of the frame in which `at` is given.",
     )
     across: Literal["x", "y", "z"] = Field(
         "y",
@@ -130,9 +131,13 @@ class Place(Model):
     """A region to be placed in at random: on a surface (x, y) or in the air (x, y, z)."""
 
     surface: Annotated[Reference, Refers("surface")] | None = Field(
-        None, description="Object or part on top of which the object or site is placed."
+        None, description="Object, part or link on which the object or site is placed."
     )
-    frame: FrameOrWorld = Field("world", alias="in", description="Frame of `center` and `size`.")
+    frame: FrameOrWorld = Field(
+        "world",
+        alias="in",
+        description="Frame in which the region and the orientation are given.",
+    )
     center: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
     size: Annotated[tuple[Extent, ...], Field(min_length=2, max_length=3)]
     yaw_deg: tuple[Degrees, Degrees] = Field(
@@ -140,7 +145,9 @@ class Place(Model):
     )
     rpy_deg: RpyDeg = Field((0.0, 0.0, 0.0), description="Orientation, before the yaw is added.")
     clearance: Length = Field(
-        0.005, description="Minimum distance to everything except the surface; only for objects."
+        0.005,
+        description="Minimum distance to all bodies except the objects that `surface` and `in` "
+        "name; not for sites.",
     )
 
     @model_validator(mode="after")
@@ -165,7 +172,8 @@ class _Placed(Model):
     frame: FrameOrWorld = Field(
         "world",
         alias="in",
-        description="Frame of `position`: the world, or an object, a site or a robot frame.",
+        description="Frame in which `position` and `rpy_deg` are given: the world, or a frame such "
+        "as tray, goal or left.tcp.",
     )
     place: Place | None = None
 
@@ -193,14 +201,17 @@ class ObjectSpec(_Placed):
     }
 
     count: Annotated[int, Field(ge=1, le=MAX_COUNT)] | None = Field(
-        None, description="Number of objects; this key makes the entry a group of equal objects."
+        None,
+        description="Number of objects; this key makes the entry a group of identical objects.",
     )
     arrange: Arrangement | None = Field(None, description="Arrangement of the objects of a group.")
     shape: Shape | None = None
     parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
     fixed: bool = Field(False, description="Whether the object is fixed to the world.")
     mass: Mass | None = Field(
-        None, description="Mass of the object; a URDF states the masses of its links."
+        None,
+        description="Mass of the object; not given for a URDF, which contains the masses of its "
+        "links.",
     )
     friction: Friction = 0.8
     rolling_friction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
@@ -274,9 +285,8 @@ class SiteSpec(_Placed):
     color: Color = "green"
     opacity: Annotated[float, Field(gt=0.0, le=1.0)] | None = Field(
         None,
-        description="Opacity of the marker; 1 is not transparent. The default is 0.35 if the "
-        "marker "
-        "is thicker than 6 cm in every direction, and otherwise 1. The renderer `tiny` draws all "
+        description="Opacity of the marker; 1 is opaque. The default is 0.35 if the marker is "
+        "thicker than 6 cm in every direction, and otherwise 1. The renderer `tiny` draws all "
         "markers with opacity 1.",
     )
 

@@ -56,7 +56,7 @@ class Suite:
     Attributes:
         name: Name of the suite.
         summary: One sentence about the suite.
-        tasks: The ids of the tasks in the suite.
+        tasks: Names of the tasks in the suite.
         train: The variations and the first seed to train on.
         test: The variations and the first seed to test on.
     """

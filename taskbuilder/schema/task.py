@@ -34,7 +34,7 @@ class Timing(Model):
         10, description="Control steps (actions) per second."
     )
     physics_hz: Annotated[int, Field(ge=20, le=10_000)] = Field(
-        120, description="Physics steps per second, a multiple of control_hz."
+        120, description="Physics steps per second; must be a multiple of control_hz."
     )
     episode_steps: Annotated[int, Field(ge=1, le=100_000)] = Field(
         50, description="Length of an episode in control steps."
@@ -65,14 +65,17 @@ class Noise(Model):
 
     std: Extent | None = Field(
         None,
-        description="Standard deviation of every number of the channel, in the unit of the "
-        "channel.",
+        description="Standard deviation of the noise on every number of the channel that is not "
+        "part of an orientation, in the unit of the channel.",
     )
     position_std: Extent | None = Field(
-        None, description="Standard deviation of each coordinate of positions, in metres."
+        None,
+        description="Standard deviation of the noise on each coordinate of a position, in metres.",
     )
     angle_std_deg: Extent | None = Field(
-        None, description="Standard deviation of orientations, in degrees."
+        None,
+        description="Standard deviation of the noise on an orientation, about each axis, in "
+        "degrees.",
     )
 
 
@@ -105,21 +108,25 @@ class TaskSpec(Model):
     )
     cooperation: Literal["required", "optional"] = Field(
         "required",
-        description="For tasks with several robots. `required`: one robot alone must not be able "
-        "to "
-        "succeed. `optional`: one robot alone may be able to succeed.",
+        description="For tasks with several robots. `required`: the task must need all "
+        "its robots. `optional`: it may be done without some of them, or by one robot alone.",
     )
     timing: Timing = Timing()
     scene: SceneSpec = Field(description="The robots, objects, sites and cameras.")
     observe: Annotated[Mapping[RobotName, tuple[Reference, ...]], AfterValidator(frozen)] | None = (
-        Field(None, description="Channels that each robot observes; by default the whole scene.")
+        Field(
+            None,
+            description="Channels that each robot observes; by default its own joints, tool and "
+            "gripper, all objects and sites, and the time left.",
+        )
     )
     observation_noise: Annotated[
         Mapping[RobotName, Mapping[Reference, Noise]], AfterValidator(frozen)
     ] = Field(default_factory=lambda: frozen({}))
     state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
         ("all",),
-        description="Channels that a centralised critic observes; `all` stands for all channels.",
+        description="Channels that a centralised critic observes; `all` stands for the state of "
+        "all robots, all sites, all movable objects and all joints of objects, and the time left.",
     )
     expert: tuple[ExpertStage, ...] = ()
     variations: tuple[
@@ -131,10 +138,11 @@ class TaskSpec(Model):
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
-        description="Quantities that environments made with `randomize=True` draw in each episode.",
+        description="Quantities that environments made with `randomize=True` draw at random in "
+        "each episode.",
     )
     looks: Annotated[tuple[LookPart, ...], Shorthand("all", LOOK_PARTS)] = Field(
         (),
-        description="Parts of the scene's look that environments made with `randomize=True` draw "
-        "in each episode; `all` stands for all parts.",
+        description="Parts of the scene's appearance that environments made with `randomize=True` "
+        "draw at random in each episode; `all` stands for all parts.",
     )

@@ -71,7 +71,7 @@ class Job(NamedTuple):
 
 
 class TrialPlayer:
-    """Plays the episodes of an trial in this process, and reuses environments and experts."""
+    """Plays the episodes of a trial in this process, and reuses environments and experts."""
 
     def __init__(self, config: TrialConfig) -> None:
         self._config = config

@@ -62,9 +62,9 @@ def check_env(
 ) -> tuple[Finding, ...]:
     """Check that an environment has the properties that learning libraries rely on.
 
-    The environment may come from taskbuilder or from another package. Subclasses, and environments
-    wrapped by PettingZoo, SuperSuit or Gymnasium, are checked too. The check plays episodes with
-    random actions, and then runs PettingZoo's or Gymnasium's own tests. Reset the environment
+    The environment may come from taskbuilder or from another package, and may be wrapped by
+    PettingZoo, SuperSuit or Gymnasium. The check plays episodes with random actions. If
+    this shows no problem, it runs PettingZoo's or Gymnasium's own tests. Reset the environment
     before you use it again.
 
     Args:

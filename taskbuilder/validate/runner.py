@@ -120,8 +120,8 @@ def validate_task(
         robots: Robot models that replace those of the task file; see `load_task`.
 
     Raises:
-        UnknownNameError: There is no such task.
-        UsageError: There is no family of a name in ``only``, or a model in ``robots`` does not fit.
+        UnknownNameError: There is no such task, or ``robots`` names an unknown model.
+        UsageError: ``only`` names an unknown family, or a model in ``robots`` does not fit.
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)

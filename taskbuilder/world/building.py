@@ -48,7 +48,7 @@ def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto
     Args:
         task: The task file.
         variation: Number of the variation; 0 is the task as written.
-        renderer: Renderer of the pictures that cameras take.
+        renderer: Renderer of camera images.
 
     Raises:
         FileError: The world cannot be built from the task's files; the findings say where the

@@ -58,13 +58,13 @@ class World(Single):
         floor: The body of the floor, or None if the scene has no floor.
         warnings: Warnings from the physics engine while assets were loaded.
         time: Seconds since the episode began.
-        quantities: Values of the quantities that the task can randomise, in this episode.
+        quantities: Values, in this episode, of the quantities that the task file can randomise.
         look: Light, background, textures, distractors and camera poses of this episode.
         piled: Pose of each object of a pile at the start of this episode, in the frame of the
             pile's arrangement.
-        onlooker: None, or an iterator that is advanced before each physics step, to read the state
-            between control steps. The iterator must not change anything, and must call `refresh`
-            before it reads any values.
+        onlooker: None, or an iterator that is advanced before each physics step, and can thus read
+            the state during a control step. The iterator must not change anything, and must call
+            `refresh` before it reads any values.
     """
 
     def __init__(
@@ -116,7 +116,9 @@ class World(Single):
     def reset(
         self, seed: int, *, randomized: bool = False, looks: Collection[LookPart] = ()
     ) -> None:
-        """Begin an episode: reset the robots, place the objects, and settle for one control step.
+        """Begin an episode: reset the robots, place the objects, and let them settle.
+
+        The objects settle for one control step, or for less if there are very many of them.
 
         Args:
             seed: Seed for placement and for randomisation; each has its own random-number
@@ -168,9 +170,9 @@ class World(Single):
         """Run one control step.
 
         Args:
-            arm_targets: Target joint positions (rad or m) by robot. The commands change linearly
-                from the last commanded positions to the targets, which they reach in the last
-                physics step. Arms without targets, and all grippers, keep their commands.
+            arm_targets: Target joint positions (rad or m) by robot. The commanded positions change
+                linearly, and reach the targets in the last physics step. Arms without targets, and
+                all grippers, keep their commands.
 
         Raises:
             ExplosionError: The physics diverged; build a new world.
@@ -307,7 +309,7 @@ class World(Single):
         return (*self.movable, *handles)
 
     def is_solid(self, name: str) -> bool:
-        """Whether a name refers to a body, and not to a site."""
+        """True for the name of an object, a part or a link; False for the name of a site."""
         return name not in self.sites
 
     # Where things are
@@ -329,7 +331,7 @@ class World(Single):
         return self._frames.velocity(frame)
 
     def box(self, body: str) -> Box:
-        """Bounding box of an object, a part or a site's marker, in the frame of ``body``."""
+        """Bounding box of an object, a part, a link or a site marker, in the frame of ``body``."""
         return self._frames.box(body)
 
     def opening(self, robot: str) -> float:
@@ -343,19 +345,19 @@ class World(Single):
     # What touches what
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether a robot holds an object or part, with opposing fingers or by suction."""
+        """Whether a robot holds an object, a part or a link, by opposing fingers or by suction."""
         return self._touch.held(body, robot)
 
     def grip_forces(self, body: str, robot: str) -> tuple[float, ...]:
-        """Force in newtons with which each finger of a robot presses on an object or part."""
+        """Force in newtons with which each finger of a robot presses on an object, part or link."""
         return self._touch.grip_forces(body, robot)
 
     def fingers_touch(self, body: str, robot: str) -> bool:
-        """Whether any finger of a robot touches an object or part."""
+        """Whether any finger or tool of a robot touches an object, a part or a link."""
         return self._touch.fingers_touch(body, robot)
 
     def touching(self, first: str, second: str) -> bool:
-        """Whether two objects, parts or robots touch."""
+        """Whether two objects, parts, links or robots touch; a robot includes its gripper."""
         return bool(self._touch.between(first, second))
 
     def support(self, body: str, below: str) -> float:
@@ -365,7 +367,7 @@ class World(Single):
     def watch_forces(self, pairs: Iterable[Pair]) -> None:
         """Measure the forces between these pairs of bodies from now on, and between no others.
 
-        Measurements of pairs that were already watched continue.
+        A pair that was already watched continues to be measured without interruption.
 
         Raises:
             UnknownNameError: There is no such object, part or robot.

@@ -80,7 +80,7 @@ def test_a_failed_episode_is_told_with_its_stage_and_its_reason(run, good):
 def test_other_policies_play_without_an_expert(policy, run, good):
     ran = run("demo", "good.yaml", "--policy", policy, *SMALL)
     assert ran.status == 1
-    assert ran.out.splitlines()[0] == "seed 0  failed   return     0.00  reached nothing"
+    assert ran.out.splitlines()[0] == "seed 0  failed   return     0.00  no stage reached"
 
 
 def test_a_video_is_an_mp4_and_a_gif(run, good):

@@ -59,7 +59,7 @@ def test_a_policy_is_measured_and_told_about(run, policy):
         "median  seed 4  success  return    -0.97  1 of 12 steps",
         "        lost at the end: Near(arm.tcp, goal): 30.2 cm, within 3 cm is needed "
         "(since step 2)",
-        "failed  seed 1  failed   return    -2.29  got as far as begun",
+        "failed  seed 1  failed   return    -2.29  furthest stage: begun",
         "        Near(arm.tcp, goal): 32.9 cm, within 3 cm is needed (from the start)",
         "failed seeds: 1, 2, 6, 7",
     ]
@@ -244,7 +244,7 @@ def test_trained_policies_play_in_demo(run, policy):
         "seed 5  success  return     2.04  7 of 12 steps",
         "        lost at the end: Near(arm.tcp, goal): 9.7 cm, within 3 cm is needed "
         "(since step 10)",
-        "seed 6  failed   return    -2.17  got as far as there",
+        "seed 6  failed   return    -2.17  furthest stage: there",
         "        Near(arm.tcp, goal): 31.8 cm, within 3 cm is needed (since step 1)",
         "1 of 2 succeeded (50%) · median 7 steps",
         "demos/sideways-strip.png",

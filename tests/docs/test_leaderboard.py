@@ -54,7 +54,8 @@ def test_a_row_says_what_the_certificate_says(folder):
     data = read_certificate(folder / NAME)
     heading, _, compared, *_, row = leaderboard.rows("").splitlines()
     assert heading == "## handover"
-    assert compared == "left ur5e, right ur5e, observing the whole scene:"
+    told = "Robots: left (ur5e), right (ur5e). The policies observe the whole scene:"
+    assert compared == told
     assert row.startswith("| [zoo:handover/demos](")
     assert f"{100 * data['results']['success_at_end_rate']:.0f} %" in row
     assert f"{len(data['seeds'])} from 2000000" in row
@@ -96,4 +97,4 @@ def test_a_task_outside_of_the_library_is_refused(folder):
 
 def test_a_task_that_has_changed_since_is_marked(folder):
     edit(folder / NAME, lambda data: data["digests"]["task"].update({"a.py": "0"}), seal=True)
-    assert "\nAn earlier version; left ur5e, " in leaderboard.rows("")
+    assert "\nAn earlier version of the task. Robots: left (ur5e), " in leaderboard.rows("")

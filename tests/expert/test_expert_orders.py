@@ -157,9 +157,7 @@ def test_a_push_takes_a_block_to_its_goal_in_any_direction(play, goal):
 def test_who_holds_something_pushes_nothing(play):
     demonstration, _ = play(GRASP, "arm: {push: block, to: goal}")
     assert demonstration.trouble.cause == "lost on the way"
-    assert demonstration.trouble.message == (
-        "arm has to push with an empty gripper, and holds block"
-    )
+    assert demonstration.trouble.message == "arm needs an empty gripper to push, but holds block"
 
 
 def test_what_is_pressed_to_a_depth_is_pressed_from_above(play):

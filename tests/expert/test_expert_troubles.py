@@ -195,7 +195,7 @@ def test_a_gap_that_is_too_narrow_wants_touching(tmp_path):
         stages = ("arm: {close: nothing}", SWEEP.format(x=0.15, z=z), SWEEP.format(x=-0.15, z=z))
         trouble = trouble_of(tmp_path, *stages)
         said |= {trouble.message.rpartition("; ")[2]} if trouble else set()
-    assert "if it may be touched, write touching: [block]" in said
+    assert "if the two may touch, write touching: [block]" in said
 
 
 def test_what_may_be_pushed_wants_touching_and_what_is_fixed_does_not(tmp_path):

@@ -127,13 +127,13 @@ class TestWhatModesKeep:
     def test_a_tool_that_only_yaws_is_not_tilted(self, scene, mode):
         free = scene(walled(action=f"arm: {mode}"))
         free.plan(Move({"arm": Pose()}, self.TURNED))
-        with pytest.raises(PlanningError, match="keeps the tool's tilt from home"):
+        with pytest.raises(PlanningError, match="keeps the tilt that the tool has at home"):
             free.plan(Move({"arm": Pose()}, self.TILTED))
 
     @pytest.mark.parametrize("mode", ["tcp_delta", "tcp_pose", "tcp_path"])
     def test_a_tool_that_does_not_turn_is_not_turned(self, scene, mode):
         free = scene(walled(action=f"arm: {mode}, turn: none"))
-        with pytest.raises(PlanningError, match="keeps the tool's orientation from home"):
+        with pytest.raises(PlanningError, match="keeps the orientation that the tool has at home"):
             free.plan(Move({"arm": Pose()}, self.TURNED))
 
     @pytest.mark.parametrize("mode", ["tcp_delta, turn: full", "joint_delta", "joint_position"])

@@ -87,7 +87,7 @@ class TestBlocked:
     def test_out_of_reach_says_how_far_off_the_tool_stays(self, scene):
         free = scene(walled())
         with pytest.raises(
-            PlanningError, match=r"arm cannot bring its tool to .*: it stays \d"
+            PlanningError, match=r"arm cannot bring its tool to .*: the nearest pose .* off by \d"
         ) as seen:
             free.plan(free.at("arm", (1.3, -0.3, 0.3)))
         assert (seen.value.robot, seen.value.cause) == ("arm", "out of reach")
@@ -115,13 +115,13 @@ class TestBlocked:
 
     def test_no_straight_way_names_what_is_in_the_way(self, scene):
         barred = scene(walled())
-        with pytest.raises(PlanningError, match=r"no straight way: .* the wall") as seen:
+        with pytest.raises(PlanningError, match=r"take the direct path: .* the wall") as seen:
             barred.plan(straight(barred.at("arm", BEYOND)))
         assert (seen.value.robot, seen.value.cause) == ("arm", "no way")
 
     def test_no_way_names_what_is_in_the_way(self, scene):
         parted = scene(walled(height=3.0, width=2.4, behind=True))
-        with pytest.raises(PlanningError, match=r"arm finds no way: .* the (wall|rest)") as seen:
+        with pytest.raises(PlanningError, match=r"arm finds no path: .* the (wall|rest)") as seen:
             parted.plan(parted.at("arm", BEYOND))
         assert (seen.value.robot, seen.value.cause) == ("arm", "no way")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -150,6 +151,15 @@ def test_a_code_is_explained_once(failed):
     page = Parsed(task_page(Page(replace(failed, families=(twice,)))))
     assert len(page.all("p", **{"class": "meaning"})) == 1
     assert page.text.count("Wrong type") == 2
+
+
+def test_code_words_in_a_meaning_are_marked_as_code(failed):
+    static = failed.families[0]
+    progress = replace(static.findings[0], code="TB556")
+    page = task_page(Page(replace(failed, families=(replace(static, findings=(progress,)),))))
+    (meaning,) = re.findall(r'<p class="meaning">.*?</p>', page, re.DOTALL)
+    assert "<code>progress</code>" in meaning
+    assert "`" not in meaning
 
 
 def test_the_expert_is_shown_stage_by_stage(task, full):

@@ -69,8 +69,8 @@ class ClearanceViolation:
         if self.distance < 0.0:
             return f"{self.a} would be {size:.0f} mm inside {self.b}{self.advice}"
         needed = CLEARANCE_M * 1000.0
-        kept = f"and {needed:.0f} mm are kept{self.advice}"
-        return f"{self.a} would be {int(size)} mm from {self.b}, {kept}"
+        least = f"less than the required {needed:.0f} mm{self.advice}"
+        return f"{self.a} would be {int(size)} mm from {self.b}, {least}"
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class Clearance:
             gap = at_goal[deepest]
             if gap.distance < min(-DEEPEST_M, self._allowed[0].get(deepest, 0.0) - SLACK_M):
                 near = self._near(deepest[0], gap)
-                raise PlanningError(near.robot, "in collision", f"where it is to go, {near}")
+                raise PlanningError(near.robot, "in collision", f"at the end of the motion, {near}")
 
     def trouble(self, posture: Posture) -> ClearanceViolation | None:
         """Bodies that are too close to each other on the way."""
@@ -197,7 +197,7 @@ class Clearance:
         if thing is None or other.limbs or other.driver:
             return ""
         if distance >= 0.0:
-            return f"; if it may be touched, write touching: [{other.name}]"
+            return f"; if the two may touch, write touching: [{other.name}]"
         return "" if thing.spec.fixed else f"; to push it, write touching: [{other.name}]"
 
     def _drivers(self, key: Key) -> Iterator[str]:

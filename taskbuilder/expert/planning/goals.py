@@ -21,6 +21,9 @@ BRANCHES = 16
 MOST_ENDS = 12
 """Maximum number of combinations of joint solutions that are tried, the nearest first."""
 
+REDUNDANT = 4
+"""Factor of both numbers for a robot with a moving base, which may stand in many places."""
+
 SAME = 0.05
 """Joints that differ by less than this (rad or m) are the same solution."""
 
@@ -77,14 +80,19 @@ def ends(
     spaces = [Space(choice) for choice in product(*choices)]
     spaces.sort(key=lambda space: space.length([space.begin, space.end]))
     seen = Space(near).end
-    yield from islice((space for space in spaces if space.end != seen), MOST_ENDS)
+    most = max(_factor(part) for part in near) * MOST_ENDS
+    yield from islice((space for space in spaces if space.end != seen), most)
+
+
+def _factor(part: Subspace) -> int:
+    return REDUNDANT if isinstance(part, Jointed) and part.reach.arm.robot.chain.base else 1
 
 
 def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subspace]:
     """An arm with each of the joint solutions for its goal."""
     found: list[ArmJoints] = [part.end]
     chain, arm = part.reach.arm.robot.chain, part.reach.arm
-    for _ in range(BRANCHES):
+    for _ in range(_factor(part) * BRANCHES):
         (beginning,) = beginnings_of(chain, rng, 1).tolist()
         result = solve(chain, arm.base_from_world @ goal, start=beginning, rng=rng, attempts=1)
         if result.ok:
@@ -123,7 +131,7 @@ def _solved(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Gene
         raise PlanningError(
             reach.name,
             "out of reach",
-            f"{reach.name} cannot bring its tool to ({x:.3f}, {y:.3f}, {z:.3f}): it stays {off} "
-            "short of the pose",
+            f"{reach.name} cannot bring its tool to ({x:.3f}, {y:.3f}, {z:.3f}): the nearest pose "
+            f"found is off by {off}",
         )
     return found.joints

@@ -109,6 +109,6 @@ def _check_tilt(reach: Reach, goal: Pose, otherwise: str) -> None:
             reach.name,
             "out of reach",
             f"{reach.name}'s tool would have to be turned by {math.degrees(tilt):.0f}° more than "
-            f"its actions can turn it: the action mode keeps the tool's {kept} from home; write "
-            f"action: {{turn: full}} for {reach.name}, or turn it less{otherwise}",
+            f"its actions can turn it: the action mode keeps the {kept} that the tool has at home; "
+            f"write action: {{turn: full}} for {reach.name}, or turn it less{otherwise}",
         )

@@ -56,14 +56,17 @@ class Search:
     def no_way(self) -> PlanningError:
         """Why no path was found: the most frequent obstacle, or a line that no tool can follow."""
         names = list(self.space.reaches)
-        words = f"{' and '.join(names)} find{'s' if len(names) == 1 else ''} no "
-        words += "straight way: on it, " if self.space.rigid else "way: on those tried, "
+        words = " and ".join(names)
+        if self.space.rigid:
+            words += " cannot take the direct path: on this path, "
+        else:
+            words += f" find{'s' if len(names) == 1 else ''} no path: on the paths tried, "
         if self._met:
             near = self._worst[self._met.most_common(1)[0][0]]
             return PlanningError(near.robot, "no way", f"{words}{near}")
         off = self._astray
         return PlanningError(
-            off.robot, "no way", f"{words}{off.robot}'s tool would be {off} off its line"
+            off.robot, "no way", f"{words}{off.robot}'s tool would be off by {off}"
         )
 
     def straight(self) -> Way | None:

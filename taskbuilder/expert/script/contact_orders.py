@@ -79,7 +79,7 @@ def _close(now: Situation, robot: str, verb: str) -> Grip | None:
     """
     held = now.load(robot) or now.handle(robot)
     if held:
-        raise NotHeldError(robot, f"has to {verb} with an empty gripper, and holds {held}")
+        raise NotHeldError(robot, f"needs an empty gripper to {verb}, but holds {held}")
     rest = now.world.robots[robot].gripper.rest
     ready = rest is None or now.is_open(robot) == (rest > 0.5)
     return None if rest is None or ready else Grip(robot, rest)

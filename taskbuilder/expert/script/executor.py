@@ -183,7 +183,7 @@ class Executor:
                 return
             yield self.encoder.hold()
         if not self._holds(stage.until):
-            message = f'"{stage.until}" does not hold within {stage.within:g} s'
+            message = f'"{stage.until}" did not become true within {stage.within:g} s'
             raise StageError(f"wait {stage}", "", "waited in vain", message)
 
     def _holds(self, condition: str) -> bool:
@@ -321,11 +321,13 @@ class Executor:
                 robot = next(iter(go.choices[0].carriers))
                 what = go.subject or f"{robot}.tcp"
                 gap = self._gap(go)
-                far = f"stays {gap * 100:.1f} cm away" if math.isfinite(gap) else "is lost"
+                far = (
+                    f"ended up {gap * 100:.1f} cm from" if math.isfinite(gap) else "was lost before"
+                )
                 touched = ", ".join(self._touched(robot))
                 by = f"; {robot} touches {touched}" if touched else ""
                 by += self._locks(self._touched(robot))
-                message = f"{what} {far} from where it is to be{by}"
+                message = f"{what} {far} its goal{by}"
                 raise StageError(told[who], robot, "not arrived", message)
 
     def _touched(self, robot: str) -> list[str]:
@@ -377,7 +379,7 @@ class Executor:
         if grip.opening:
             return f"{grip.robot} does not let go of {grip.thing or 'what it touches'}: {state}"
         forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
-        felt = f"pressing with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
+        felt = f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
         return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
 
 

@@ -210,7 +210,7 @@ def bring(
     loads = {robot: now.load(robot) for robot in robots}
     for robot, load in loads.items():
         if load is None:
-            raise NotHeldError(robot, f"holds nothing that would bring {thing}")
+            raise NotHeldError(robot, f"holds nothing and cannot bring {thing}")
     held = thing if thing in loads.values() else str(loads[robots[0]])
     load_at, thing_at, goal = now.pose(held), now.pose(thing), _goal(now, order)
     turn = load_at.quaternion

@@ -22,9 +22,9 @@ longer than until success is reached, and not after a stage that could not be do
 class Expert:
     """Plays the expert of a task file; deterministic for a given seed.
 
-    An expert is a `Policy` for the environment `env`. The method `play` has further options. An
-    expert can play any number of episodes. It plans in a second physics simulation, which `close`
-    frees.
+    An expert is a `Policy` for the environment `env`. Its own method `play` has more options than
+    `taskbuilder.play`. An expert can play any number of episodes. It plans in a second physics
+    simulation, which `close` frees.
 
     Args:
         env: An environment of the task, with flat actions and a fixed variation.
@@ -35,7 +35,9 @@ class Expert:
 
     def __init__(self, env: TaskEnv) -> None:
         if env.options.variation == "random":
-            raise UsageError("an expert plans for one variation; make the environment with it")
+            raise UsageError(
+                "an expert plans for one variation; make the environment with a fixed variation"
+            )
         self.env = env
         self._planner = Planner(env)
         self._script: _Script | None = None
@@ -62,13 +64,13 @@ class Expert:
                 stages.
             persist: Whether to continue with the next stage after a stage that failed.
             finish: Whether all robots hold still after the last stage until the episode is over.
-                With ``"undecided"``, they hold still only until success is reached, and not after a
+                With ``"undecided"``, playing ends as soon as success is reached, or after a
                 stage that failed.
             after_stage: Called with the number of each completed stage, from 1, before the next
                 stage begins. The function may save the state of the environment, but must not
                 change the state.
-            forces: Whether to record the force between robots, even if the task does not use this
-                force.
+            forces: Whether to record the force between robots, even if the description does not
+                measure this force.
             explain: Whether to record why the success condition is false at the end.
             watch: Called with the environment after reset and after each control step.
 
@@ -203,5 +205,5 @@ class _Script:
             return None
         else:
             cause = "no time left"
-            message = f"the episode's {episode.steps} control steps are over"
+            message = f"the episode ended after {episode.steps} control steps"
         return Trouble(self._stage, stage, "", cause, message, episode.steps)

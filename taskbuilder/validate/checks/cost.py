@@ -29,7 +29,7 @@ def cost_family(context: Context) -> FamilyResult:
         Check("TB561", name, True, value, None, unit) for name, _, value, unit in figures
     )
     summary = (
-        f"{cost.steps_per_second:,.0f} steps/s, {cost.overhead_physics_steps:.1f} physics steps "
-        f"beyond them, {reset_ms:.1f} ms a reset"
+        f"{cost.steps_per_second:,.0f} steps/s, overhead of {cost.overhead_physics_steps:.1f} "
+        f"physics steps a control step, {reset_ms:.1f} ms a reset"
     )
     return FamilyResult("cost", checks, (), summary)

@@ -12,6 +12,8 @@ does not: then more seeds are played, up to `ENOUGH`.
 
 Probes are judged in a fixed order, up to the first kind that earns as much as success. The finding
 names the closest probe of that kind and the number of others, which usually have the same cause.
+
+What only training uses, progress and setback, is checked as well; see `training_signals`.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import in_words
+from taskbuilder.validate.checks.training_signals import check_training_signals
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.locate import finding_in_description
@@ -93,6 +96,7 @@ def pays_family(context: Context) -> FamilyResult:
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
         results += _compared(context, plays)
+    results += check_training_signals(context)
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     probes = tuple(_probe(way, found) for way, found in plays.items() if found)
@@ -146,7 +150,9 @@ def _summary(plays: Plays) -> str:
     if not rivals:
         return "every way of playing succeeds"
     closest = min(rivals, key=_closeness)
-    lead = [f"by {closest.lead}" + (f" at {DISCOUNT:g}" if closest.discount < 1.0 else "")]
+    lead = [
+        f"by {closest.lead}" + (f" with discount {DISCOUNT:g}" if closest.discount < 1.0 else "")
+    ]
     means = f"{closest.expert:.1f} to {closest.earned:.1f}"
     return f"expert leads {closest.way} {lead[0]} ({means}, {_pairs(closest)})"
 
