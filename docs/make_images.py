@@ -36,6 +36,7 @@ RUNS = RESULTS / "learning"
 PAPER = {
     "pick_push_place-1": "Pick-Push-Place, the paper's learner",
     "collaborative_lift-1": "Collaborative Lift, the paper's learner",
+    "handover-1": "Handover, the paper's learner",
 }
 SHOWN = {
     "pick_push_place": "Pick-Push-Place",

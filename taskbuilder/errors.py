@@ -119,7 +119,7 @@ class SimulationError(TaskbuilderError):
 
 
 class ExplosionError(SimulationError):
-    """The simulation diverged: its state has a number that is not finite, or implausibly large.
+    """The simulation diverged: its state contains a number that is infinite, NaN or implausible.
 
     Build a new world.
     """

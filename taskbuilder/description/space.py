@@ -26,7 +26,7 @@ AXES = ("xyz", "xy", "xz", "yz", "x", "y", "z")
 
 @dataclass(frozen=True)
 class Near(Condition):
-    """Two frames are at most ``within`` metres apart, along the given axes of the world."""
+    """The distance between two frames, along the given axes, is at most ``within`` metres."""
 
     first: FrameName
     second: FrameName

@@ -57,7 +57,9 @@ class Arrangement(Model):
         description="A line along x, with this distance between the centres of neighbouring "
         "objects.",
     )
-    grid: Grid | None = Field(None, description="A grid: rows along x, side by side along y.")
+    grid: Grid | None = Field(
+        None, description="A grid: each row runs along x, and the rows lie side by side."
+    )
     ring: Length | None = Field(
         None, description="A ring with this radius. The x axis of each object points outwards."
     )

@@ -110,8 +110,7 @@ class Grasp(Model):
     """Where and how a gripper can take a body."""
 
     at: Position = Field(
-        (0.0, 0.0, 0.0),
-        description="Position of the point, in the frame of the object or, if given, of `link`.",
+        (0.0, 0.0, 0.0), description="Position of the point, in the frame of the object or `link`."
     )
     link: Reference | None = Field(
         None, description="Link of the URDF to which the point is fixed; by default the base link."
@@ -147,7 +146,7 @@ class Place(Model):
     clearance: Length = Field(
         0.005,
         description="Minimum distance to all bodies except the objects that `surface` and `in` "
-        "name; not for sites.",
+        "name; sites cannot have it.",
     )
 
     @model_validator(mode="after")
@@ -201,8 +200,7 @@ class ObjectSpec(_Placed):
     }
 
     count: Annotated[int, Field(ge=1, le=MAX_COUNT)] | None = Field(
-        None,
-        description="Number of objects; this key makes the entry a group of identical objects.",
+        None, description="Number of objects; this key makes the entry a group of like objects."
     )
     arrange: Arrangement | None = Field(None, description="Arrangement of the objects of a group.")
     shape: Shape | None = None

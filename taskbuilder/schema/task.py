@@ -138,11 +138,11 @@ class TaskSpec(Model):
     )
     randomize: Annotated[Mapping[Reference, Distribution], AfterValidator(frozen)] = Field(
         default_factory=lambda: frozen({}),
-        description="Quantities that environments made with `randomize=True` draw at random in "
-        "each episode.",
+        description="Quantities that are drawn at random in each episode, in environments with "
+        "`randomize=True`.",
     )
     looks: Annotated[tuple[LookPart, ...], Shorthand("all", LOOK_PARTS)] = Field(
         (),
-        description="Parts of the scene's appearance that environments made with `randomize=True` "
+        description="Parts of the scene's appearance that environments with `randomize=True` "
         "draw at random in each episode; `all` stands for all parts.",
     )

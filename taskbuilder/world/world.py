@@ -116,9 +116,7 @@ class World(Single):
     def reset(
         self, seed: int, *, randomized: bool = False, looks: Collection[LookPart] = ()
     ) -> None:
-        """Begin an episode: reset the robots, place the objects, and let them settle.
-
-        The objects settle for one control step, or for less if there are very many of them.
+        """Begin an episode: reset the robots, place the objects, and let them settle for a moment.
 
         Args:
             seed: Seed for placement and for randomisation; each has its own random-number
@@ -387,7 +385,7 @@ class World(Single):
     # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
-        """The view of a named camera, from its current pose and in the look of this episode.
+        """The view of a named camera from its current pose, with the look of this episode.
 
         Raises:
             UnknownNameError: The scene has no such camera.

@@ -45,6 +45,4 @@ class Pair(Description):
         Distance("carry", "cube", "goal"),
         Distance("point", "right.tcp", "lamp", agent="right"),
     )
-    progress = Ladder(Closeness("left.tcp", "cube"), (Held("cube"), 2.0), (success, 3.0))
-    setback = Sustained(Once(Held("cube")) & Released("cube"), seconds=0.5)
 """

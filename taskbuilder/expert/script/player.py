@@ -63,9 +63,9 @@ class Expert:
             without: Names of robots that hold still; the orders of these robots are left out of all
                 stages.
             persist: Whether to continue with the next stage after a stage that failed.
-            finish: Whether all robots hold still after the last stage until the episode is over.
-                With ``"undecided"``, playing ends as soon as success is reached, or after a
-                stage that failed.
+            finish: Whether all robots hold still after the last stage until the episode is over;
+                otherwise, playing ends with the last stage. ``"undecided"`` is like True, but
+                playing ends as soon as success is reached or a stage has failed.
             after_stage: Called with the number of each completed stage, from 1, before the next
                 stage begins. The function may save the state of the environment, but must not
                 change the state.
