@@ -174,7 +174,7 @@ def _whole_inside(source: Source, name: str, key: str, finding: Finding) -> bool
     """Whether a mistake in an object leaves all names inside it as they are."""
     if key:
         return key in _NAMELESS
-    shaped = any(source.get("scene", "objects", name, key) for key in ("shape", "parts"))
+    shaped = any(source.get("scene", "objects", name, part) for part in ("shape", "parts"))
     return finding.code == "TB101" and shaped  # something is missing, and it is not these
 
 

@@ -62,11 +62,11 @@ def _check_progress(context: Context, succeeded: Mapping[Start, Rollout]) -> Res
     wrong = [fall for fall in falls if not fall.size <= ROUNDING]
     findings = []
     if wrong:
-        worst = wrong[0]
+        first = wrong[0]
         message = (
-            f"progress is {worst.highest:.3g} at control step {worst.step}, and only "
-            f"{worst.at_success:.3g} when success is reached at step {worst.success} "
-            f"({worst.start}); progress must be highest at success"
+            f"progress is {first.highest:.3g} at control step {first.step}, and only "
+            f"{first.at_success:.3g} when success is reached at step {first.success} "
+            f"({first.start}); progress must be highest at success"
         )
         progress = context.task.description.progress
         findings = [finding_in_description(context.task, "TB556", message, "progress", progress)]
