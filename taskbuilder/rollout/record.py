@@ -37,12 +37,12 @@ class Trouble:
 CAUSES = (
     "out of reach",
     "in collision",
-    "no way",
+    "no path",
     "grasp missed",
     "lost on the way",
     "not arrived",
     "still held",
-    "waited in vain",
+    "timed out",
     "no time left",
     "physics diverged",
 )

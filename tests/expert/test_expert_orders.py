@@ -138,7 +138,7 @@ def test_a_closed_gripper_pushes_what_it_may_touch(play):
     behind = "arm: {reach: block, offset: [0, 0.12, 0], approach: 0.1}"
     push = "arm: {reach: block, offset: [0, -0.1, 0], straight: true, tolerance: 0.03"
     refused, _ = play("arm: {close: nothing}", behind, f"{push}}}")
-    assert refused.trouble.cause == "no way"
+    assert refused.trouble.cause == "no path"
     assert "block" in refused.trouble.message
     demonstration, world = play("arm: {close: nothing}", behind, f"{push}, touching: [block]}}")
     assert demonstration.trouble is None
@@ -235,7 +235,7 @@ def test_slow_takes_longer(play):
 def test_a_wait_ends_when_its_condition_holds(play):
     demonstration, _ = play(GRASP, "{until: held}", "{until: near, within: 0.5}")
     assert demonstration.trouble.stage == 3
-    assert demonstration.trouble.cause == "waited in vain"
+    assert demonstration.trouble.cause == "timed out"
     assert demonstration.steps == demonstration.stage_ends[1] + 5
     assert demonstration.stage_ends[1] == demonstration.stage_ends[0]
 

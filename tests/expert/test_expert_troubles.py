@@ -72,7 +72,7 @@ TROUBLES = {
     "a condition that never holds": (
         ["{until: near, within: 1}"],
         {},
-        (1, "waited in vain", "near"),
+        (1, "timed out", "near"),
     ),
     "an episode too short": ([GRASP], {"steps": 4}, (1, "no time left", "4 control steps")),
     "a tool that cannot be turned": (

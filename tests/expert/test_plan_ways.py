@@ -117,13 +117,13 @@ class TestBlocked:
         barred = scene(walled())
         with pytest.raises(PlanningError, match=r"take the direct path: .* the wall") as seen:
             barred.plan(straight(barred.at("arm", BEYOND)))
-        assert (seen.value.robot, seen.value.cause) == ("arm", "no way")
+        assert (seen.value.robot, seen.value.cause) == ("arm", "no path")
 
     def test_no_way_names_what_is_in_the_way(self, scene):
         parted = scene(walled(height=3.0, width=2.4, behind=True))
         with pytest.raises(PlanningError, match=r"arm finds no path: .* the (wall|rest)") as seen:
             parted.plan(parted.at("arm", BEYOND))
-        assert (seen.value.robot, seen.value.cause) == ("arm", "no way")
+        assert (seen.value.robot, seen.value.cause) == ("arm", "no path")
 
 
 def test_things_may_be_touched_on_purpose(scene):

@@ -65,7 +65,7 @@ def task():
 @pytest.fixture
 def full(passed, probes):
     """A report with episodes and probes."""
-    trouble = Trouble(2, "left: bring stick to meeting", "left", "no way", "left has no way", 2)
+    trouble = Trouble(2, "left: bring stick to meeting", "left", "no path", "left has no way", 2)
     solvable = FamilyResult(
         "solvable",
         (),
@@ -177,7 +177,7 @@ def test_episodes_that_went_wrong_are_shown_at_the_moment_that_decided(task, ful
     shown = [(f.family, f.rollout.seed, f.moment.step) for f in pictures.failures]
     assert shown == [("solvable", 7, 2), ("solvable", 8, 4), ("needs", 9, 3)]
     text = Parsed(task_page(Page(full, task, pictures))).text
-    assert "left: bring stick to meeting: no way" in text
+    assert "left: bring stick to meeting: no path" in text
     assert "left has no way." in text
     assert "Every stage was played, yet the task was not solved" in text
     assert "Solved, though it should not have been." in text

@@ -6,7 +6,7 @@ from typing import Literal
 
 from taskbuilder.errors import TaskbuilderError
 
-Cause = Literal["out of reach", "in collision", "no way"]
+Cause = Literal["out of reach", "in collision", "no path"]
 
 
 class PlanningError(TaskbuilderError):  # it is an answer as much as an error

@@ -117,7 +117,7 @@ class _Motion:
             if way is not None:
                 return search.space, way
         if first is None:
-            raise PlanningError("", "no way", "there is nothing to try")
+            raise PlanningError("", "no path", "there is nothing to try")
         raise first.no_way()
 
     def _attempts(self) -> Iterator[tuple[Search, Look]]:

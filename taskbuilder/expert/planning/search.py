@@ -63,10 +63,10 @@ class Search:
             words += f" find{'s' if len(names) == 1 else ''} no path: on the paths tried, "
         if self._met:
             near = self._worst[self._met.most_common(1)[0][0]]
-            return PlanningError(near.robot, "no way", f"{words}{near}")
+            return PlanningError(near.robot, "no path", f"{words}{near}")
         off = self._astray
         return PlanningError(
-            off.robot, "no way", f"{words}{off.robot}'s tool would be off by {off}"
+            off.robot, "no path", f"{words}{off.robot}'s tool would be off by {off}"
         )
 
     def straight(self) -> Way | None:

@@ -184,7 +184,7 @@ class Executor:
             yield self.encoder.hold()
         if not self._holds(stage.until):
             message = f'"{stage.until}" did not become true within {stage.within:g} s'
-            raise StageError(f"wait {stage}", "", "waited in vain", message)
+            raise StageError(f"wait {stage}", "", "timed out", message)
 
     def _holds(self, condition: str) -> bool:
         return self._env.episode.outcome.conditions[condition]
