@@ -29,6 +29,7 @@ from taskbuilder.rollout import Rollout, play
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
+from taskbuilder.visual.video import GIF_COLORS
 
 IMAGES = Path(__file__).parent / "images"
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
@@ -47,12 +48,14 @@ SIZES = ((800, 600), (640, 480))
 """Sizes of a task's picture: the first that is small enough."""
 PICTURE_BYTES = 150_000
 THUMBNAIL = (480, 360)
+_LARGE = ((480, 360), (400, 300), (360, 270), (320, 240))
+_SMALL = ((320, 240), (280, 210), (240, 180))
 FILMS = (
-    *(((480, 360), 12), ((400, 300), 12), ((360, 270), 12), ((320, 240), 12)),
-    *(((320, 240), 8), ((280, 210), 8), ((240, 180), 8), ((240, 180), 6)),
-    *(((220, 165), 6), ((200, 150), 6), ((200, 150), 5)),
+    *((size, 12, GIF_COLORS) for size in _LARGE),
+    *((size, 8, GIF_COLORS) for size in _SMALL),
+    *((size, 5, 64) for size in _SMALL),
 )
-"""Size and frames a second of a film of the gallery: the first that is no larger than allowed."""
+"""Size, frames a second and colours of a film of the gallery: the first that is small enough."""
 FILM_BYTES = 300_000
 
 _PAPER, _INK = (255, 255, 255), (58, 62, 66)
@@ -96,11 +99,12 @@ def make_policy(name: str) -> None:
 def _film(env: TaskEnv, played: Rollout, camera: str, stem: Path) -> None:
     """Film an episode as large as a film of the gallery may be."""
     density = 0.0  # bytes a pixel of the last film; a smaller one has as many, or more
-    for (width, height), fps in FILMS:
+    for (width, height), fps, colors in FILMS:
         pixels = width * height * fps
-        if density * pixels > FILM_BYTES and ((width, height), fps) != FILMS[-1]:
+        if density * pixels > FILM_BYTES and colors == GIF_COLORS:
             continue
-        _, film = save_film(env, played, [camera], stem, size=(width, height), fps=fps)
+        size = (width, height)
+        _, film = save_film(env, played, [camera], stem, size=size, fps=fps, gif_colors=colors)
         density = film.stat().st_size / pixels
         if film.stat().st_size <= FILM_BYTES:
             return

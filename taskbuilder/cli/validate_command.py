@@ -140,7 +140,7 @@ def _print_task(report: TaskReport, form: str) -> None:
         print(paint(report.headline, "bold"))
         print()
         why = why_skipped(report)
-        skipped = [[name, paint("skip", "yellow"), why, ""] for name in report.skipped]
+        skipped = [[name, paint("skip", "yellow"), "", why] for name in report.skipped]
         print_table([*map(_row, report.families), *skipped], indent="  ")
         print()
         for finding in report.findings:
@@ -155,7 +155,7 @@ def _print_task(report: TaskReport, form: str) -> None:
 
 def _row(family: FamilyResult) -> list[str]:
     mark = paint("ok  ", "green") if family.ok else paint("FAIL", "red")
-    return [family.name, mark, family.summary, f"{family.seconds:.1f} s"]
+    return [family.name, mark, f"{family.seconds:5.1f} s", family.summary]
 
 
 def _print_end(reports: Sequence[TaskReport], form: str, seconds: float, page: str) -> None:

@@ -61,7 +61,7 @@ class RecordedEpisode:
 
     @property
     def seed(self) -> int:
-        """Seed of the reset."""
+        """Seed passed to `reset`."""
         return int(self.about["seed"])
 
     @property
@@ -185,8 +185,8 @@ class Dataset(Sequence[RecordedEpisode]):
 
     Attributes:
         folder: Folder of the data set.
-        about: Contents of ``dataset.json``: how the data set was collected, its tasks, the names of
-            all numbers in its arrays, and versions.
+        about: Contents of ``dataset.json``: how the data set was collected, its tasks, a
+            name for every column of its arrays, and the versions of the packages.
         contents: Contents of ``index.json``: an entry for every episode, and the attempts that were
             not kept.
     """

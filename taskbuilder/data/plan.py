@@ -78,7 +78,7 @@ class Attempt:
     Attributes:
         reference: Name or path of the task.
         task: Its id.
-        seed: Seed of the reset.
+        seed: Seed passed to `reset`.
         variation: The variation.
         policy: Who plays.
     """

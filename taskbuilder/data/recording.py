@@ -61,7 +61,7 @@ def record_episode(
     Args:
         env: The environment, with flat actions.
         policy: Who plays.
-        seed: Seed of the reset.
+        seed: Seed passed to `reset`.
         cameras: What is recorded of the cameras.
 
     Raises:

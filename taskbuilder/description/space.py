@@ -57,10 +57,12 @@ class Inside(Condition):
     """A body is inside a container.
 
     If the container is a site, the centre of the body's bounding box must be at least ``margin``
-    inside the bounding box of the site's marker. If the container is an object, a part or a link,
-    the bounding boxes of body and container are compared along the axes of the container: in x and
-    y, the box of the body must be at least ``margin`` inside the box of the container; in z, its
-    bottom must be between the bottom and the top of the container.
+    inside the bounding box of the site's marker.
+
+    If the container is an object, a part or a link, the bounding boxes of the body and of the
+    container are compared along the axes of the container. Along x and y, the box of the body must
+    be at least ``margin`` inside the box of the container. Along z, the lowest point of the body's
+    box must be between the bottom and the top of the container's box.
     """
 
     body: BodyName
@@ -118,7 +120,7 @@ class Inside(Condition):
 
 @dataclass(frozen=True)
 class Above(Condition):
-    """A frame is at least ``height`` metres above the world's origin, or above another frame."""
+    """A frame is at least ``height`` metres above `reference` (by default, the world's origin)."""
 
     frame: FrameName
     reference: FrameName | None = None
@@ -135,7 +137,7 @@ class Above(Condition):
 
 @dataclass(frozen=True)
 class Below(Condition):
-    """A frame is less than ``height`` metres above the world's origin, or above another frame."""
+    """A frame is less than ``height`` metres above `reference` (by default, the world's origin)."""
 
     frame: FrameName
     reference: FrameName | None = None

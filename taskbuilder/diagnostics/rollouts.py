@@ -10,8 +10,8 @@ ENTRIES = {
     "TB501": Code(
         "Episodes differ for the same seed",
         "Two episodes with the same seed and the same actions differ, whether they are played in "
-        "the same process or in different processes. Some code uses a random-number generator that "
-        "is not seeded by the episode, or reads the clock.",
+        "the same process or in different processes. Something in the description uses a "
+        "random-number generator that is not seeded from the episode's seed, or reads the clock.",
         Example(
             "module",
             "import random\n\n\n@measure\ndef luck(world):\n    return random.random()\n\n\n"
@@ -25,8 +25,8 @@ ENTRIES = {
         "that has already played other episodes gives a different one. The usual cause is a "
         "description that keeps state in a module variable: use conditions with memory instead, "
         "such as `Once`, `Then` and `Sustained`. Another cause is that several loose objects lie "
-        "against each other on a moving link. The physics engine keeps contacts of earlier "
-        "episodes between such objects. Let the objects begin apart, or use fewer of them.",
+        "against each other on a moving link. Between such objects, the physics engine keeps "
+        "contacts from earlier episodes. Let the objects begin apart, or use fewer of them.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -383,9 +383,9 @@ ENTRIES = {
     ),
     "TB575": Code(
         "Seed without effect",
-        "In the same environment, two episodes with the same seed and actions differ. Or, if each "
-        "of them is followed by an episode without a seed, these two further episodes differ. Or "
-        "all seeds give the same episode although objects are placed at random." + _OURS,
+        "In the same environment, two episodes with the same seed and actions differ. Or the "
+        "episodes that follow them without a new seed differ from each other. Or all seeds give "
+        "the same episode although objects are placed at random." + _OURS,
     ),
     "TB576": Code(
         "Reward not finite",

@@ -50,8 +50,9 @@ ENTRIES = {
     "TB008": Code(
         "Two files with the same name",
         "Two tasks, two robots or two suites in the catalogue have the same name. Until this is "
-        "resolved, no task (or robot, or suite) can be used by name. Rename one of the two, or "
-        "leave its folder out of `--task-path` and `TASKBUILDER_PATH`.",
+        "resolved, none of the tasks (or robots, or suites) can be used by name, not even those "
+        "with a name of their own. Rename one of the two, or leave its folder out of "
+        "`--task-path` and `TASKBUILDER_PATH`.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(

@@ -64,7 +64,7 @@ class Options:
             ``base``: poses and motions that would be in the world's frame are in the base frame of
             each robot instead, so that robots that face each other can share a policy.
         rotation: Format of orientations: ``quaternion`` (x, y, z, w), or ``matrix``, the first two
-            columns of the rotation matrix, which do not jump where a quaternion changes its sign.
+            columns of the rotation matrix, which do not jump when a quaternion changes its sign.
         cameras: Cameras whose colour images every agent observes in addition to its channels.
         camera_size: Width and height of observed images; by default each camera's own.
         renderer: Renderer of images: ``raster``, ``tiny`` or ``egl``; or ``auto``, which is

@@ -33,9 +33,10 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
 
     Observations, actions and rewards are dictionaries keyed by agent. Each value is an array with
     one row per environment. Terminations and truncations are plain arrays, because all agents in an
-    environment end together. Infos are arrays, with the keys of `TaskEnv` and "lost", which is 1.0
-    where an episode was cut off because its process was lost. Returned arrays are copies and belong
-    to the caller.
+    environment end together. Infos are a dictionary of arrays, with one value per environment. It
+    has the keys of the infos of `TaskEnv`, and the key "lost", which is 1.0 for each environment
+    whose episode was cut off because its process died. Returned arrays are copies and belong to the
+    caller.
 
     Each environment draws the seeds of episodes like a `TaskEnv` that is reset once with a seed and
     afterwards without a seed. The results therefore depend only on the seeds and the actions, not
@@ -48,7 +49,8 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
       "final_state" and "final_info". "final_obs" is an object array: a dictionary keyed by agent
       for each environment whose episode ended, and None for the others. The infos "_final_obs",
       "_final_state" and "_final_info" are masks of the environments whose episode ended.
-    - next step: the next step ignores the environment's actions, resets it and gives zero reward.
+    - next step: the next call of `step` ignores the actions for this environment, resets it and
+      returns zero reward for it.
 
     A worker that dies or hangs is replaced, and a warning is logged. In the step in which this
     happens, the episodes of its environments are truncated; their reward is zero, and their final

@@ -73,7 +73,7 @@ def play(
     Args:
         env: The environment.
         policy: A `Policy`, or a function from observations to actions.
-        seed: Seed of the reset; it determines all random values of the environment.
+        seed: Seed passed to `reset`; it determines everything that is random in the environment.
         observations: Whether to record the observations of every agent.
         cameras: Names of the cameras whose images are recorded.
         size: Width and height of the images; by default each camera's own.

@@ -84,7 +84,7 @@ class Rollout:
 
     Attributes:
         task: The task's name.
-        seed: Seed of the reset.
+        seed: Seed passed to `reset`.
         variation: Number of the variation; 0 is the task as written.
         options: Options of the environment.
         control_hz: Control steps per second.

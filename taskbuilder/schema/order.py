@@ -281,7 +281,7 @@ ONLY_WITH = {
     "above": ("reach", "bring"),
     "offset": ("reach", "bring", "push"),
     "straight": ("reach", "bring"),
-    "touching": _MOVING[1:],
+    "touching": _MOVING,
     "speed": _MOVING,
     "tolerance": _MOVING,
 }

@@ -108,8 +108,9 @@ class TaskSpec(Model):
     )
     cooperation: Literal["required", "optional"] = Field(
         "required",
-        description="For tasks with several robots. `required`: the task must need all "
-        "its robots. `optional`: it may be done without some of them, or by one robot alone.",
+        description="For tasks with several robots. `required`: the task cannot be done unless "
+        "all its robots take part, which `validate` checks. `optional`: it may be done without "
+        "some of them, or by one robot alone.",
     )
     timing: Timing = Timing()
     scene: SceneSpec = Field(description="The robots, objects, sites and cameras.")

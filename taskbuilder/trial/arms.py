@@ -62,7 +62,7 @@ class Job(NamedTuple):
     """An episode to play.
 
     Attributes:
-        seed: Seed of the reset.
+        seed: Seed passed to `reset`.
         compared: Whether the baselines play too.
     """
 

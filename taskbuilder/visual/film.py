@@ -11,7 +11,7 @@ from taskbuilder.visual.capture import FPS, Frame, capture_frames
 from taskbuilder.visual.overlay import compose
 from taskbuilder.visual.still import Pixels
 from taskbuilder.visual.strip import fitting
-from taskbuilder.visual.video import mp4, save_gif
+from taskbuilder.visual.video import GIF_COLORS, mp4, save_gif
 
 Progress = Callable[[Iterable[Frame], int], Iterable[Frame]]
 
@@ -35,6 +35,7 @@ def save_film(
     size: tuple[int, int] | None = None,
     fps: int | None = None,
     gif: bool = True,
+    gif_colors: int = GIF_COLORS,
     progress: Progress = lambda frames, _: frames,
 ) -> tuple[Path, ...]:
     """Replay an episode to its end and film it.
@@ -48,6 +49,7 @@ def save_film(
             camera's proportions have it.
         fps: Frames a second; by default 24, or one a physics step where those are fewer.
         gif: Also write a GIF of every second frame or fewer.
+        gif_colors: Size of the GIF's palette, at most 255; fewer colours make a smaller file.
         progress: Passes the frames on; given how many there will be, too.
 
     Returns:
@@ -77,5 +79,5 @@ def save_film(
             add(composed)
     if not gif:
         return (film,)
-    save_gif(picture, kept, times, hold_s=HOLD_S)
+    save_gif(picture, kept, times, hold_s=HOLD_S, colors=gif_colors)
     return film, picture

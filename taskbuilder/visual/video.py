@@ -107,7 +107,12 @@ def frames_in(path: Path) -> int:
 
 
 def save_gif(
-    path: Path, frames: Sequence[Pixels], times_s: Sequence[float], *, hold_s: float
+    path: Path,
+    frames: Sequence[Pixels],
+    times_s: Sequence[float],
+    *,
+    hold_s: float,
+    colors: int = GIF_COLORS,
 ) -> None:
     """Write a GIF that plays over and over, whole or not at all.
 
@@ -119,6 +124,7 @@ def save_gif(
         frames: All of one size, RGB.
         times_s: When each is shown.
         hold_s: How long the last is shown.
+        colors: Size of the palette, at most `GIF_COLORS`.
 
     Raises:
         OSError: It cannot be written.
@@ -130,7 +136,7 @@ def save_gif(
     pauses = [10 * (end - start) for start, end in pairwise(ticks)]
     step = -(-len(frames) // _SAMPLES)
     sample = Image.fromarray(np.vstack([*frames[::step], frames[-1]]))
-    palette = sample.quantize(GIF_COLORS, method=Image.Quantize.MEDIANCUT)
+    palette = sample.quantize(colors, method=Image.Quantize.MEDIANCUT)
     first, *others = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in frames

@@ -60,11 +60,11 @@ class World(Single):
         time: Seconds since the episode began.
         quantities: Values, in this episode, of the quantities that the task file can randomise.
         look: Light, background, textures, distractors and camera poses of this episode.
-        piled: Pose of each object of a pile at the start of this episode, in the frame of the
-            pile's arrangement.
-        onlooker: None, or an iterator that is advanced before each physics step, and can thus read
-            the state during a control step. The iterator must not change anything, and must call
-            `refresh` before it reads any values.
+        piled: Resting pose of each object of a pile at the start of this episode, relative to the
+            position of the pile.
+        onlooker: None, or a generator that is advanced before each physics step, so that its code
+            can read the state within a control step. The generator must not change
+            anything, and must call `refresh` before it reads any values.
     """
 
     def __init__(
@@ -393,7 +393,7 @@ class World(Single):
         return camera_view(self.scene.cameras, name, self.pose, self.look, size)
 
     def move_markers(self) -> None:
-        """Move the marker of each moving site to the site; needed only before rendering."""
+        """Move each marker to the current pose of its site; needed only before rendering."""
         for name, site in self.sites.items():
             if site.marker is not None and site.rides_on:
                 site.marker.place(self.pose(name))

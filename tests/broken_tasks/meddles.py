@@ -6,6 +6,7 @@ from taskbuilder.description import (
     Bonus,
     Description,
     Distance,
+    Duration,
     Near,
     condition,
 )
@@ -33,3 +34,5 @@ class Errand(Description):
         Distance("point", "right.tcp", "lamp", agent="right"),
         Bonus("late", ~success, -1.0),
     )
+    progress = Duration(success)
+    setback = failure

@@ -4,6 +4,7 @@ from taskbuilder.description import (
     Bonus,
     Description,
     Distance,
+    Duration,
     Held,
     Near,
     Released,
@@ -25,3 +26,5 @@ class Errand(Description):
         Distance("point", "right.tcp", "lamp", agent="right"),
         Bonus("late", ~success, -1.0),
     )
+    progress = Duration(success)
+    setback = failure

@@ -71,3 +71,14 @@ def test_in_the_robots_own_frames_it_does_the_task_and_is_replayed_to_the_bit(ta
     expert.close()
     env.close()
     other.close()
+
+
+def test_it_records_what_play_records():
+    env = parallel_env("handover")
+    expert = Expert(env)
+    rollout = expert.play(SEEDS[0], observations=True, cameras=["front"], size=(32, 24))
+    expert.close()
+    env.close()
+    assert set(rollout.observations) == set(env.possible_agents)
+    assert len(rollout.observations["left"]) == rollout.steps + 1
+    assert rollout.pictures["front"].shape == (rollout.steps + 1, 24, 32, 3)

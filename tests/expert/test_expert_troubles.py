@@ -211,3 +211,16 @@ def test_a_turn_that_the_action_mode_does_not_allow_tells_which_does(tmp_path):
     trouble = trouble_of(tmp_path, GRASP, turned)
     assert (trouble.stage, trouble.cause) == (2, "out of reach")
     assert trouble.message.endswith("; write action: {turn: full} for arm, or turn it less")
+
+
+@pytest.mark.parametrize("gap_mm", [26, 28])
+def test_a_grasp_may_push_what_its_order_names(tmp_path, gap_mm):
+    neighbour = (
+        "    rod: {shape: {box: [0.2, 0.01, 0.05]}, mass: 0.1, "
+        f"position: [-0.1, {0.175 + gap_mm / 1000:.3f}, 0.4255]}}\n"
+    )
+    refused = trouble_of(tmp_path, GRASP, objects=neighbour)
+    assert refused.cause == "in collision"
+    assert refused.message.endswith("; to push it, write touching: [rod]")
+    allowed = GRASP.replace("}", ", touching: [rod]}")
+    assert trouble_of(tmp_path, allowed, objects=neighbour) is None

@@ -51,6 +51,9 @@ class Expert:
         persist: bool = False,
         finish: Finish = True,
         after_stage: Callable[[int], None] = lambda _: None,
+        observations: bool = False,
+        cameras: Sequence[str] = (),
+        size: tuple[int, int] | None = None,
         forces: bool = False,
         explain: bool = False,
         watch: Watch | None = None,
@@ -58,7 +61,7 @@ class Expert:
         """Play one episode.
 
         Args:
-            seed: Seed of the reset.
+            seed: Seed passed to `reset`.
             stages: Stages to play instead of those of the task file.
             without: Names of robots that hold still; the orders of these robots are left out of all
                 stages.
@@ -66,16 +69,20 @@ class Expert:
             finish: Whether all robots hold still after the last stage until the episode is over;
                 otherwise, playing ends with the last stage. ``"undecided"`` is like True, but
                 playing ends as soon as success is reached or a stage has failed.
-            after_stage: Called with the number of each completed stage, from 1, before the next
-                stage begins. The function may save the state of the environment, but must not
+            after_stage: Called with the number of each completed stage (counting from 1) before the
+                next stage begins. The function may save the state of the environment, but must not
                 change the state.
-            forces: Whether to record the force between robots, even if the description does not
+            observations: Whether to record the observations of every agent.
+            cameras: Names of the cameras whose images are recorded.
+            size: Width and height of the images; by default each camera's own.
+            forces: Whether to record the force between robots; the description need not
                 measure this force.
             explain: Whether to record why the success condition is false at the end.
             watch: Called with the environment after reset and after each control step.
 
         Raises:
             UsageError: The task has no expert.
+            UnknownNameError: The scene has no such camera.
         """
         script = _Script(
             self.env,
@@ -86,7 +93,17 @@ class Expert:
             finish=finish,
             after_stage=after_stage,
         )
-        return play(self.env, script, seed, forces=forces, explain=explain, watch=watch)
+        return play(
+            self.env,
+            script,
+            seed,
+            observations=observations,
+            cameras=cameras,
+            size=size,
+            forces=forces,
+            explain=explain,
+            watch=watch,
+        )
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Start with the first stage of the task file.

@@ -71,7 +71,7 @@ def contract_family(context: Context) -> FamilyResult:
     if all(check.ok for check, _ in results):
         results += context.spread(partial(at_work, _check_suite, context.source), SUITES)
     wrong = [check.name for check, _ in results if not check.ok]
-    summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} suites"
+    summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} API tests"
     findings = tuple(finding for _, found in results for finding in found)
     return FamilyResult("contract", tuple(check for check, _ in results), findings, summary)
 

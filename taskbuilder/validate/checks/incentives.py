@@ -96,12 +96,15 @@ def pays_family(context: Context) -> FamilyResult:
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
         results += _compared(context, plays)
-    results += check_training_signals(context)
+    signals = list(check_training_signals(context))
+    results += signals
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     probes = tuple(_probe(way, found) for way, found in plays.items() if found)
     if not bounded[0].ok:
         summary = "reward terms are not finite or huge"
+    elif wrong := [check.name for check, _ in signals if not check.ok]:
+        summary = f"not so: {', '.join(wrong)}"
     elif plays.get(EXPERT):
         summary = _summary(plays)
     else:

@@ -64,9 +64,9 @@ def _check_progress(context: Context, succeeded: Mapping[Start, Rollout]) -> Res
     if wrong:
         first = wrong[0]
         message = (
-            f"progress is {first.highest:.3g} at control step {first.step}, and only "
-            f"{first.at_success:.3g} when success is reached at step {first.success} "
-            f"({first.start}); progress must be highest at success"
+            f"{first.highest:.3g} at control step {first.step}, and only {first.at_success:.3g} "
+            f"at step {first.success}, which reaches success ({first.start}); it must be highest "
+            "at success"
         )
         progress = context.task.description.progress
         findings = [finding_in_description(context.task, "TB556", message, "progress", progress)]
@@ -83,7 +83,7 @@ def _check_setback(context: Context, succeeded: Mapping[Start, Rollout]) -> Resu
         first = held[0]
         step = int(np.argmax(succeeded[first].conditions["setback"]))
         message = (
-            f"setback holds at control step {step} although the expert succeeds ({first}), and in "
+            f"holds at control step {step} although the expert succeeds ({first}), and in "
             f"{len(held)} of its {len(succeeded)} successful episodes; training would end there, "
             "with a penalty"
         )
