@@ -106,7 +106,7 @@ if not TYPE_CHECKING:  # to a type checker, a name that is not listed above is a
 
 
 def catalogue(*folders: str) -> Catalogue:
-    """Make a catalogue of all tasks and robots by name.
+    """Make a catalogue: all tasks and robots that can be used by name.
 
     Args:
         folders: Folders to search in addition to installed packages and TASKBUILDER_PATH.
@@ -124,13 +124,13 @@ def load_suite(name: str, *, catalogue: Catalogue | None = None) -> Suite:
 
     Args:
         name: Name of the suite: ``seed``, ``single``, ``pairs``, ``trios``, ``quads``, or a suite
-            from a ``suites.yaml`` in a folder of the catalogue.
+            that a ``suites.yaml`` in a folder of the catalogue defines.
         catalogue: Catalogue in which to look up the suite; by default the catalogue of this
             installation.
 
     Raises:
         UnknownNameError: There is no such suite.
-        FileError: A file of suites has errors.
+        FileError: A ``suites.yaml`` has errors.
     """
     from taskbuilder.schema import suites
     from taskbuilder.schema.catalogue import Catalogue

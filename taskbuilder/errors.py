@@ -34,10 +34,11 @@ class Finding:
     """A problem, with its location and a suggested correction.
 
     Attributes:
-        code: Stable code such as ``TB102``; each has an entry in the documentation.
+        code: Stable code such as ``TB102``; the documentation has an entry for each code.
         message: What is wrong and, after a semicolon, how to correct it.
         path: Dotted path of the key in the file (``scene.robots.left.model``), or "" for none.
         location: File, line and column, or None for a finding that belongs to no file.
+        severity: Whether the finding is an error or a warning.
         excerpt: Source line to show below the finding, or "".
     """
 
@@ -119,9 +120,9 @@ class SimulationError(TaskbuilderError):
 
 
 class ExplosionError(SimulationError):
-    """The simulation diverged: its state contains a number that is infinite, NaN or implausible.
+    """The simulation diverged: its state contains a value that is infinite, NaN or implausible.
 
-    Build a new world.
+    The world can no longer be used; build a new one.
     """
 
 

@@ -61,10 +61,11 @@ def load_task(
             file.
         catalogue: Catalogue in which to look up names; by default the catalogue of this
             installation.
-        guarded: Whether to import the description in a child process first, unless the task is part
-            of an installed package. If the import hangs or crashes, this is then a finding.
-        robots: Robot models that replace those of the task file, such as ``{"left": "panda"}``:
-            names in the catalogue, or paths of robot files.
+        guarded: Whether to import the description in a child process first, so that an import that
+            hangs or crashes is reported as a finding. For tasks in installed packages, this has no
+            effect.
+        robots: Models that replace those of the task file, by robot: ``{"left": "panda"}``. A model
+            is a name in the catalogue, or the path of a robot file.
 
     Raises:
         UnknownNameError: There is no task of this name, or ``robots`` names an unknown model.

@@ -51,8 +51,8 @@ def rows(_: str) -> str:
     groups: dict[tuple[str, str], list[Entry]] = {}
     for each in found:
         groups.setdefault((each.data["task"], _compared(each)), []).append(each)
-    head = ["policy", "at the last step", "at some step", "returns: policy, expert", "seeds"]
-    head += ["made on", "verified by"]
+    head = ["policy", "success at the last step", "success at some step"]
+    head += ["returns: policy, expert", "seeds", "made on", "verified by"]
     parts = []
     for (task, compared), entries in sorted(groups.items()):
         if f"## {task}" not in parts:

@@ -190,7 +190,7 @@ def cloning(_: str) -> str:
     count = ", ".join(map(str, sorted(episodes)))
     told = (
         f"Each policy was evaluated in {count} episodes, with seeds from 2000000. The column "
-        "*minutes* is the duration of the training run on one core, with its evaluations."
+        "*minutes* shows how long the training run took on one core, including its evaluations."
     )
     return f"{table([*head, 'furthest stage', 'minutes'], rows)}\n\n{told}"
 
@@ -218,11 +218,11 @@ def robust(_: str) -> str:
     told = (
         f"Measured with `{found['command']}`. The table shows success rates over "
         f"{found['episodes']} episodes, with 95 % intervals in brackets. *Variation 0* was played "
-        "without noise. The next two columns show the variation with the lowest success rate "
-        "(*worst variation*): with noise on all observed positions, and with quantities that were "
-        "drawn at random in each episode (*randomised*). "
-        f"{DASH * any(NONE in row for row in rows)}The column *minutes* is the "
-        "duration of the training run on one core, with its evaluations."
+        "without noise. The next two columns show the lowest success rate among all variations "
+        "(*worst variation*). In the first of them, noise was added to all observed positions. In "
+        "the second (*randomised*), quantities were drawn at random in each episode. "
+        f"{DASH * any(NONE in row for row in rows)}The column *minutes* shows how long the "
+        "training run took on one core, including its evaluations."
     )
     return f"{table(head, rows)}\n\n{told}"
 
@@ -253,7 +253,7 @@ def collecting(_: str) -> str:
         )
     ]
     head = [f"{found['episodes']:,} episodes of Handover", "time", "CPU time per episode", "size"]
-    told = f"Measured with `{found['command']}`, by {found['jobs']} processes on two cores."
+    told = f"Measured with `{found['command']}`, with {found['jobs']} processes on two cores."
     return f"{table(head, rows)}\n\n{told}"
 
 

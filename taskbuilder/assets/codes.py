@@ -43,8 +43,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     BAD_MESH: (
         "Invalid mesh",
-        "The mesh has no faces, a face refers to a vertex that does not exist, a number is not "
-        "finite, or the size is implausible. The physics engine would crash, or load the mesh "
+        "The mesh has no faces, a face refers to a vertex that does not exist, a coordinate is "
+        "not finite, or the size is implausible. The physics engine would crash, or load the mesh "
         "without a collision shape. Export the mesh again from your modelling tool.",
     ),
     MESH_FORMAT: (
@@ -65,8 +65,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     XML: (
         "Not well-formed XML",
-        "The URDF is not well-formed XML, has a document type declaration, has a line of more than "
-        "8,000 characters, or is nested more deeply than any robot requires. If the file uses "
+        "The URDF is not well-formed XML, has a document type declaration, has a line of more "
+        "than 8,000 characters, or has elements nested more than 32 levels deep. If the file uses "
         "xacro, convert it with xacro first.",
     ),
     STRUCTURE: (
@@ -82,8 +82,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     NUMBER: (
         "Invalid number",
-        "A value is not a finite number, is out of range, or consists of too many or too few "
-        "numbers. Use a decimal point: the physics engine reads `1,5` as 1.",
+        "The value of an attribute is not numeric, is not finite, is implausibly large, or has "
+        "too many or too few components. Use a decimal point: the physics engine reads `1,5` as 1.",
     ),
     MASS: (
         "Implausible or missing mass",

@@ -201,7 +201,8 @@ def _add_validate(adder: Adder) -> None:
         "--level",
         choices=("static", "build", "full"),
         default="full",
-        help="static: no physics; build: up to building the scene; full: all checks (default full)",
+        help="static: checks without physics; build: also checks that build and reset the scene; "
+        "full: all checks (default full)",
     )
     seeds = parser.add_mutually_exclusive_group()
     seeds.add_argument("--quick", action="store_true", help="use 5 seeds per variation")
@@ -262,8 +263,8 @@ def _add_render(adder: Adder) -> None:
         "--randomize",
         type=whole(1, 100),
         metavar="N",
-        help="render one sheet instead: the starts of N episodes, with random looks and with "
-        "random values of the quantities that the task lists under randomize",
+        help="instead, render one sheet with the initial states of N episodes; each has a random "
+        "appearance, and random values of the quantities that the task lists under randomize",
     )
     add_json(parser)
 
@@ -294,7 +295,7 @@ def _add_watch(adder: Adder) -> None:
         type=whole(0, 2**32 - 1),
         default=0,
         metavar="N",
-        help="seed of the episode whose start is shown (default 0)",
+        help="seed of the episode whose initial state is shown (default 0)",
     )
 
 
@@ -315,8 +316,8 @@ def _add_demo(adder: Adder) -> None:
         "--policy",
         default="expert",
         metavar="P",
-        help="expert, random, nothing, or a trained policy: zoo:TASK/TRACK, the folder of a run, "
-        "or a policy file (default expert)",
+        help="expert, random, nothing (all robots hold still), or a trained policy: "
+        "zoo:TASK/TRACK, the folder of a run, or a policy file (default expert)",
     )
     add_jobs(parser)
     parser.add_argument(

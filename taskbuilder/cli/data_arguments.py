@@ -23,7 +23,7 @@ ACTIONS = ("info", "check", "film", "export")
 def add_collect(adder: CommandAdder) -> None:
     """`taskbuilder collect`."""
     parser = adder.command(
-        "collect a data set of episodes, or continue one that was begun",
+        "collect a data set of episodes, or continue an interrupted collection",
         "handover --episodes 100 --cameras front,left_wrist --size 128 --out data/handover",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
@@ -34,16 +34,16 @@ def add_collect(adder: CommandAdder) -> None:
         type=whole(1, 10_000_000),
         default=10,
         metavar="N",
-        help="episodes of each task (default 10)",
+        help="number of episodes of each task (default 10)",
     )
     parser.add_argument(
         "--policy",
         nargs="+",
         default=["expert"],
         metavar="P",
-        help="expert, noisy:0.3 (the expert with noise), random, nothing, or a trained policy "
-        "(zoo:TASK/TRACK, the folder of a run, or a policy file); several policies take turns, and "
-        "P*3 plays three times as often (default expert)",
+        help="expert, noisy:0.3 (the expert with noise), random, nothing (all robots hold still), "
+        "or a trained policy (zoo:TASK/TRACK, the folder of a run, or a policy file); several "
+        "policies take turns, and P*3 plays three times as often (default expert)",
     )
     parser.add_argument(
         "--cameras", type=listed, default=(), metavar="C,C", help="cameras to record (default none)"
@@ -131,7 +131,7 @@ def add_dataset(adder: CommandAdder) -> None:
         type=listed,
         default=(),
         metavar="C,C",
-        help="film: cameras to show (default the first)",
+        help="film: cameras to show (default: the first camera of the scene)",
     )
     parser.add_argument(
         "--size",

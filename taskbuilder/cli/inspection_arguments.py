@@ -16,7 +16,11 @@ def add_robots(adder: CommandAdder) -> None:
         "check path/to/robot.yaml",
     )
     parser.add_argument(
-        "action", nargs="?", choices=("check",), metavar="check", help="check ROBOT"
+        "action",
+        nargs="?",
+        choices=("check",),
+        metavar="check",
+        help="check ROBOT instead of listing the robots",
     )
     parser.add_argument(
         "robot",
@@ -28,8 +32,8 @@ def add_robots(adder: CommandAdder) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="file of the picture (default renders/ROBOT.png); the picture of the reach is written "
-        "beside it, to ROBOT-reach.png",
+        help="file of the picture (default renders/ROBOT.png); a picture of the area that the arm "
+        "reaches is written beside it, with -reach added to the file name",
     )
     add_json(parser)
 
@@ -52,7 +56,8 @@ def add_bench(adder: CommandAdder) -> None:
         type=whole(0, 64),
         default=2,
         metavar="N",
-        help="also measure the speed with up to N processes (default 2)",
+        help="also measure the speed of vectorised environments with 1 to N worker processes "
+        "(default 2)",
     )
     add_json(parser)
 

@@ -64,7 +64,8 @@ def add_train(adder: CommandAdder) -> None:
         "--steps",
         type=many,
         metavar="N",
-        help="number of control steps, or of updates for bc (default 300000)",
+        help="number of control steps (default 300000); for bc, number of updates (default 5000, "
+        "or 10000 with --cameras)",
     )
     parser.add_argument(
         "--seed",
@@ -116,8 +117,8 @@ def add_train(adder: CommandAdder) -> None:
         "--cameras",
         type=listed,
         metavar="C,C",
-        help="cameras of the data set that policies observe, in addition to the numbers of their "
-        "own robot",
+        help="for bc: cameras of the data set; each policy then observes their pictures, the "
+        "values of its own robot, and the time left in the episode",
     )
     parser.add_argument(
         "--device", metavar="D", help="device on which the networks run: cpu or cuda (default cpu)"
@@ -143,19 +144,21 @@ def add_train(adder: CommandAdder) -> None:
         "--variation",
         type=variation,
         metavar="K",
-        help="number of the variation, or random (default 0)",
+        help="number of the variation, or random, which draws a variation for each episode "
+        "(default 0)",
     )
     parser.add_argument(
         "--randomize",
         action="store_true",
         default=None,
-        help="draw at random in each episode what the task lists under randomize and looks",
+        help="randomise, in every episode, what the task lists under randomize and looks",
     )
     parser.add_argument(
         "--evaluate-every",
         type=many,
         metavar="N",
-        help="control steps between evaluations (default 10000)",
+        help="control steps between evaluations (default 10000); for bc, updates (default 1000, or "
+        "2000 with --cameras)",
     )
     parser.add_argument(
         "--evaluate-episodes", type=many, metavar="N", help="episodes per evaluation (default 20)"
@@ -164,13 +167,14 @@ def add_train(adder: CommandAdder) -> None:
         "--film-every",
         type=whole(0, 1_000_000),
         metavar="N",
-        help="film one episode in every Nth evaluation; with 0, no episode (default 10)",
+        help="film one episode in every Nth evaluation; with 0, film none (default 10)",
     )
     parser.add_argument(
         "--checkpoint-every",
         type=many,
         metavar="N",
-        help="control steps between checkpoints (default 10000)",
+        help="control steps between checkpoints (default 10000); for bc, updates (default 1000, or "
+        "2000 with --cameras)",
     )
     parser.add_argument(
         "--stop-at",
@@ -215,8 +219,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "--variation",
         type=any_variation,
         metavar="K",
-        help="number of the variation; random; or all, which plays all episodes in each "
-        "variation (default: as in training)",
+        help="number of the variation; or random, which draws a variation for each episode; or "
+        "all, which plays all episodes in each variation (default: as in training)",
     )
     parser.add_argument(
         "--noise",
@@ -231,8 +235,9 @@ def add_evaluate(adder: CommandAdder) -> None:
         "--controls",
         type=whole(0, 100_000),
         metavar="N",
-        help="number of seeds with which the baselines also play, for comparison: the expert, "
-        "random actions, holding still, and stalls (default 20; for a certificate, all seeds)",
+        help="number of seeds that the baselines also play, for comparison; the baselines are the "
+        "expert, random actions, holding still, and stalls (default 20; for a certificate, all "
+        "seeds)",
     )
     add_jobs(parser)
     add_ray(parser, "episodes")

@@ -42,9 +42,9 @@ def add_randomize(parser: ArgumentParser) -> None:
         nargs="?",
         const="quantities",
         choices=("quantities", "looks", "all"),
-        help="what is drawn at random in each episode; quantities, or no value: what the task "
-        "lists under randomize and looks; looks: all parts of the look; all: what the task lists "
-        "under randomize, and all parts of the look",
+        help="randomise every episode; quantities, or no value: what the task lists under "
+        "randomize and looks; looks: all parts of the appearance, such as light and textures; all: "
+        "what the task lists under randomize, and all parts of the appearance",
     )
 
 
@@ -114,6 +114,6 @@ def add_show(parser: ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="WHAT",
-        help="what to draw over the pictures, with names: any of frames, grasps, sites, regions, "
-        "cameras, reach",
+        help="annotations to draw over the pictures: one or more of frames, grasps, sites, "
+        "regions, cameras, reach (the area that each arm reaches)",
     )

@@ -32,8 +32,8 @@ from taskbuilder.wording import suggestion
 class RecordedEpisode:
     """An episode of a data set; its arrays are read when they are first used.
 
-    Some arrays have one row per control step (``steps`` rows). Others have one row per state
-    (``steps`` + 1 rows): the state after reset, and after each control step.
+    Some arrays have ``steps`` rows, one per control step. Others have ``steps`` + 1 rows: one for
+    the state after reset, and one for the state after each control step.
 
     Attributes:
         place: The folder of the episode.
@@ -120,7 +120,7 @@ class RecordedEpisode:
 
     @property
     def actions(self) -> dict[str, NDArray[np.float32]]:
-        """Actions by agent, as the environment takes them: (steps, n) float32 each."""
+        """Actions by agent, as passed to `TaskEnv.step`: (steps, n) float32 each."""
         return self.of_agents("action")
 
     @property
@@ -135,7 +135,7 @@ class RecordedEpisode:
 
     @property
     def team_reward(self) -> NDArray[np.float64]:
-        """Team rewards, which are the sums of all reward terms: (steps,)."""
+        """Team reward in each control step, which is the sum of all reward terms: (steps,)."""
         return self.arrays["reward"]
 
     @property
@@ -144,7 +144,7 @@ class RecordedEpisode:
         return tuple(self.about["cameras"])
 
     def video(self, camera: str) -> bytes:
-        """The MP4 file of a camera.
+        """The contents of the MP4 file of a camera.
 
         Raises:
             UnknownNameError: The camera was not recorded.
@@ -185,10 +185,10 @@ class Dataset(Sequence[RecordedEpisode]):
 
     Attributes:
         folder: Folder of the data set.
-        about: Contents of ``dataset.json``: how the data set was collected, its tasks, a
-            name for every column of its arrays, and the versions of the packages.
-        contents: Contents of ``index.json``: an entry for every episode, and the attempts that were
-            not kept.
+        about: Contents of ``dataset.json``: how the data set was collected, its tasks, the names of
+            the columns of its arrays, and the versions of the packages that were used.
+        contents: Contents of ``index.json``: an entry for every episode of the data set, and an
+            entry for every episode that was played but not kept.
     """
 
     def __init__(
@@ -277,16 +277,16 @@ def make_from(
     renderer: Renderer | None = None,
     catalogue: Catalogue | None = None,
 ) -> TaskEnv:
-    """Make the environment that a data set came from, with the same options.
+    """Make the environment in which a data set was recorded, with the same options.
 
     Args:
         folder: Folder of the data set.
-        task: The task, if the data set has several; or the path of the task file, if the task is
-            not in the catalogue.
-        variation: Number of the variation; by default the first that was collected.
-        cameras: Whether agents observe the recorded cameras, with the image size and the renderer
-            of the data set.
-        renderer: Renderer to use instead of that of the data set; the images then differ from the
+        task: The task, if the data set has several tasks; or the path of the task file, if the task
+            is not in the catalogue.
+        variation: Number of the variation; by default the first variation that was recorded.
+        cameras: Whether agents observe the images of the recorded cameras, with the image size and
+            the renderer of the data set.
+        renderer: Renderer to use instead of the data set's own; the images then differ from the
             recorded images.
         catalogue: Catalogue in which to look up the task; by default the catalogue of this
             installation.

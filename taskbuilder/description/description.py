@@ -90,8 +90,8 @@ class Outcome:
         stage: Number of the furthest stage reached so far in this episode; 0 for none.
         progress: Value of the description's progress; 0.0 if the description has no progress.
         conditions: Value of every named condition.
-        terms: Value of every reward term by name, in the order of the description; the name of a
-            term of one agent is ``NAME/AGENT``.
+        terms: Value of every reward term by label, in the order of the description; the label is
+            ``NAME``, or ``NAME/AGENT`` for a term with an agent.
         local: Each agent's local reward: its own terms plus an equal share of the common terms.
         team: The team reward: the sum of the local rewards, added in the order of the agents.
     """

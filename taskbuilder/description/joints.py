@@ -15,7 +15,10 @@ from taskbuilder.schema.names import SceneNames
 
 @dataclass(frozen=True)
 class JointPosition(Condition):
-    """The position of a prismatic joint is within bounds, in metres; one bound may be left out."""
+    """The position of a prismatic joint is at least ``above`` and at most ``below``, in metres.
+
+    One of the two bounds may be left out.
+    """
 
     joint: JointName
     _: KW_ONLY
@@ -37,7 +40,10 @@ class JointPosition(Condition):
 
 @dataclass(frozen=True)
 class JointAngle(Condition):
-    """The angle of a revolute joint is within bounds, in degrees; one bound may be left out."""
+    """The angle of a revolute joint is at least ``above_deg`` and at most ``below_deg``.
+
+    One of the two bounds may be left out.
+    """
 
     joint: JointName
     _: KW_ONLY
@@ -59,7 +65,7 @@ class JointAngle(Condition):
 
 @dataclass(frozen=True)
 class JointTravel(Measure):
-    """How far a joint has moved from its position after the reset towards a target, from 0 to 1.
+    """How far a joint has moved from its initial position to a target, as a fraction from 0 to 1.
 
     For a revolute joint, the target is an angle in degrees:
     ``JointTravel("chest.lid_hinge", to_deg=70)``. For a prismatic joint, the target is a position

@@ -145,9 +145,9 @@ class Then(Condition):
 class Simultaneous(Condition):
     """Several conditions became true within ``within`` seconds of each other.
 
-    For each condition, what counts is the last time at which it changed from false to true in this
-    episode. The conditions need not stay true. Once ``Simultaneous`` is true, it stays true until
-    the end of the episode.
+    For each condition, only its latest change from false to true in this episode counts. The
+    conditions need not stay true. Once ``Simultaneous`` is true, it stays true until the end of the
+    episode.
     """
 
     gathers = True

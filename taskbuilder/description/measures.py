@@ -32,7 +32,7 @@ class Measure(Node):
     """An expression that is a number at each control step.
 
     Define your own measures with the decorator `measure`, or as subclasses that are frozen
-    dataclasses.
+    dataclasses with a method ``value``.
     """
 
     def value(self, world: WorldView) -> float:
@@ -133,7 +133,7 @@ class Gap(Measure):
 
 @dataclass(frozen=True)
 class Closeness(Measure):
-    """1 - tanh(d / scale) for two frames at a distance d: 1 at the same place, near 0 far apart."""
+    """1 - tanh(d / scale) for the distance d between two frames: 1 at d = 0, near 0 for large d."""
 
     first: FrameName
     second: FrameName
@@ -227,7 +227,7 @@ def one_body(first: str, second: str) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Duration(Measure):
-    """The seconds for which a condition has held without a break; 0 while it does not hold."""
+    """How long a condition has held without a break, in seconds; 0 while it does not hold."""
 
     of: Condition
 
@@ -341,7 +341,7 @@ class Count(Measure):
 class Ladder(Measure):
     """The value of the last rung whose condition holds, or ``ground`` if no condition holds.
 
-    ::
+    A rung is a pair of a condition and its value, which is a measure or a number::
 
         progress = Ladder(
             Closeness("left.tcp", "cube"),  # the ground: before anything holds

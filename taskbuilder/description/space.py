@@ -26,7 +26,7 @@ AXES = ("xyz", "xy", "xz", "yz", "x", "y", "z")
 
 @dataclass(frozen=True)
 class Near(Condition):
-    """The distance between two frames, along the given axes, is at most ``within`` metres."""
+    """The distance between two frames, along the given world axes, is at most ``within`` metres."""
 
     first: FrameName
     second: FrameName
@@ -57,12 +57,12 @@ class Inside(Condition):
     """A body is inside a container.
 
     If the container is a site, the centre of the body's bounding box must be at least ``margin``
-    inside the bounding box of the site's marker.
+    metres inside the bounding box of the site's marker.
 
     If the container is an object, a part or a link, the bounding boxes of the body and of the
     container are compared along the axes of the container. Along x and y, the box of the body must
-    be at least ``margin`` inside the box of the container. Along z, the lowest point of the body's
-    box must be between the bottom and the top of the container's box.
+    be at least ``margin`` metres inside the box of the container. Along z, the lowest point of the
+    body's box must be between the bottom and the top of the container's box.
     """
 
     body: BodyName

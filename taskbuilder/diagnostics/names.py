@@ -22,15 +22,15 @@ ENTRIES = {
     "TB202": Code(
         "Name used twice",
         "Robots, objects, sites and cameras share one namespace, so two of them cannot have the "
-        "same name. In an object with a URDF, a grasp point cannot have the name of a link.",
+        "same name. In an object with a URDF, a grasp point cannot have the same name as a link.",
         within(
             "scene.sites", "cube: {position: [0, 0, 0.6]}", "cube_goal: {position: [0, 0, 0.6]}"
         ),
     ),
     "TB203": Code(
         "Circular positions",
-        "Objects or sites are placed in each other's frames, directly or indirectly, so that "
-        "none of them has a position.",
+        "Objects or sites are placed in each other's frames, directly or indirectly, so none of "
+        "their positions is defined.",
         within(
             "scene.sites",
             "a: {position: [0, 0, 0.1], in: b}\nb: {position: [0, 0, 0.1], in: a}",
@@ -39,14 +39,15 @@ ENTRIES = {
     ),
     "TB204": Code(
         "Unknown observation channel",
-        "A channel has the form `SUBJECT.QUANTITY`, such as `self.tcp` or `cube.pose`. Either the "
-        "subject does not exist, or it does not have this quantity.",
+        "Except for `time_left`, a channel has the form `SUBJECT.QUANTITY`, such as `self.tcp` or "
+        "`cube.pose`. Either the subject does not exist, or it does not have this quantity.",
         within("observe", "left: [self.tcp, cube.color]", "left: [self.tcp, cube.pose]"),
     ),
     "TB205": Code(
         "Impossible change of the scene",
-        "A variation, a randomised quantity, or a placeholder such as `{cube.color}` in an "
-        "instruction refers to a value that the scene does not have, or that cannot be changed.",
+        "A variation or an entry of `randomize` changes a value that the scene does not have or "
+        "that cannot be changed. Or a placeholder in an instruction, such as `{cube.color}`, "
+        "refers to a value that the scene does not have.",
         Example("task", "variations: [{cub.color: blue}]", "variations: [{cube.color: blue}]"),
     ),
     "TB206": Code(
@@ -74,8 +75,8 @@ ENTRIES = {
     "TB210": Code(
         "The description is incomplete",
         "`success` and `reward` are required. `success`, `failure` and `setback` must be "
-        "conditions, `stages` must map names to conditions, `reward` must be a tuple of terms, and "
-        "`progress` must be a measure.",
+        "conditions, `stages` must map names to conditions, `reward` must be a tuple of reward "
+        "terms, and `progress` must be a measure.",
         Example(
             "description",
             'reward = Bonus("held", Held("cube"), 1.0)',
@@ -105,7 +106,7 @@ ENTRIES = {
     ),
     "TB213": Code(
         "The import of the description does not finish",
-        "Importing the Python file took longer than 30 s, or ended the interpreter. (With "
+        "Importing the Python file took longer than 30 s, or terminated the interpreter. (With "
         "`validate_task(..., apart=False)`, the limit is 10 s.) A description should only declare "
         "expressions, without long computations or network access.",
         Example("module", "import os\n\nos._exit(0)", "class Example(Description):\n    ..."),
@@ -119,9 +120,9 @@ ENTRIES = {
     ),
     "TB215": Code(
         "Members of a group not combined",
-        "An expression of the description names a group, but does not state how the values for the "
-        "members of the group are combined. Put a condition into `All`, `Any`, `AtLeast` or "
-        "`Count`, and a measure into `Mean` or `Minimum`.",
+        "An expression of the description names a group of objects, but does not state how the "
+        "values for the members of the group are combined. Put a condition into `All`, `Any`, "
+        "`AtLeast` or `Count`, and a measure into `Mean` or `Minimum`.",
         Example(
             "description",
             'failure = Near("pegs", "cube", within=0.01)',
@@ -130,9 +131,10 @@ ENTRIES = {
     ),
     "TB216": Code(
         "Not with this end effector",
-        "A robot without a gripper or suction cup is told to take hold of something or to let go, "
-        "or has a key for gripper actions. Such a robot can only move, push and press. Or a robot "
-        "with a suction cup, which is only on or off, has `gripper: continuous`.",
+        "The expert gives a robot without a gripper or suction cup an order that requires one, "
+        "such as `grasp` or `release`, or the `action` of such a robot has the key `gripper`. "
+        "Such a robot can only move its arm, push and press. This code is also reported if a "
+        "robot with a suction cup has `gripper: continuous`, because suction is either on or off.",
         within(
             "scene.robots.left",
             "model: ur5e_pusher\naction: {gripper: binary}",

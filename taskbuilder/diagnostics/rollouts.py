@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from taskbuilder.diagnostics.entry import Code, Example, within
 
-_OURS = " No task file is known that fails this check. Please report one that does."
+_OURS = " No known task fails this check. If yours does, please report it."
 
 ENTRIES = {
     "TB501": Code(
@@ -23,10 +23,11 @@ ENTRIES = {
         "Episodes depend on earlier ones",
         "With the same seed and actions, two new processes give the same episode, but a process "
         "that has already played other episodes gives a different one. The usual cause is a "
-        "description that keeps state in a module variable: use conditions with memory instead, "
-        "such as `Once`, `Then` and `Sustained`. Another cause is that several loose objects lie "
-        "against each other on a moving link. Between such objects, the physics engine keeps "
-        "contacts from earlier episodes. Let the objects begin apart, or use fewer of them.",
+        "description that keeps state in a module-level variable. Use conditions with memory "
+        "instead, such as `Once`, `Then` and `Sustained`. Another cause is that several loose "
+        "objects lie against each other on a moving link of an articulated object. Between such "
+        "objects, the physics engine keeps contacts from earlier episodes. Place the objects "
+        "apart from each other at the start, or use fewer of them.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"
@@ -38,7 +39,7 @@ ENTRIES = {
     "TB503": Code(
         "Episodes depend on the process",
         "With the same seed and actions, episodes are the same within one process, but differ "
-        "between processes. The usual cause is a description that uses something that differs "
+        "between processes. The usual cause is a description that depends on values that differ "
         "between processes: string hashes, the order of sets, `id()`, or the process id.",
         Example(
             "module",
@@ -50,8 +51,9 @@ ENTRIES = {
     "TB504": Code(
         "Restored episodes continue differently",
         "An episode was saved and continued, then restored and continued with the same actions. "
-        "The two continuations differ. The usual cause is a description with state that is not "
-        "saved: use conditions with memory instead, such as `Once`, `Then` and `Sustained`.",
+        "The two continuations differ. The usual cause is a description that keeps state in a "
+        "module-level variable, which is not saved. Use conditions with memory instead, such as "
+        "`Once`, `Then` and `Sustained`.",
         Example(
             "module",
             "highest = []\n\n\n@measure\ndef record(world):\n    if world.time == 0:\n"
@@ -75,11 +77,11 @@ ENTRIES = {
     ),
     "TB511": Code(
         "The expert needs a pose out of reach",
-        "A stage of the expert needs a pose for which inverse kinematics finds no joint positions "
-        "within the limits, and the expert also fails when it is played. The finding names the "
-        "stage, the robot and the worst seed, and tells how far the pose is out of reach with that "
-        "seed. If the expert succeeds without reaching the pose, the finding is only a "
-        "warning.",
+        "A stage of the expert needs a pose for which inverse kinematics finds no solution within "
+        "the joint limits, and the expert also fails when it is played. The finding names the "
+        "stage, the robot, and the seed with which the pose is farthest from the robot's "
+        "shoulder. It also states how far out of reach the pose is with this seed. If the expert "
+        "succeeds without reaching the pose, the finding is only a warning.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -90,10 +92,10 @@ ENTRIES = {
     ),
     "TB512": Code(
         "Suction on nothing",
-        "The expert grasps an object by suction at a grasp point that has no surface within the "
-        "reach of the cup, or that lies too deep inside the object. Put the grasp point on the "
-        "surface of the object, on the side from which the tool approaches; or, as in the example, "
-        "use a robot with a gripper.",
+        "The expert grasps an object by suction, but the grasp point is too far from the surface "
+        "of the object, either outside or inside it. The distance is greater than the reach of "
+        "the suction cup. Put the grasp point on the surface of the object, on the side from "
+        "which the tool approaches. Or use a robot with a gripper, as in the example.",
         within(
             "scene.robots",
             "left:\n  model: ur5e_suction\n  base: {position: [-0.7, 0, 0.4]}\n"
@@ -113,7 +115,7 @@ ENTRIES = {
     "TB523": Code(
         "Gymnasium's environment checker",
         "`check_env` fails on the joint environment (`JointEnv`), in which one agent controls all "
-        "robots. For example, an episode has only one step.",
+        "robots. For example, it fails if an episode has only one control step.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 1}",
@@ -122,15 +124,15 @@ ENTRIES = {
     ),
     "TB524": Code(
         "Observation outside its space",
-        "An observation differs from its space in shape or type, exceeds the bounds of the space, "
-        "or is not a number. taskbuilder clips observations to these bounds. No task file is known "
-        "that fails this check, unless the description changes values of the world.",
+        "An observation does not have the shape or dtype of its space, lies outside the bounds of "
+        "the space, or contains NaN. taskbuilder clips observations to these bounds. No known "
+        "task fails this check unless its description changes values of the world.",
     ),
     "TB525": Code(
         "Constant observation",
-        "All observations of an agent in an episode are the same. Or all episodes give an agent "
-        "the same observations, although objects are placed at random. The agent cannot learn from "
-        "such observations.",
+        "The observation of an agent never changes during an episode. Or, when the same actions "
+        "are played, the agent's observations are the same in every episode, although the initial "
+        "positions differ. The agent cannot learn from such observations.",
         Example(
             "task",
             "observe: {left: [goal.position], right: [self.tcp, cube.position]}",
@@ -140,8 +142,8 @@ ENTRIES = {
     "TB526": Code(
         "Observations shared between agents",
         "Two agents have exactly the same observations and neither observes itself, so neither "
-        "agent can tell which of the two it is. Or observations share memory: writing into one "
-        "observation changes another observation or the episode, or the next step changes an "
+        "agent can tell which of the two it is. Or observations share memory. Then writing into "
+        "one observation changes another observation or the episode, or the next step changes an "
         "observation that was returned earlier.",
         Example(
             "task",
@@ -151,14 +153,14 @@ ENTRIES = {
     ),
     "TB527": Code(
         "Space recreated on every call",
-        "`observation_space` or `action_space` returns a new object on every call, so that seeding "
-        "the space has no effect." + _OURS,
+        "`observation_space` or `action_space` returns a new object on every call, so seeding the "
+        "space has no effect." + _OURS,
     ),
     "TB531": Code(
         "The expert does not succeed reliably",
         "In at least one variation, the expert succeeds on fewer than 95 % of the seeds. The "
-        "finding counts the causes of failure, and states the seed and the stage of the first "
-        "failure.",
+        "finding states how often each cause of failure occurred, and the seed and the stage of "
+        "the first failure.",
         Example(
             "task",
             "expert:\n  - {left: {grasp: cube.top}, right: {reach: lamp}}",
@@ -168,8 +170,8 @@ ENTRIES = {
     ),
     "TB532": Code(
         "The episode is too short",
-        "The expert succeeds on enough seeds only if episodes are longer than `episode_steps`. The "
-        "finding states how many control steps the expert needs.",
+        "The expert succeeds on at least 95 % of the seeds only if episodes are longer than "
+        "`episode_steps`. The finding states how many control steps the expert needs.",
         within(
             "",
             "timing: {control_hz: 10, physics_hz: 120, episode_steps: 12}",
@@ -179,8 +181,8 @@ ENTRIES = {
     "TB533": Code(
         "No expert",
         "The task has no expert, or a robot has an action mode for which the expert cannot plan. "
-        "Nothing then shows that the task can be done, and the checks that play the expert are "
-        "skipped. This is a warning.",
+        "Without an expert that can be played, nothing shows that the task can be done, and "
+        "`validate` skips the checks that play the expert. This is a warning.",
         Example(
             "task",
             "expert: []",
@@ -190,15 +192,16 @@ ENTRIES = {
     ),
     "TB534": Code(
         "Variation without effect",
-        "The variation has the same scene as the task as written, or as another variation.",
+        "The variation does not change the scene of the task, or it gives the same scene as an "
+        "earlier variation.",
         Example("task", "variations: [{cube.color: gray}]", "variations: [{cube.color: blue}]"),
     ),
     "TB535": Code(
         "Success does not last",
-        "The expert reached success, and its episode was continued for two seconds beyond the "
-        "usual end while all robots held still. At the end of the two seconds, success no longer "
-        "held. For example, the load may fly through its goal. A learner would learn to do the "
-        "same. Define success as a state that lasts, and let the expert come to rest in this "
+        "The expert reached success. `validate` then extended the episode by two seconds, in "
+        "which all robots held still. At the end of the two seconds, the success condition no "
+        "longer held. For example, the load may fly through its goal. A policy could learn to do "
+        "the same. Define success as a state that lasts, and let the expert come to rest in this "
         "state.",
         Example(
             "description",
@@ -208,8 +211,8 @@ ENTRIES = {
     ),
     "TB541": Code(
         "A robot is not needed",
-        "In at least one episode, the team succeeds although one robot holds still and takes no "
-        "part. If this is intended, write `cooperation: optional`.",
+        "In at least one episode, the team succeeds although one robot holds still throughout. If "
+        "this is intended, write `cooperation: optional`.",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05)',
@@ -218,9 +221,10 @@ ENTRIES = {
     ),
     "TB542": Code(
         "One robot can do the task alone",
-        "Without the other robots, a robot reached success: by lifting an object that the success "
-        "condition names, by moving it to a place that the condition names, or by moving a joint "
-        "that the condition names. If this is intended, write `cooperation: optional`.",
+        "One robot reached success while all other robots held still. It lifted an object that "
+        "the success condition names, brought such an object to a place that the condition names, "
+        "or moved a joint that the condition names. If this is intended, write `cooperation: "
+        "optional`.",
         Example(
             "description",
             'success = (Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
@@ -249,11 +253,11 @@ ENTRIES = {
     ),
     "TB545": Code(
         "An object starts within reach of several robots",
-        "The task requires cooperation, but an object that one robot is meant to fetch starts "
-        "where another robot can take hold of it. In the simulation, the other robot did so. A "
-        "policy might learn to do the task with this other robot alone, even if the attempts of "
-        "single robots (TB542) fail. Objects that several robots hold or carry together, or push "
-        "to each other, may start within reach of all of them. This is a warning.",
+        "The task requires cooperation, but an object that the expert grasps with one robot "
+        "starts within reach of a second robot. In the simulation, the second robot was able to "
+        "grasp it. A policy might learn to do the task with the second robot alone, even if the "
+        "single-robot attempts of TB542 fail. Objects that several robots hold or carry together, "
+        "or push to each other, may start within reach of all of them. This is a warning.",
         within(
             "scene.objects",
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"
@@ -267,7 +271,8 @@ ENTRIES = {
     "TB551": Code(
         "Reward term not finite or too large",
         "A reward term is not a finite number, or its absolute value exceeds one million at a "
-        "control step. In single precision, the other terms would be lost to rounding.",
+        "control step. Next to such a large term, the other terms would be lost to rounding in "
+        "single precision.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 1e8), Distance("point", "right.tcp", '
@@ -278,11 +283,11 @@ ENTRIES = {
     ),
     "TB552": Code(
         "Stalling earns as much as continuing",
-        "Holding still after one of the expert's stages earns at least as much as the expert, or "
-        "the lead of the expert is not significant. To decide this, episodes with the same seed "
-        "are compared in pairs: the confidence interval of the mean difference must lie above "
-        "zero. A learner would stop after this stage. Give more reward for later stages, or less "
-        "for earlier ones.",
+        "If all robots hold still after one of the expert's stages, they do not earn "
+        "significantly less than the expert. A learner would stop after this stage. To test "
+        "significance, `validate` compares the returns of episodes with the same seed in pairs. "
+        "The 95 % confidence interval of the expert's mean lead must lie above zero. Give more "
+        "reward for later stages, or less for earlier ones.",
         Example(
             "description",
             'reward = (Bonus("hold", Held("cube") & ~success, 1.0), Bonus("done", success, 0.1))',
@@ -291,8 +296,8 @@ ENTRIES = {
     ),
     "TB553": Code(
         "Doing nothing or acting at random earns as much",
-        "Holding still from the start, or acting at random, earns at least as much as the expert, "
-        "or the lead of the expert is not significant (see TB552).",
+        "Holding still from the start, or acting at random, does not earn significantly less than "
+        "the expert (see TB552).",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", -1.0), Bonus("done", success, 0.1))',
@@ -301,9 +306,8 @@ ENTRIES = {
     ),
     "TB554": Code(
         "Leaving out a robot earns as much",
-        "Cooperation is required, but while one robot holds still, the team earns at least as much "
-        "as the expert, or the lead of the expert is not significant (see TB552). A learner would "
-        "leave that robot idle.",
+        "The task requires cooperation, but with one robot holding still, the team does not earn "
+        "significantly less than the expert (see TB552). A learner would leave that robot idle.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal", 4.0), Distance("rest", "right.tcp", '
@@ -314,12 +318,13 @@ ENTRIES = {
     ),
     "TB555": Code(
         "Failing on purpose earns as much",
-        "Dropping or throwing held objects after one of the expert's stages earns at least as much "
-        "as the expert, or the lead of the expert is not significant (see TB552). In half of these "
-        "episodes, all grippers open. In the other half, all arms also swing sideways at full "
-        "speed. Episodes that nevertheless succeed are left out. A possible cause is a bonus that "
-        "is also paid after a failure: write `Bonus(..., done & ~Once(failure))`. Another possible "
-        "cause is a failure that ends the episode and so avoids negative rewards.",
+        "Dropping or throwing the held objects after one of the expert's stages does not earn "
+        "significantly less than the expert (see TB552). To drop the objects, all robots open "
+        "their grippers. To throw them, all arms swing sideways at full speed, and the grippers "
+        "open during the swing. Each of the two is played on half of the seeds. Episodes that "
+        "succeed nevertheless are not compared. A possible cause is a bonus that is also paid "
+        "after a failure. In this case, write `Bonus(..., done & ~Once(failure))`. Another "
+        "possible cause is a failure that ends the episode and so avoids negative rewards.",
         Example(
             "description",
             'reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"), '
@@ -331,9 +336,10 @@ ENTRIES = {
     "TB556": Code(
         "Progress is higher before success",
         "In an episode in which the expert succeeds, the description's `progress` is lower at "
-        "success than at an earlier control step. Training rewards new best values of the "
-        "progress, so it would not reward success. A common cause is a rung of a `Ladder` that is "
-        "worth less than the rung below it, or whose condition does not hold at success.",
+        "success than at an earlier control step. A training reward based on progress would then "
+        "pay nothing for the last step to success, or even penalise it. A common cause is a rung "
+        "of a `Ladder` that is worth less than the rung below it, or whose condition does not "
+        "hold at success.",
         Example(
             "description",
             'progress = Ladder(Closeness("left.tcp", "cube"), (Held("cube"), 3.0), (success, 2.0))',
@@ -343,9 +349,9 @@ ENTRIES = {
     "TB557": Code(
         "Setback although the expert succeeds",
         "The description's `setback` holds in an episode in which the expert succeeds. A setback "
-        "ends training episodes with a penalty, so training would punish the robots for what the "
-        "expert does. In the example, `Sustained` counts from the start of the episode and not "
-        "from the grasp, so `Then` may be satisfied as soon as the cube is grasped.",
+        "can end a training episode with a penalty, so training would punish the robots for what "
+        "the expert does. In the wrong example, `Sustained` measures the time from the start of "
+        "the episode and not from the grasp, so `Then` may hold as soon as the cube is grasped.",
         Example(
             "description",
             'setback = Then(Held("cube"), Sustained(~success, seconds=2.0))',
@@ -354,19 +360,20 @@ ENTRIES = {
     ),
     "TB561": Code(
         "Speed and cost",
-        "Measurements, which neither pass nor fail: the number of control steps per second; the "
-        "time that a control step takes in addition to its physics steps, as a multiple of the "
-        "time of a physics step; and the time of a reset.",
+        "Three measurements, which neither pass nor fail. The first is the number of control "
+        "steps per second. The second is the overhead of a control step: the time that it takes "
+        "in addition to its physics steps, as a multiple of the duration of one physics step. The "
+        "third is the median duration of a reset.",
     ),
     "TB571": Code(
         "Render returns no picture",
-        "`render` returns nothing, something other than a (height, width, 3) uint8 array, or a "
-        "picture of a single colour." + _OURS,
+        "`render` does not return a uint8 array of shape (height, width, 3), or all pixels of the "
+        "picture have the same colour." + _OURS,
     ),
     "TB572": Code(
         "Memory leak in reset",
-        "Each reset leaves behind saved states, or more than 100 KB of memory, which later "
-        "resets do not free. Training would run out of memory." + _OURS,
+        "Each reset leaves behind saved states of the physics engine or more than 100 KB of "
+        "memory, and later resets do not free them. Training would run out of memory." + _OURS,
     ),
     "TB573": Code(
         "Episode without an end",
@@ -384,12 +391,10 @@ ENTRIES = {
     "TB575": Code(
         "Seed without effect",
         "In the same environment, two episodes with the same seed and actions differ. Or the "
-        "episodes that follow them without a new seed differ from each other. Or all seeds give "
-        "the same episode although objects are placed at random." + _OURS,
+        "resets without a seed that follow these two episodes give different initial "
+        "observations. Or every seed gives the same initial positions, although the task places "
+        "objects at random." + _OURS,
     ),
-    "TB576": Code(
-        "Reward not finite",
-        "The reward of an agent is not a finite number." + _OURS,
-    ),
+    "TB576": Code("Reward not finite", "The reward of an agent is not a finite number." + _OURS),
 }
 """Code -> what it stands for."""

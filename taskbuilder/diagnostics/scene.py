@@ -7,22 +7,22 @@ from taskbuilder.diagnostics.entry import Code, Example, block, cabinet, within
 ENTRIES = {
     "TB300": Code(
         "Robots and joint values",
-        "Summary of TB301 and TB302, which compare robots and joint values with the URDFs, without "
-        "physics.",
+        "Summary of TB301 and TB302, which compare robots and joint values with the URDFs. These "
+        "checks do not use the physics engine.",
     ),
     "TB301": Code(
         "Does not match the URDF",
-        "A robot.yaml, or a joint or grasp point of an object, names a link or a movable joint "
-        "that the URDF does not have. Other keys of a robot.yaml may also contradict the URDF: for "
-        "example, a gripper position is beyond the limits of its joint, or no joint of the gripper "
-        "moves a finger.",
+        "A robot.yaml, or an entry of an object's `joints` or `grasps`, names a link or a movable "
+        "joint that the URDF does not have. Or another key of a robot.yaml contradicts the URDF. "
+        "For example, a gripper position is beyond the limits of its joint, or no gripper joint "
+        "moves one of the fingers.",
         Example("robot", "link: wrist_3", "link: wrist_3_link", "tcp"),
     ),
     "TB302": Code(
         "Joint value out of limits",
         "A joint position or a joint limit in a task or robot file is outside the limits of the "
-        "joint in the URDF. Or the expert moves a joint beyond its limits, or a list has too many "
-        "or too few joint positions.",
+        "joint in the URDF. Or the expert moves a joint beyond its limits, or a list of joint "
+        "positions in a task file has too many or too few values.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -31,8 +31,7 @@ ENTRIES = {
     ),
     "TB303": Code(
         "Home pose out of reach",
-        "Inverse kinematics found no joint positions within the limits that bring the tcp to "
-        "this pose.",
+        "Inverse kinematics found no solution within the joint limits for this pose of the tcp.",
         within(
             "scene.robots.left",
             "home: {tcp: {position: [0.9, 0, 0.6]}}",
@@ -46,9 +45,9 @@ ENTRIES = {
     ),
     "TB305": Code(
         "No room for an object",
-        "A hundred placements were tried. In each of them, the object was closer to another body "
-        "than the `clearance` of its `place`, which is 5 mm by default. Only the objects that "
-        "`surface` and `in` name may be closer.",
+        "The reset tried a hundred placements. In each of them, the distance between the object "
+        "and another body was smaller than the `clearance` given in `place`, which is 5 mm by "
+        "default. Only the distance to the objects that `surface` and `in` name may be smaller.",
         block(
             "place: {surface: table, center: [0.4, 0], size: [0.05, 0.05]}",
             "place: {surface: table, center: [0, 0.3], size: [0.05, 0.05]}",
@@ -62,15 +61,17 @@ ENTRIES = {
     ),
     "TB307": Code(
         "The simulation diverges",
-        "Bodies gain energy although no robot is commanded, are more than 50 m from the origin, or "
-        "have positions that are not finite. The usual cause is that bodies overlap or have very "
-        "different masses.",
+        "A body is more than 50 m from the origin, has a pose that is not finite, or has a joint "
+        "at the speed limit of the physics engine. Or an object moves faster than 10 m/s although "
+        "no robot is commanded. The usual cause is that bodies overlap or have very different "
+        "masses.",
         block("position: [0, 0, -47]", "position: [0, 0, 0.43]"),
     ),
     "TB308": Code(
         "Implausible mass",
-        "The density, computed from the mass and the bounding box, is below 10 kg/m³ (lighter than "
-        "foam) or above 25,000 kg/m³ (denser than any metal). This is a warning.",
+        "The density of the object, computed from its mass and its bounding box, is below 10 "
+        "kg/m³ (lighter than foam) or above 25,000 kg/m³ (denser than any metal). This is a "
+        "warning.",
         within("scene.objects.cube", "mass: 8", "mass: 0.08"),
     ),
     "TB309": Code(
@@ -111,7 +112,8 @@ ENTRIES = {
     ),
     "TB313": Code(
         "Placement does not vary",
-        "The region has a size, but the position is the same with every seed.",
+        "The `place` of an object or a site has a non-zero `size`, but every seed gives the same "
+        "position.",
         within(
             "scene.sites",
             "spot: {place: {center: [0, 0, 0.6], size: [1e-9, 0, 0]}}",
@@ -132,13 +134,13 @@ ENTRIES = {
     ),
     "TB315": Code(
         "Lost process",
-        "While the description was evaluated, it terminated or crashed the Python interpreter, or "
-        "the evaluation took too long. The time limit is 20 s plus 0.8 s for each control step of "
-        "an episode. On Linux, the time during which the process waits for a core of a busy "
-        "machine does not count. The "
-        "finding shows the line if it is known. If a process is killed or stopped from outside, it "
-        "is replaced and its work is repeated. If the same work is lost twice in a row, the "
-        "finding is reported; the machine may be short of memory.",
+        "While a process evaluated the description, the description terminated or crashed the "
+        "Python interpreter, or the evaluation took too long. The time limit is 20 s plus 0.8 s "
+        "for each control step of an episode. On Linux, time that the process spends waiting for "
+        "a free CPU core does not count. The finding shows the line of the description if the "
+        "line is known. If something other than the description kills or stops the process, "
+        "`validate` repeats the work in a new process. It reports this code only if the same work "
+        "is lost twice in a row. The machine may then be short of memory.",
         Example(
             "module",
             "import os\n\n\n@condition\ndef up(world):\n    os._exit(0)\n\n\n"
@@ -149,8 +151,8 @@ ENTRIES = {
     "TB316": Code(
         "Grasp point on the wrong link",
         "A grasp point of an articulated object is fixed to the object's base, but the link "
-        "nearest to it is a moving link. When that link moves, the grasp point stays behind, so "
-        "that grasps miss and rewards refer to the wrong place. This is a warning.",
+        "nearest to the grasp point is a moving link. When that link moves, the grasp point stays "
+        "behind, so that grasps miss and rewards refer to the wrong place. This is a warning.",
         cabinet(
             "grasps: {knob: {at: [0, -0.07, 0.03]}}",
             "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",

@@ -11,18 +11,20 @@ ENTRIES = {
     ),
     "TB001": Code(
         "File cannot be read",
-        "The file does not exist or is not a plain file, or you have no permission to read it.",
+        "The file does not exist, is not a regular file (for example, it is a folder), or you do "
+        "not have permission to read it.",
         Example("folder", "example.yaml/", "example.yaml"),
     ),
     "TB002": Code(
         "Not UTF-8",
-        "Task and robot files must be UTF-8. The finding names the line of the first byte that is "
-        "not valid UTF-8.",
+        "Task and robot files must be encoded in UTF-8. The finding names the line of the first "
+        "byte that is not valid UTF-8.",
         Example("file", "summary: Öffne die Tür.  # Latin-1", "summary: Öffne die Tür.  # UTF-8"),
     ),
     "TB003": Code(
         "Not valid YAML",
-        "The file is not YAML, contains a second document, or has a key that is not plain text.",
+        "The file is not valid YAML, contains a second document, or has a key that is not a "
+        "scalar.",
         Example("file", "timing: {control_hz: 10", "timing: {control_hz: 10}"),
     ),
     "TB004": Code(
@@ -32,14 +34,15 @@ ENTRIES = {
     ),
     "TB005": Code(
         "Unsupported YAML feature",
-        "Tags (`!!str`) and merge keys (`<<`) are not supported. Use plain values only.",
+        "Tags (`!!str`) and merge keys (`<<`) are not supported. Remove the tag, or write out the "
+        "merged keys.",
         Example("file", "summary: !!str Lift the cube.", "summary: Lift the cube."),
     ),
     "TB006": Code(
         "YAML limits exceeded",
         "A file must not be larger than 256 KiB, be nested deeper than 24 levels, or contain more "
-        "than 20,000 values. Each alias counts as all the values that it stands for. An alias must "
-        "come after its anchor.",
+        "than 20,000 keys and values in total. Each alias counts as all the keys and values that "
+        "it stands for. An alias must come after its anchor.",
         Example("file", "state: *everything", "state: all"),
     ),
     "TB007": Code(
@@ -50,16 +53,16 @@ ENTRIES = {
     "TB008": Code(
         "Two files with the same name",
         "Two tasks, two robots or two suites in the catalogue have the same name. Until this is "
-        "resolved, none of the tasks (or robots, or suites) can be used by name, not even those "
-        "with a name of their own. Rename one of the two, or leave its folder out of "
+        "resolved, no task (or no robot, or no suite) in the catalogue can be used by name, not "
+        "even one whose name is unique. Rename one of the two, or leave its folder out of "
         "`--task-path` and `TASKBUILDER_PATH`.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(
         "No such robot or task",
-        "`model` is neither the name of a robot in the catalogue nor the path of a robot.yaml. The "
-        "code also stands for a task that a suite lists but that is not in the folder of the "
-        "suite.",
+        "`model` is neither the name of a robot in the catalogue nor the path of a robot.yaml. "
+        "This code is also reported if a suite lists a task that is not in the folder of its "
+        "suites.yaml.",
         within("scene.robots.left", "model: ur5", "model: ur5e"),
     ),
     "TB100": Code(
@@ -109,9 +112,9 @@ ENTRIES = {
     ),
     "TB107": Code(
         "Invalid name",
-        "A name is a letter followed by letters, digits and `_`, with at most 40 characters in "
-        "all. These words are reserved: `self`, `world`, `all`, `together`, `until`, `repeat`, "
-        "`nothing`, `time_left`, `description`.",
+        "A name must start with a letter, contain only letters, digits and `_`, and have at most "
+        "40 characters. These words are reserved: `self`, `world`, `all`, `together`, `until`, "
+        "`repeat`, `nothing`, `time_left`, `description`.",
         within(
             "scene.sites",
             "2nd_goal: {position: [0, 0, 0.6]}",
@@ -120,8 +123,8 @@ ENTRIES = {
     ),
     "TB108": Code(
         "Invalid colour",
-        "A colour is the name of a colour in the palette, `[r, g, b]` with values from 0 to 1, or "
-        '`"#rrggbb"`.',
+        "A colour must be a name from taskbuilder's palette, a list `[r, g, b]` of values from 0 "
+        'to 1, or a string `"#rrggbb"`. If the name is unknown, the message lists the palette.',
         within("scene.objects.cube", "color: crimson", 'color: "#b01030"'),
     ),
     "TB109": Code(
@@ -134,14 +137,15 @@ ENTRIES = {
         "Wrong unit for the joint",
         "`start`, `limits` and `rest` are for prismatic joints and are given in metres. "
         "`start_deg`, `limits_deg` and `rest_deg` are for revolute joints and are given in "
-        "degrees. In the same way, the verb `slide` is for prismatic joints, and the verb `turn` "
-        "is for revolute joints.",
+        "degrees. Likewise, in the orders of the expert, `slide` is for prismatic joints and "
+        "`turn` is for revolute joints.",
         cabinet("joints: {slide: {start_deg: 5}}", "joints: {slide: {start: 0.05}}"),
     ),
     "TB111": Code(
         "Group does not fit",
-        "The objects of a group overlap in their arrangement, or the box of a pile is too small "
-        "for the objects. The message states a spacing or a size that is large enough.",
+        "The objects of a group overlap in their arrangement, or the box of a `pile` is too small "
+        "for the objects of the group. The message states a spacing or a size that is large "
+        "enough.",
         within(
             "scene.objects",
             "blocks: {shape: {box: [0.03, 0.03, 0.05]}, mass: 0.02, count: 4, "

@@ -27,25 +27,26 @@ class JointEnv(gymnasium.Env[Any, Any]):
 
     The reward is the team reward or, with ``reward="sparse"``, the sparse reward. A flat
     observation is one array: the observations of the robots, concatenated in the order of the task
-    file. A flat action is the concatenation of the robots' actions in the same order. With images,
-    a flat observation is a dictionary: ``agent_pos`` has the numbers, and ``pixels/CAMERA`` the
-    image of a camera. With ``flat=False``, observations and actions are dictionaries keyed by
-    robot.
+    file. A flat action is the concatenation of the robots' actions in the same order. If the robots
+    observe images, a flat observation is a dictionary: the key ``agent_pos`` has the concatenated
+    array, and a key such as ``pixels/front`` has the image of the camera ``front``. With
+    ``flat=False``, observations and actions are dictionaries keyed by robot.
 
     Attributes:
-        observation_names: Name of each number in a flat observation, or in ``agent_pos`` with
-            images. A name consists of the robot and the quantity that this robot observes:
+        observation_names: Name of each element of a flat observation, or of ``agent_pos`` if there
+            are images. A name consists of the robot and the quantity that this robot observes:
             ``left/stick.x``.
-        action_names: Name of each number in a flat action, such as ``left.dx``.
+        action_names: Name of each element of a flat action, such as ``left.dx``.
         render_mode: "rgb_array" or None.
 
     Args:
         task: Name or path of the task, or the task itself.
-        render_mode: "rgb_array" if `render` should return pictures.
-        pixels: ``flat``: keys such as ``pixels/front``, which Stable-Baselines3 reads; ``nested``:
-            ``pixels`` is a dictionary keyed by camera, as in LeRobot's environments.
-        options: Options of the environment; see `taskbuilder.env.options.Options`. The reward
-            ``local`` is the same as ``team``, because there is one agent.
+        render_mode: "rgb_array" if `render` should return images.
+        pixels: Arrangement of images in a flat observation. ``flat``: one key for each image, such
+            as ``pixels/front``; Stable-Baselines3 needs this arrangement. ``nested``: the key
+            ``pixels`` has a dictionary keyed by camera, as in LeRobot's environments.
+        options: Options of the environment; see `taskbuilder.env.options.Options`. Because a
+            `JointEnv` has one agent, the reward ``local`` is the same as ``team``.
 
     Raises:
         UnknownNameError: There is no such task.

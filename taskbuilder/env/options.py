@@ -43,35 +43,39 @@ class Options:
             its own terms and an equal share of the common terms; the local rewards add up to the
             team reward exactly. ``sparse`` gives every agent 1 at each control step at which the
             success condition is true, and otherwise 0.
-        flat: Whether observations and actions are flat float32 arrays, instead of dictionaries.
-        normalize: Whether actions are from -1 to 1, instead of in physical units.
+        flat: Whether observations (apart from images) and actions are flat float32 arrays, instead
+            of dictionaries.
+        normalize: Whether actions are scaled to the range from -1 to 1, instead of being in
+            physical units.
         horizon: Length of an episode in control steps; by default as in the task file.
-        control_hz: Control steps per second; by default as in the task file. The maximum step and
-            turn of an action are scaled, so that the maximum speeds of tools and joints stay the
-            same.
+        control_hz: Control steps per second; by default as in the task file. With a different rate,
+            an action's maximum step and turn are scaled so that the maximum speeds of tools and
+            joints stay the same.
         variation: Number of the variation, where 0 is the task as written; or ``random``, which
-            draws a variation in each episode.
-        randomize: What is drawn at random in each episode. True: the quantities that the task file
-            lists under ``randomize``, and the parts of the look that it lists under ``looks``.
-            ``looks``: all parts of the look, but no quantities. ``all``: the quantities under
-            ``randomize``, and all parts of the look.
+            draws a variation for each episode.
+        randomize: Which quantities and which parts of the scene's appearance are drawn at random
+            for each episode. False: none. True: the quantities that the task file lists under
+            ``randomize``, and the parts of the appearance that it lists under ``looks``. ``looks``:
+            all parts of the appearance, but no quantities. ``all``: the quantities under
+            ``randomize``, and all parts of the appearance.
         position_noise: Standard deviation in metres of Gaussian noise on every coordinate of every
             observed position, in addition to the noise in the task file; ``state`` has no noise.
         observe: ``task``: every agent observes the channels that the task file lists for it.
             ``scene``: every agent observes the tools and grippers of all robots, all movable
             objects with their grasp points, all joints of objects, all sites and the time left.
-        frame: ``task``: observed poses and commanded motions are in the frames of the task file;
-            ``base``: poses and motions that would be in the world's frame are in the base frame of
-            each robot instead, so that robots that face each other can share a policy.
-        rotation: Format of orientations: ``quaternion`` (x, y, z, w), or ``matrix``, the first two
-            columns of the rotation matrix, which do not jump when a quaternion changes its sign.
+        frame: ``task``: observed poses and commanded motions are in the frames that the task file
+            gives. ``base``: poses and motions that would otherwise be in the world's frame are in
+            each robot's own base frame. Robots that face each other can then share a policy.
+        rotation: Format of orientations. ``quaternion``: (x, y, z, w), which jumps where its sign
+            flips. ``matrix``: the first two columns of the rotation matrix, which never jump.
         cameras: Cameras whose colour images every agent observes in addition to its channels.
-        camera_size: Width and height of observed images; by default each camera's own.
-        renderer: Renderer of images: ``raster``, ``tiny`` or ``egl``; or ``auto``, which is
-            ``raster`` if the packages for it are installed, and otherwise ``tiny``.
+        camera_size: Width and height of observed images in pixels; by default, those of each
+            camera.
+        renderer: Renderer of images: ``raster``, ``tiny``, ``egl`` or ``auto``. ``auto`` stands for
+            ``raster`` if the packages for it are installed, and otherwise for ``tiny``.
         render_camera: The camera of ``render()``; by default the first camera of the scene.
-        robots: Robot models that replace those of the task file, such as ``{"left": "panda"}``:
-            names in the catalogue, or paths of robot files. Stored as a tuple of pairs.
+        robots: Models that replace those of the task file, by robot: ``{"left": "panda"}``. A model
+            is a name in the catalogue, or the path of a robot file. Stored as a tuple of pairs.
     """
 
     reward: RewardSharing = "team"

@@ -44,15 +44,15 @@ class EnvState:
 
 
 class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships no types
-    """A task as a multi-agent environment.
+    """A task as a multi-agent environment: a PettingZoo ParallelEnv whose agents are the robots.
 
     By default, each agent observes only the channels that the task file lists for it under
-    ``observe``; `state` is for centralised critics. All agents act at every step, and their
-    episodes end together. Infos are dictionaries of numbers, with the same keys for every agent, at
-    every step and at every reset.
+    ``observe``. The method `state` returns the state for centralised critics. All agents act at
+    every step, and their episodes end together. The infos are dictionaries of numbers. They have
+    the same keys for every agent, at every step and at every reset.
 
-    A copy (including one made by pickle) has its own physics engine: it rebuilds the scene and
-    replays the actions of the episode.
+    A copy (including one made by pickle) has its own physics engine. To reach the same state, it
+    rebuilds the scene and replays the actions of the current episode.
 
     Args:
         task: The task.
@@ -303,7 +303,7 @@ def parallel_env(
 
     Args:
         task: Name or path of the task, or the task itself.
-        render_mode: "rgb_array" if `render` should return pictures.
+        render_mode: "rgb_array" if `render` should return images.
         options: Options of the environment; see `Options`.
 
     Raises:

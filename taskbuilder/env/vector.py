@@ -29,18 +29,18 @@ Flags = NDArray[np.bool_]
 
 
 class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
-    """Parallel environments of one task; made by `make_vec`.
+    """Parallel environments of one task. Call `make_vec` to make them.
 
     Observations, actions and rewards are dictionaries keyed by agent. Each value is an array with
-    one row per environment. Terminations and truncations are plain arrays, because all agents in an
-    environment end together. Infos are a dictionary of arrays, with one value per environment. It
-    has the keys of the infos of `TaskEnv`, and the key "lost", which is 1.0 for each environment
-    whose episode was cut off because its process died. Returned arrays are copies and belong to the
-    caller.
+    one row per environment. Terminations and truncations are single arrays and not dictionaries,
+    because the episodes of all agents in an environment end together. The infos are a dictionary of
+    arrays with one element per environment. This dictionary has the keys of the infos of `TaskEnv`
+    and the key "lost". The array "lost" is 1.0 for each environment whose episode was cut off
+    because its worker died or hung. Returned arrays are copies, which the caller may change.
 
-    Each environment draws the seeds of episodes like a `TaskEnv` that is reset once with a seed and
-    afterwards without a seed. The results therefore depend only on the seeds and the actions, not
-    on the number of workers.
+    Each environment draws the seeds of its episodes like a `TaskEnv` that is reset with a seed once
+    and then without a seed. The results therefore depend only on the seeds and the actions, not on
+    the number of workers.
 
     What happens when an episode ends depends on ``metadata["autoreset_mode"]``:
 
@@ -52,9 +52,10 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     - next step: the next call of `step` ignores the actions for this environment, resets it and
       returns zero reward for it.
 
-    A worker that dies or hangs is replaced, and a warning is logged. In the step in which this
-    happens, the episodes of its environments are truncated; their reward is zero, and their final
-    observation is the last one that was returned. Environments of other workers are not affected.
+    A worker that dies or hangs is replaced, and a warning is logged. In that step, the episodes of
+    its environments are truncated with a reward of zero. The final observation of each of these
+    episodes is the last observation that was returned. The environments of the other workers are
+    not affected.
 
     Attributes:
         num_envs: Number of environments.
@@ -294,11 +295,12 @@ def make_vec(
         num_envs: Number of environments; each takes about 30 MB of memory.
         workers: Number of worker processes; with 0, all environments run in the calling process.
         autoreset: Gymnasium's autoreset mode, "SameStep" or "NextStep".
-        timeout_s: Time limit in seconds for a worker to step its environments once; a slower worker
-            is replaced.
-        retries: How many times in a row a worker may be replaced before it completes a step.
-        wrap: Function that wraps each environment, called in the process that runs the environment.
-            With workers, the function must be picklable, such as a function of a module.
+        timeout_s: Time in seconds that a worker may take to step all its environments once; a
+            slower worker is replaced.
+        retries: How many times in a row a worker may be replaced without completing a step.
+        wrap: Function that wraps each environment. It is called in the process that runs the
+            environment. With workers, the function must be picklable, such as a function defined at
+            the top level of a module.
         options: Options of the environments; see `Options`.
 
     Raises:

@@ -52,8 +52,9 @@ def evaluate(
         The success rate with its confidence interval, the returns, and the stages reached.
 
     Raises:
-        UsageError: The policy does not fit the task, or there is no such file.
-        UnknownNameError: There is no such policy or task.
+        UsageError: The policy does not fit the task, its file does not exist, or the task that it
+            was trained on is not in the catalogue.
+        UnknownNameError: The zoo has no policy of this name, or ``task`` names an unknown task.
     """
     named = "the policy"
     if not isinstance(policy, TrainedPolicy):

@@ -59,13 +59,15 @@ def train(
     """Train a policy for each robot of a task.
 
     Args:
-        task: Name or path of the task, or the task itself; with ``data``, by default the task of
-            the data set.
-        out: Folder of the run; by default ``runs/TASK-TRACK-SEED``.
-        settings: Settings of the algorithm, by name.
-        watch: Called with the status of the run after each step of all environments.
-        plan: The other options of ``taskbuilder train``, by name: ``algorithm``, ``steps``,
-            ``seed``, ``demos`` and so on.
+        task: Name or path of the task, or the task itself. With ``data``, the task of the data set
+            is the default.
+        out: Folder of the run; by default ``runs/TASK-TRACK-SEED``, such as
+            ``runs/handover-scratch-0``.
+        settings: Settings of the algorithm, as a dictionary from names to values.
+        watch: Function that is called with the status of the run after each step of all
+            environments.
+        plan: Keyword arguments for the other options of the command ``taskbuilder train``, such as
+            ``algorithm``, ``steps``, ``seed`` and ``demos``.
 
     Raises:
         UsageError: An option is invalid, the folder already has a run, or PyTorch is missing.

@@ -44,7 +44,7 @@ def load_policy(name: str) -> TrainedPolicy:
     Raises:
         UnknownNameError: The zoo has no policy of this name.
         UsageError: There is no such folder or file, or the folder has no policy yet.
-        StoreError: The file is damaged, is not a policy, or has numbers that are not finite.
+        StoreError: The file is damaged, is not a policy, or contains values that are not finite.
     """
     path = policy_file(name)
     arrays, about = read_arrays(path, _KIND, largest=LARGEST)

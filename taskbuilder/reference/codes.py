@@ -14,7 +14,7 @@ _GROUPS = {
     "TB2": "Names and descriptions",
     "TB3": "Robots, physics and resets",
     "TB4": "Meshes and URDFs",
-    "TB5": "Proofs",
+    "TB5": "Episodes, environments and rewards",
 }
 _LANGUAGES = {"description": "python", "module": "python", "folder": "text"}
 _PLACES = {

@@ -48,7 +48,10 @@ SECTIONS: Mapping[str, str] = {
 
 _CYLINDER = "Radius of the cylinder, and length along z."
 _CAPSULE = "A cylinder with round ends; `length` does not include the ends."
-_JOINTS = "One value per arm joint, from base to wrist: degrees, or metres for a prismatic joint."
+_JOINTS = (
+    "Positions of the arm joints, from base to wrist, in degrees, or in metres for a "
+    "prismatic joint."
+)
 _RPY = "Orientation of the base frame, in the world."
 
 MEANINGS: Mapping[str, Mapping[str, str]] = {
@@ -66,8 +69,8 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "robots": "The robots by name; each robot is an agent.",
         "objects": "All bodies that are not robots, by name.",
         "sites": "Frames without a body, by name, such as goals.",
-        "cameras": "Cameras by name, for pictures and for observations; by default one camera, "
-        "front.",
+        "cameras": "Cameras by name, for pictures and for observations; by default one camera "
+        "named front.",
     },
     "RobotEntry": {
         "model": "Name of a robot in the catalogue, or path of a robot.yaml.",
@@ -86,11 +89,12 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "down.",
     },
     "ActionSpec": {
-        "arm": "Action mode: what the numbers in an arm's action mean.",
-        "frame": "Frame of the positions and translations in actions that command the tool; in the "
-        "mode `tcp_delta`, also of rotation vectors.",
-        "turn": "Rotations of the tool that actions command: `none`, only about the tool's z axis "
-        "(`yaw`), or about all axes (`full`).",
+        "arm": "Action mode: what the components of an arm's action mean.",
+        "frame": "For the modes that command the tool: frame in which the action's position or "
+        "translation is given. In the mode `tcp_delta`, this is also the frame of rotation "
+        "vectors.",
+        "turn": "Rotations of the tool that actions can command. `none`: no rotation. `yaw`: about "
+        "the tool's z axis only. `full`: about all axes.",
         "max_turn_deg": "Maximum rotation in a control step.",
         "gripper": "`binary`: open or close. `continuous`: an opening width.",
     },
@@ -122,7 +126,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "unless": "Condition of the description; the joint is free while this condition is true."
     },
     "Place": {
-        "center": "Middle of the region: [x, y] with `surface`, [x, y, z] without.",
+        "center": "Centre of the region: [x, y] with `surface`, [x, y, z] without.",
         "size": "Full edge lengths of the region; 0 fixes the position along an axis.",
     },
     "SiteSpec": {

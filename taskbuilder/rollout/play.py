@@ -25,7 +25,7 @@ Watch = Callable[[TaskEnv], None]
 
 
 class Policy(Protocol):
-    """Chooses the actions of all agents; deterministic for a given seed of the episode.
+    """Chooses the actions of all agents; deterministic for a given episode seed.
 
     A policy has two methods: ``reset(env, seed)`` prepares for an episode, and
     ``act(observations)`` returns the action of every agent, or None to stop playing.
@@ -76,13 +76,14 @@ def play(
         seed: Seed passed to `reset`; it determines everything that is random in the environment.
         observations: Whether to record the observations of every agent.
         cameras: Names of the cameras whose images are recorded.
-        size: Width and height of the images; by default each camera's own.
-        forces: Whether to record the force between robots; the task need not use this force.
+        size: Width and height of the images in pixels; by default, those of each camera.
+        forces: Whether to record the contact force between robots, even if the description does not
+            measure this force.
         explain: Whether to record why the success condition is false at the end.
-        watch: Called with the environment after reset and after each control step.
+        watch: Function that is called with the environment after reset and after each control step.
 
     Returns:
-        The record of the episode, up to its end or until the policy stopped.
+        The record of the episode, up to its end or to the step at which the policy stopped.
 
     Raises:
         UnknownNameError: The scene has no such camera.
@@ -130,18 +131,18 @@ def resume(
 
 
 def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollout:
-    """Replay the actions of a recorded episode; the new episode is the same bit for bit.
+    """Replay the actions of a recorded episode. This reproduces the episode bit for bit.
 
     Args:
-        env: An environment of the record's task and variation, with the same options.
+        env: An environment with the same task, variation and options as in the record.
         rollout: The record to replay.
-        watch: Called with the environment after reset and after each control step.
+        watch: Function that is called with the environment after reset and after each control step.
 
     Returns:
         The record of the new episode, with the ``log`` of ``rollout``.
 
     Raises:
-        UsageError: The environment is of another task.
+        UsageError: The environment has a different task.
     """
     _check_same_task(env, rollout)
     played = play(

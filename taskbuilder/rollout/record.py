@@ -78,9 +78,9 @@ ON_REQUEST = ("observations", "pictures", "robot_force")
 class Rollout:
     """The record of an episode: actions, rewards, conditions and progress.
 
-    Some arrays have one row per control step (``steps`` rows). Others have one row per state
-    (``steps`` + 1 rows): the state after reset, and after each control step. If the physics
-    diverged, the last state repeats the one before.
+    Some arrays have ``steps`` rows, one per control step. Others have ``steps`` + 1 rows: one for
+    the state after reset, and one for the state after each control step. If the physics diverged,
+    the last of the ``steps`` + 1 rows repeats the row before it.
 
     Attributes:
         task: The task's name.
@@ -93,18 +93,18 @@ class Rollout:
         actions: (steps, n) float32 by agent, as `TaskEnv.step` takes them.
         rewards: (steps,) the team reward.
         agent_rewards: (steps,) by agent: the rewards that the environment returned.
-        terms: (steps,) by name: each reward term; the name of a term of one agent is
+        terms: (steps,) by name: each reward term. A term that belongs to one agent has the name
             ``NAME/AGENT``.
         conditions: (steps + 1,) bool by name: success, failure, stages and all other conditions.
-        stage: (steps + 1,) number of the last stage reached so far; 0 for none.
-        progress: (steps + 1,) the description's progress.
+        stage: (steps + 1,) number of the furthest stage reached so far; 0 for none.
+        progress: (steps + 1,) the value of the description's progress.
         succeeded: (steps + 1,) bool: whether success has been reached so far, without a failure
             before it.
         exploded: Whether the physics diverged, which ends the episode.
         observations: (steps + 1, ...) by agent, or by agent and channel; empty unless `play` was
             called with ``observations=True``.
-        pictures: (steps + 1, height, width, 3) uint8 by camera; empty unless `play` was called with
-            ``cameras``.
+        pictures: (steps + 1, height, width, 3) uint8 by camera; without the last row if the physics
+            diverged. Empty unless `play` was called with ``cameras``.
         robot_force: (steps + 1,) the largest force between two robots in each control step, in
             newtons, and 0 after reset; empty unless `play` was called with ``forces=True``.
         why: Why the success condition is false at the end; empty if the condition is true, or if

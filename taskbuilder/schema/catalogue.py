@@ -59,13 +59,16 @@ class CatalogueEntry:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Task and robot files by name, in installed packages and in ``folders``."""
+    """Finds task and robot files by their names, in installed packages and in ``folders``."""
 
     folders: tuple[Path, ...] = ()
 
     @classmethod
     def discover(cls, folders: Iterable[Path | str] = ()) -> Catalogue:
-        """Make a catalogue of installed packages, TASKBUILDER_PATH and the given folders.
+        """Make a catalogue of tasks and robots.
+
+        They come from installed packages, from the folders that the environment variable
+        TASKBUILDER_PATH names, and from ``folders``.
 
         Raises:
             UnknownNameError: A folder does not exist.
@@ -105,7 +108,7 @@ class Catalogue:
         return self._find("task", reference, Path())
 
     def named_task(self, name: object) -> CatalogueEntry:
-        """Look up a task by its name only, never by a path; for names from untrusted files.
+        """Look up a task by name only, never by path. Use this for names from untrusted files.
 
         Raises:
             UnknownNameError: There is no such task.
@@ -117,7 +120,7 @@ class Catalogue:
         raise UnknownNameError(f'no task "{name}"; {help_}')
 
     def robot(self, reference: str, folder: Path) -> CatalogueEntry:
-        """Look up a robot by its name, or by the path of its robot.yaml relative to a folder.
+        """Look up a robot by its name, or by the path of its robot.yaml relative to ``folder``.
 
         Raises:
             UnknownNameError: There is no such robot or file.

@@ -77,7 +77,8 @@ class Wait(Model):
         description="Success, failure, a stage or another condition of the description."
     )
     within: Seconds = Field(
-        2.0, description="Time limit; if the condition is still false by then, the stage fails."
+        2.0,
+        description="Time limit. If the condition is still false when it expires, the stage fails.",
     )
 
     def __str__(self) -> str:

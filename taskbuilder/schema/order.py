@@ -153,7 +153,7 @@ class Order(Model):
         "`grasp` and 0 for `reach`.",
     )
     rpy_deg: RpyDeg | None = Field(
-        None, description="Orientation of the tool at the end of the motion, in the world's frame."
+        None, description="Orientation of the tool at the end of the motion, in the world frame."
     )
     align: bool = Field(
         False, description="Whether the object is also turned to the orientation of the frame `to`."

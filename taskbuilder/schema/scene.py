@@ -146,7 +146,7 @@ class Place(Model):
     clearance: Length = Field(
         0.005,
         description="Minimum distance to all bodies except the objects that `surface` and `in` "
-        "name; sites cannot have it.",
+        "name; not allowed for sites.",
     )
 
     @model_validator(mode="after")
@@ -200,7 +200,7 @@ class ObjectSpec(_Placed):
     }
 
     count: Annotated[int, Field(ge=1, le=MAX_COUNT)] | None = Field(
-        None, description="Number of objects; this key makes the entry a group of like objects."
+        None, description="Number of objects; an entry with this key is a group of objects."
     )
     arrange: Arrangement | None = Field(None, description="Arrangement of the objects of a group.")
     shape: Shape | None = None

@@ -65,8 +65,8 @@ class Noise(Model):
 
     std: Extent | None = Field(
         None,
-        description="Standard deviation of the noise on every number of the channel that is not "
-        "part of an orientation, in the unit of the channel.",
+        description="Standard deviation of the noise on every component of the channel that is "
+        "not part of an orientation, in the unit of the channel.",
     )
     position_std: Extent | None = Field(
         None,
@@ -109,8 +109,8 @@ class TaskSpec(Model):
     cooperation: Literal["required", "optional"] = Field(
         "required",
         description="For tasks with several robots. `required`: the task cannot be done unless "
-        "all its robots take part, which `validate` checks. `optional`: it may be done without "
-        "some of them, or by one robot alone.",
+        "all its robots take part, which `validate` checks. `optional`: some of its robots, or "
+        "one robot alone, may be enough.",
     )
     timing: Timing = Timing()
     scene: SceneSpec = Field(description="The robots, objects, sites and cameras.")
@@ -126,8 +126,9 @@ class TaskSpec(Model):
     ] = Field(default_factory=lambda: frozen({}))
     state: Annotated[tuple[Reference, ...], Shorthand("all", ("all",))] = Field(
         ("all",),
-        description="Channels that a centralised critic observes; `all` stands for the state of "
-        "all robots, all sites, all movable objects and all joints of objects, and the time left.",
+        description="Channels that a centralised critic observes; `all` stands for the joints "
+        "and tools of all robots, the poses and velocities of all movable objects, the joint "
+        "positions of objects, the positions of all sites, and the time left.",
     )
     expert: tuple[ExpertStage, ...] = ()
     variations: tuple[
@@ -145,5 +146,5 @@ class TaskSpec(Model):
     looks: Annotated[tuple[LookPart, ...], Shorthand("all", LOOK_PARTS)] = Field(
         (),
         description="Parts of the scene's appearance that environments with `randomize=True` "
-        "draw at random in each episode; `all` stands for all parts.",
+        "randomise in each episode; `all` stands for all parts.",
     )

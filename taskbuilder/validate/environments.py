@@ -62,17 +62,17 @@ def check_env(
 ) -> tuple[Finding, ...]:
     """Check that an environment has the properties that learning libraries rely on.
 
-    The environment may come from taskbuilder or from another package, and may be wrapped by
-    PettingZoo, SuperSuit or Gymnasium. The check plays episodes with random actions. If
-    this shows no problem, it runs PettingZoo's or Gymnasium's own tests. Reset the environment
-    before you use it again.
+    The environment may come from taskbuilder or from another package, and may have wrappers from
+    PettingZoo, SuperSuit or Gymnasium. `check_env` plays episodes with random actions. If these
+    episodes show no problem, `check_env` then runs PettingZoo's or Gymnasium's own tests. Reset the
+    environment before you use it again.
 
     Args:
         env: A PettingZoo ParallelEnv, or a gymnasium.Env.
         seeds: Seeds of the episodes.
-        max_steps: Maximum number of control steps in an episode; by default the length of the
-            task's episodes, or 10,000 if this length is not known.
-        raises: Whether to raise an error if there are findings, instead of returning the findings.
+        max_steps: Number of control steps within which an episode must end; by default the length
+            of the task's episodes, or 10,000 if this length is not known.
+        raises: Whether to raise an error if there are findings; otherwise, they are returned.
 
     Returns:
         The findings.

@@ -108,20 +108,25 @@ def validate_task(
 
     Args:
         reference: Name of the task, or path of its YAML file.
-        level: ``static`` (no physics), ``build``, or ``full``.
+        level: Which checks to run: ``static`` (checks of the files, without physics), ``build``
+            (also checks that build and reset the scene), or ``full`` (all checks).
         seeds: Number of seeds per variation.
         catalogue: Catalogue in which to look up names; by default the catalogue of this
             installation.
-        progress: Function that wraps the seeds of a family of checks, to display a progress bar.
+        progress: Function that is called with the seeds or variations of a family of checks and
+            with a label, and that returns an iterable of the same values. It can display a progress
+            bar.
         jobs: Number of processes that play episodes; the results do not depend on this number.
-        only: Names of the families of checks to run; by default all.
+        only: Names of the families of checks to run in addition to the static checks; by default
+            all families of the level.
         apart: Whether to load and play the task only in child processes, where a crash or hang does
             no harm. Use False to debug a description in this process.
         robots: Robot models that replace those of the task file; see `load_task`.
 
     Raises:
         UnknownNameError: There is no such task, or ``robots`` names an unknown model.
-        UsageError: ``only`` names an unknown family, or a model in ``robots`` does not fit.
+        UsageError: ``only`` names an unknown family, or ``robots`` does not fit the task; see
+            `load_task`.
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)

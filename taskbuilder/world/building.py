@@ -46,9 +46,10 @@ def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto
     """Build the world of a task.
 
     Args:
-        task: The task file.
+        task: Contents of the task file: ``load_task(...).file``.
         variation: Number of the variation; 0 is the task as written.
-        renderer: Renderer of camera images.
+        renderer: Renderer of camera images: ``raster``, ``tiny``, ``egl`` or ``auto``; see
+            `Options`.
 
     Raises:
         FileError: The world cannot be built from the task's files; the findings say where the

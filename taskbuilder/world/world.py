@@ -45,10 +45,11 @@ class World(Single):
     """The robots, objects and sites of a scene, by name, in one physics client.
 
     Values are read from the physics once and cached until the next step, so that they stay the same
-    within a control step. A world implements `WorldView`, which descriptions read.
+    within a control step. A world implements `WorldView`, the interface through which descriptions
+    read values.
 
     Attributes:
-        task: The task file.
+        task: The contents of the task file, with the robots and assets that it uses.
         spec: The keys and values of the task file.
         scene: The scene that was built, with the changes of the variation.
         client: The physics client.
@@ -58,13 +59,13 @@ class World(Single):
         floor: The body of the floor, or None if the scene has no floor.
         warnings: Warnings from the physics engine while assets were loaded.
         time: Seconds since the episode began.
-        quantities: Values, in this episode, of the quantities that the task file can randomise.
+        quantities: Values in this episode of what the task file lists under ``randomize``.
         look: Light, background, textures, distractors and camera poses of this episode.
-        piled: Resting pose of each object of a pile at the start of this episode, relative to the
+        piled: Resting pose of each object in a pile at the start of this episode, relative to the
             position of the pile.
-        onlooker: None, or a generator that is advanced before each physics step, so that its code
-            can read the state within a control step. The generator must not change
-            anything, and must call `refresh` before it reads any values.
+        onlooker: None, or a generator that is advanced before each physics step and can thus read
+            the state in the middle of a control step. The generator must not change the world, and
+            must call `refresh` before it reads any values.
     """
 
     def __init__(
@@ -109,20 +110,20 @@ class World(Single):
     # Time
 
     def keep_as_built(self) -> WorldState:
-        """Save the current state as the starting state of every episode."""
+        """Save the current state as the state that every `reset` starts from."""
         self._built = self.save()
         return self._built
 
     def reset(
         self, seed: int, *, randomized: bool = False, looks: Collection[LookPart] = ()
     ) -> None:
-        """Begin an episode: reset the robots, place the objects, and let them settle for a moment.
+        """Begin an episode: reset the robots, place the objects and let the objects settle briefly.
 
         Args:
-            seed: Seed for placement and for randomisation; each has its own random-number
-                generator.
-            randomized: Whether to draw the quantities that the task file lists under ``randomize``.
-            looks: The parts of the scene's look to draw at random, from `LOOK_PARTS`.
+            seed: Seed of the random-number generators for placing objects and for randomisation.
+            randomized: Whether to randomise what the task file lists under ``randomize``.
+            looks: The parts of the scene's appearance to draw at random: any of ``light``,
+                ``background``, ``furniture``, ``textures``, ``distractors`` and ``cameras``.
 
         Raises:
             PlacementError: The objects could not be placed without overlap.
@@ -170,7 +171,7 @@ class World(Single):
         Args:
             arm_targets: Target joint positions (rad or m) by robot. The commanded positions change
                 linearly, and reach the targets in the last physics step. Arms without targets, and
-                all grippers, keep their commands.
+                all grippers, keep their previous commands.
 
         Raises:
             ExplosionError: The physics diverged; build a new world.
@@ -195,7 +196,7 @@ class World(Single):
         self._check()
 
     def set_locks(self, conditions: Mapping[str, bool]) -> None:
-        """Lock or free the joints that have a ``lock``; after `reset`, all of them are locked.
+        """Lock or free each joint with a ``lock`` in the task file; `reset` locks all of them.
 
         Args:
             conditions: Whether each condition of the description holds, by name.
@@ -214,7 +215,7 @@ class World(Single):
         self._touch.refresh()
 
     def save(self) -> WorldState:
-        """Save the state, including the motors' targets; takes about 3 ms and 250 KB.
+        """Save the state, including motor targets. This takes about 3 ms and 250 KB of memory.
 
         Call `release` when the state is no longer needed.
         """
@@ -333,7 +334,7 @@ class World(Single):
         return self._frames.box(body)
 
     def opening(self, robot: str) -> float:
-        """How far a robot's gripper is open, from 0 (closed) to 1."""
+        """How far a robot's gripper is open, from 0 (closed) to 1 (open)."""
         return self.robots[robot].opening()
 
     def joint(self, name: str) -> float:
@@ -363,7 +364,7 @@ class World(Single):
         return self._touch.support(body, below)
 
     def watch_forces(self, pairs: Iterable[Pair]) -> None:
-        """Measure the forces between these pairs of bodies from now on, and between no others.
+        """From now on, measure the contact forces between these pairs of bodies and no others.
 
         A pair that was already watched continues to be measured without interruption.
 
@@ -385,7 +386,7 @@ class World(Single):
     # Cameras
 
     def camera(self, name: str, size: tuple[int, int] | None = None) -> CameraView:
-        """The view of a named camera from its current pose, with the look of this episode.
+        """The current view of a named camera, with the camera randomisation of this episode.
 
         Raises:
             UnknownNameError: The scene has no such camera.

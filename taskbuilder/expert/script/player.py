@@ -20,17 +20,17 @@ longer than until success is reached, and not after a stage that could not be do
 
 
 class Expert:
-    """Plays the expert of a task file; deterministic for a given seed.
+    """Plays the expert's script in a task file; deterministic for a given seed.
 
-    An expert is a `Policy` for the environment `env`. Its own method `play` has more options than
-    `taskbuilder.play`. An expert can play any number of episodes. It plans in a second physics
-    simulation, which `close` frees.
+    An `Expert` is a `Policy` for the environment ``env``. Its method `play` has more options than
+    `taskbuilder.play`. An `Expert` can play any number of episodes. It plans motions in a second
+    physics simulation, which `close` frees.
 
     Args:
         env: An environment of the task, with flat actions and a fixed variation.
 
     Raises:
-        UsageError: Motions cannot be planned for an arm's action mode, or the variation is random.
+        UsageError: The environment draws a random variation in each episode.
     """
 
     def __init__(self, env: TaskEnv) -> None:
@@ -63,25 +63,28 @@ class Expert:
         Args:
             seed: Seed passed to `reset`.
             stages: Stages to play instead of those of the task file.
-            without: Names of robots that hold still; the orders of these robots are left out of all
+            without: Names of robots that hold still; all orders to these robots are left out of the
                 stages.
-            persist: Whether to continue with the next stage after a stage that failed.
-            finish: Whether all robots hold still after the last stage until the episode is over;
-                otherwise, playing ends with the last stage. ``"undecided"`` is like True, but
-                playing ends as soon as success is reached or a stage has failed.
-            after_stage: Called with the number of each completed stage (counting from 1) before the
-                next stage begins. The function may save the state of the environment, but must not
-                change the state.
+            persist: Whether to continue with the next stage when a stage fails.
+            finish: What happens after the last stage that is played. True: all robots hold still
+                until the episode is over. False: playing ends. ``"undecided"``: all robots hold
+                still until success is reached or the episode is over; if a stage has failed,
+                playing ends instead.
+            after_stage: Function that is called with the number of each completed stage (counting
+                from 1) before the next stage begins. The function may save the state of the
+                environment, but must not change the state.
             observations: Whether to record the observations of every agent.
             cameras: Names of the cameras whose images are recorded.
-            size: Width and height of the images; by default each camera's own.
-            forces: Whether to record the force between robots; the description need not
-                measure this force.
+            size: Width and height of the images in pixels; by default, those of each camera.
+            forces: Whether to record the contact force between robots, even if the description does
+                not measure this force.
             explain: Whether to record why the success condition is false at the end.
-            watch: Called with the environment after reset and after each control step.
+            watch: Function that is called with the environment after reset and after each control
+                step.
 
         Raises:
-            UsageError: The task has no expert.
+            UsageError: The task has no expert, the environment has dictionary actions
+                (``flat=False``), or motions cannot be planned for the action mode of an arm.
             UnknownNameError: The scene has no such camera.
         """
         script = _Script(
@@ -106,7 +109,7 @@ class Expert:
         )
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        """Start with the first stage of the task file.
+        """Prepare to play the task file's stages from the first one on.
 
         Raises:
             UsageError: The expert was made for another environment, or the task has no expert.
@@ -117,7 +120,7 @@ class Expert:
         self._script.reset(env, seed)
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
-        """The next actions, which depend on the simulation and not on the observations.
+        """The next actions, which depend on the state of the simulation, not on the observations.
 
         Raises:
             UsageError: No episode has begun.
