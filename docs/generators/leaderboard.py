@@ -70,7 +70,8 @@ def _compared(found: Entry) -> str:
     )
     seen = _SEES.get(data["options"].get("observe", "task"), "Observations: unknown")
     changed = data["digests"]["task"] != digests_of_task(found.task)
-    return f"{'An earlier version of the task. ' * changed}Robots: {robots}. {seen}"
+    earlier = "These results are for an earlier version of the task. " if changed else ""
+    return f"{earlier}Robots: {robots}. {seen}"
 
 
 def entry(file: Path) -> Entry:

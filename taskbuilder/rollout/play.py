@@ -79,7 +79,7 @@ def play(
         size: Width and height of the images in pixels; by default, those of each camera.
         forces: Whether to record the contact force between robots, even if the description does not
             measure this force.
-        explain: Whether to record why the success condition is false at the end.
+        explain: Whether to record why success is false, if it is false at the end.
         watch: Function that is called with the environment after reset and after each control step.
 
     Returns:

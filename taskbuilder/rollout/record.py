@@ -103,8 +103,8 @@ class Rollout:
         exploded: Whether the physics diverged, which ends the episode.
         observations: (steps + 1, ...) by agent, or by agent and channel; empty unless `play` was
             called with ``observations=True``.
-        pictures: (steps + 1, height, width, 3) uint8 by camera; without the last row if the physics
-            diverged. Empty unless `play` was called with ``cameras``.
+        pictures: (steps + 1, height, width, 3) uint8 by camera. If the physics diverged, the last
+            picture is missing. Empty unless `play` was called with ``cameras``.
         robot_force: (steps + 1,) the largest force between two robots in each control step, in
             newtons, and 0 after reset; empty unless `play` was called with ``forces=True``.
         why: Why the success condition is false at the end; empty if the condition is true, or if

@@ -50,10 +50,14 @@ To = Annotated[
 
 # What all motions can say of how they go.
 Above = Annotated[
-    Coordinate, Field(description="Height of the end position above the named frame, in metres.")
+    Coordinate, Field(description="Height of the end position above the target, in metres.")
 ]
 Offset = Annotated[
-    Position, Field(description="Offset of the end position, along the axes of the named frame.")
+    Position,
+    Field(
+        description="Offset of the end position from the target, along the axes of the target "
+        "frame, or along the world's axes if the target is a point."
+    ),
 ]
 Straight = Annotated[bool, Field(description="Whether the path must be a straight line.")]
 Touching = Annotated[

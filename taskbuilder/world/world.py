@@ -196,7 +196,7 @@ class World(Single):
         self._check()
 
     def set_locks(self, conditions: Mapping[str, bool]) -> None:
-        """Lock or free each joint with a ``lock`` in the task file; `reset` locks all of them.
+        """Lock or free every joint that has a ``lock`` in the task file; `reset` locks all of them.
 
         Args:
             conditions: Whether each condition of the description holds, by name.
@@ -247,7 +247,7 @@ class World(Single):
         self.refresh()
 
     def release(self, state: WorldState) -> None:
-        """Free a saved state, which cannot be restored afterwards."""
+        """Free a saved state. It can then no longer be restored."""
         release(state.snapshot)
 
     def close(self) -> None:

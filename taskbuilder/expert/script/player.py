@@ -67,9 +67,9 @@ class Expert:
                 stages.
             persist: Whether to continue with the next stage when a stage fails.
             finish: What happens after the last stage that is played. True: all robots hold still
-                until the episode is over. False: playing ends. ``"undecided"``: all robots hold
-                still until success is reached or the episode is over; if a stage has failed,
-                playing ends instead.
+                until the episode is over. False: playing ends. ``"undecided"``: if a
+                stage has failed, playing ends at once; otherwise, all robots hold still until
+                success is reached or the episode is over.
             after_stage: Function that is called with the number of each completed stage (counting
                 from 1) before the next stage begins. The function may save the state of the
                 environment, but must not change the state.
@@ -78,7 +78,7 @@ class Expert:
             size: Width and height of the images in pixels; by default, those of each camera.
             forces: Whether to record the contact force between robots, even if the description does
                 not measure this force.
-            explain: Whether to record why the success condition is false at the end.
+            explain: Whether to record why success is false, if it is false at the end.
             watch: Function that is called with the environment after reset and after each control
                 step.
 
