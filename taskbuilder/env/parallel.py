@@ -51,8 +51,9 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     every step, and their episodes end together. The infos are dictionaries of numbers. They have
     the same keys for every agent, at every step and at every reset.
 
-    A copy (including one made by pickle) has its own physics engine. To reach the same state, it
-    rebuilds the scene and replays the actions of the current episode.
+    A copy (including one made by pickle) has its own physics engine. It rebuilds the scene and
+    replays the actions of the current episode, because a physics engine cannot restore the saved
+    state of another one.
 
     Args:
         task: The task.
