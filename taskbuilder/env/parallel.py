@@ -52,8 +52,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     the same keys for every agent, at every step and at every reset.
 
     A copy (including one made by pickle) has its own physics engine. It rebuilds the scene and
-    replays the actions of the current episode, because a physics engine cannot restore the saved
-    state of another one.
+    replays the actions of the current episode, because a snapshot in memory, which is exact
+    to the bit, belongs to one engine.
 
     Args:
         task: The task.
