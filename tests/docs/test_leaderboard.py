@@ -97,4 +97,7 @@ def test_a_task_outside_of_the_library_is_refused(folder):
 
 def test_a_task_that_has_changed_since_is_marked(folder):
     edit(folder / NAME, lambda data: data["digests"]["task"].update({"a.py": "0"}), seal=True)
-    assert "\nThese results are for an earlier version of the task. Robots: left (ur5e), " in leaderboard.rows("")
+    assert (
+        "\nThese results are for an earlier version of the task. Robots: left (ur5e), "
+        in leaderboard.rows("")
+    )
