@@ -1,8 +1,10 @@
 """Prove the tasks of the library at full level, and keep what was measured.
 
     python benchmarks/proofs.py [TASK ...]
+    taskbuilder validate --all --json > all.json && python benchmarks/proofs.py --from all.json
 
-A task whose two files are those of its last proof is left out, unless it is named. Each proof is
+A task whose two files are those of its last proof is left out, unless it is named. The second form
+keeps what a validation of whole suites has measured, and proves nothing again. Each proof is
 written to benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it
 again, and with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has
 a record of those that passed.
@@ -14,7 +16,6 @@ import argparse
 import json
 from collections.abc import Iterable
 from contextlib import closing
-from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -83,46 +84,55 @@ def how_it_is_done(name: str) -> dict[str, Any]:
 
 def prove(name: str, jobs: int) -> bool:
     """Prove a task, and keep the result."""
-    entry = taskbuilder.catalogue().tasks[name]
-    summed = checksum(entry)
+    summed = checksum(taskbuilder.catalogue().tasks[name])
     report = validate_task(name, seeds=SEEDS, jobs=jobs, progress=told(name))
-    assert report.making is not None
     (data,) = as_data([report])["tasks"]
-    command = f"taskbuilder validate {name}"
-    making = {**asdict(report.making), "command": command, "machine": describe_machine()}
-    about = {"making": making, "checksum": summed}
-    about |= {"expert": how_it_is_done(name)} if report.ok else {}
+    data["making"]["command"] = f"taskbuilder validate {name}"
+    return keep(data, summed)
+
+
+def keep(data: dict[str, Any], summed: str) -> bool:
+    """Keep a proof, given as the task's part of ``--json``, of files with this checksum."""
+    name, making = data["task"], data["making"]
+    whole = making["level"] == "full" and making["seeds"] >= SEEDS
+    assert whole, f"{name}: a proof is at level full, with {SEEDS} seeds"
+    about = {"making": {**making, "machine": describe_machine()}, "checksum": summed}
+    about |= {"expert": how_it_is_done(name)} if data["ok"] else {}
     write(RESULTS / f"{name}.json", {**data, **about})
     records = json.loads(RECORDS.read_text(encoding="utf-8")) if RECORDS.exists() else {}
     records.pop(name, None)
-    if report.ok and not report.skipped:
+    if data["ok"]:
         records[name] = {
-            "date": report.making.date,
-            "version": taskbuilder.__version__,
-            "seeds": report.making.seeds,
+            "date": making["date"],
+            "version": making["versions"]["taskbuilder"],
+            "seeds": making["seeds"],
             "checksum": summed,
         }
     write(RECORDS, records)
-    for finding in report.findings:
+    for finding in data["findings"]:
         print(finding)
-    checks = [check for family in report.families for check in family.checks]
-    rates = [check.value for check in checks if check.code == "TB531" and check.value is not None]
-    short = [rate for rate in rates if rate < LEAST_SUCCESS]
+    rates = [check["value"] for check in data["checks"] if check["code"] == "TB531"]
+    short = [rate for rate in rates if rate is not None and rate < LEAST_SUCCESS]
     for rate in short:
         print(
             f"{name}: its expert succeeds in {rate:.0%}; the library asks for {LEAST_SUCCESS:.0%}"
         )
-    return report.ok and not short
+    return data["ok"] and not short
 
 
 def main() -> int:
     """Prove the tasks named on the command line, or those whose files have changed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tasks", nargs="*", metavar="TASK")
+    parser.add_argument("--from", type=Path, dest="file", help="what validate --json has printed")
     parser.add_argument("--jobs", type=int, default=cores())
     asked = parser.parse_args()
     RESULTS.mkdir(parents=True, exist_ok=True)
     entries = taskbuilder.catalogue().tasks
+    if asked.file:
+        tasks = json.loads(asked.file.read_text(encoding="utf-8"))["tasks"]
+        kept = [keep(data, checksum(entries[data["task"]])) for data in tasks]
+        return int(not all(kept))
     proofs = {name: proof_of(entry) for name, entry in entries.items() if entry.trusted}
     changed = [name for name, proof in proofs.items() if proof is None or not proof.current]
     failed = 0

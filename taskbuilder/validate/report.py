@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from taskbuilder.errors import Finding, in_reading_order
@@ -163,6 +163,7 @@ def _task_data(report: TaskReport) -> dict[str, Any]:
     return {
         "task": report.task,
         "ok": report.ok,
+        "making": asdict(report.making) if report.making else None,
         "findings": [finding.as_data() for finding in report.findings],
         "checks": [
             {

@@ -11,15 +11,21 @@ from xml.etree import ElementTree
 
 import pytest
 
+import taskbuilder
 from taskbuilder import jobs
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.validate.report import TaskReport
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
-TASK_KEYS = {"task", "ok", "findings", "checks", "measures", "probes"}
+TASK_KEYS = {"task", "ok", "making", "findings", "checks", "measures", "probes"}
 FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path"}
 CHECK_KEYS = {"code", "family", "name", "ok", "value", "limit", "unit"}
 STATIC = ("validate", "--level", "static", "--format", "json")
+
+
+def undated(ran):
+    """The tasks of a report in JSON, less when and how fast each was validated."""
+    return [task | {"making": {}} for task in ran.data["tasks"]]
 
 
 class Terminal(io.StringIO):
@@ -52,7 +58,7 @@ def test_json_has_one_shape_for_one_task_and_for_many(run, good, broken):
     assert (one.err, many.err) == ("", "")
     assert set(one.data) == set(many.data) == {"version", "ok", "tasks"}
     assert (one.data["ok"], many.data["ok"]) == (True, False)
-    assert one.data["tasks"] == many.data["tasks"][:1]
+    assert undated(one) == undated(many)[:1]
     for task in many.data["tasks"]:
         assert set(task) == TASK_KEYS
         assert all(set(check) == CHECK_KEYS for check in task["checks"])
@@ -167,7 +173,15 @@ def test_many_tasks_are_validated_at_the_same_time_and_told_in_order(run, good):
 
 def test_json_is_short_for_its_format(run, good):
     words = ("validate", "--level", "static", "good.yaml")
-    assert run(*words, "--json").data == run(*words, "--format", "json").data
+    assert undated(run(*words, "--json")) == undated(run(*words, "--format", "json"))
+
+
+def test_json_says_how_it_was_made(run, good):
+    words = ("validate", "good.yaml", "--level", "build", "--seeds", "3")
+    making = run(*words, "--json").data["tasks"][0]["making"]
+    assert (making["level"], making["seeds"]) == ("build", 3)
+    assert making["command"] == f"taskbuilder {' '.join(words[:2])} --level build --seeds 3"
+    assert making["versions"]["taskbuilder"] == taskbuilder.__version__
 
 
 def test_junit_is_xml_and_nothing_else(run, good, broken):
