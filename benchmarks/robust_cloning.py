@@ -25,7 +25,7 @@ import csv
 import json
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -39,6 +39,7 @@ from taskbuilder import catalogue
 RANDOMIZED = "handover_randomized"
 TASKS = ("pick_push_place", "collaborative_lift", "handover", RANDOMIZED)
 RESULTS = Path(__file__).parent / "results"
+SUMMARY, ROWS = RESULTS / "robust_cloning.json", RESULTS / "robust_cloning.csv"
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
 DEMOS, UPDATES, EPISODES, NOISE_M = 600, 15_000, 300, 0.005
 EVERY = str(UPDATES // 5)
@@ -71,7 +72,7 @@ def main() -> int:
             write(arguments.folder)
     if arguments.publish:
         for task in set(arguments.only) - {RANDOMIZED}:
-            publish(task, arguments.folder, arguments.seeds)
+            publish(task, arguments.folder)
     return 0
 
 
@@ -117,7 +118,7 @@ def run(wanted: tuple[str, int], folder: Path) -> str:
     for name, words in evaluations(task, out).items():
         if not (file := out / f"{name}.json").exists():
             file.write_text(taskbuilder(*words, "--controls", "0", "--jobs", "1", "--json"))
-        said.append(f"{name} {worst(json.loads(file.read_text())):.1%}")
+        said.append(f"{name} {worst(played(json.loads(file.read_text()))):.1%}")
     words = [collect_words(task, folder), train, *evaluations(task, out).values()]
     commands = [" ".join(["taskbuilder", *each]) for each in words]
     (out / "commands.json").write_text(json.dumps(commands))
@@ -148,15 +149,15 @@ def played(result: dict[str, Any]) -> list[dict[str, Any]]:
     return result.get("variations", [result])
 
 
-def worst(result: dict[str, Any]) -> float:
-    return min(each["success_rate"] for each in played(result))
+def worst(variations: list[dict[str, Any]]) -> float:
+    return min(each["success_rate"] for each in variations)
 
 
 def write(folder: Path) -> None:
-    """Write the results of all runs so far."""
-    runs: list[dict[str, Any]] = []
-    rows: list[Sequence[Any]] = []
-    for out in sorted(file.parent for file in folder.glob("*/commands.json")):
+    """Write the results of all runs so far; those whose folders are elsewhere stay as they are."""
+    here = sorted(file.parent for file in folder.glob("*/commands.json"))
+    runs, rows = others({out.name for out in here})
+    for out in here:
         task, seed = out.name.rsplit("-", 1)
         plan = json.loads((out / "run.json").read_text())
         found = {}
@@ -165,7 +166,14 @@ def write(folder: Path) -> None:
             keys = ("variation", "success_rate", "interval", "success_at_end_rate", "stages")
             found[name] = [{key: each.get(key, 0) for key in keys} for each in result]
             rows += [
-                [task, seed, name, each["variation"], each["seed"], int(each["success"])]
+                [
+                    task,
+                    seed,
+                    name,
+                    str(each["variation"]),
+                    str(each["seed"]),
+                    str(int(each["success"])),
+                ]
                 for one in result
                 for each in one["episodes"]
             ]
@@ -180,26 +188,39 @@ def write(folder: Path) -> None:
                 "commands": json.loads((out / "commands.json").read_text()),
             }
         )
-    with (RESULTS / "robust_cloning.csv").open("w", newline="") as file:
+    with ROWS.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["task", "seed", "evaluation", "variation", "episode_seed", "success"])
-        writer.writerows(rows)
+        writer.writerows(sorted(rows, key=lambda row: (row[0], int(row[1]))))
     data = {
         "command": "python benchmarks/robust_cloning.py",
         "machine": describe_machine(),
         "episodes": EPISODES,
         "noise_m": NOISE_M,
         "quantities": QUANTITIES.strip(),
-        "runs": runs,
+        "runs": sorted(runs, key=lambda run: (run["task"], run["seed"])),
     }
-    (RESULTS / "robust_cloning.json").write_text(json.dumps(data, indent=2) + "\n")
+    SUMMARY.write_text(json.dumps(data, indent=2) + "\n")
 
 
-def publish(task: str, folder: Path, seeds: Sequence[int]) -> None:
+def others(names: Collection[str]) -> tuple[list[dict[str, Any]], list[list[str]]]:
+    """Runs, and their episodes, that were kept before and are none of these."""
+    if not SUMMARY.exists():
+        return [], []
+    runs = json.loads(SUMMARY.read_text())["runs"]
+    with ROWS.open(newline="") as file:
+        _, *rows = csv.reader(file)
+    return (
+        [run for run in runs if f"{run['task']}-{run['seed']}" not in names],
+        [row for row in rows if f"{row[0]}-{row[1]}" not in names],
+    )
+
+
+def publish(task: str, folder: Path) -> None:
     """Put the policy of the median seed into the zoo, with its plan and its curve."""
-    runs = [folder / f"{task}-{seed}" for seed in seeds]
-    runs.sort(key=lambda run: worst(json.loads((run / "noise.json").read_text())))
-    median = runs[(len(runs) - 1) // 2]
+    runs = [run for run in json.loads(SUMMARY.read_text())["runs"] if run["task"] == task]
+    runs.sort(key=lambda run: worst(run["evaluations"]["noise"]))
+    median = folder / f"{task}-{runs[(len(runs) - 1) // 2]['seed']}"
     kept = ZOO / task / TRACK
     shutil.copyfile(median / "policy.npz", kept.with_suffix(".npz"))
     shutil.copyfile(median / "evaluations.csv", kept.with_suffix(".csv"))

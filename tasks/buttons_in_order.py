@@ -30,7 +30,7 @@ class ButtonsInOrder(Description):
         "first pressed": one,
         "second pressed": two,
         "third pressed": three,
-        "let go of": success,
+        "all released": success,
     }
     reward = (
         Distance("reach", "left.tcp", "first.cap", 0.2, agent="left"),

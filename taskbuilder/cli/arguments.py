@@ -204,6 +204,13 @@ def _add_validate(adder: Adder) -> None:
         help="static: checks without physics; build: also checks that build and reset the scene; "
         "full: all checks (default full)",
     )
+    parser.add_argument(
+        "--only",
+        action="append",
+        metavar="FAMILY",
+        help="run only the static checks and this family of checks, such as solvable; not a proof "
+        "(may be repeated)",
+    )
     seeds = parser.add_mutually_exclusive_group()
     seeds.add_argument("--quick", action="store_true", help="use 5 seeds per variation")
     seeds.add_argument(

@@ -27,7 +27,7 @@ from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
 from taskbuilder.validate.report import FamilyResult, TaskReport, as_data
-from taskbuilder.validate.runner import QUICK_SEEDS, SEEDS, validate_task
+from taskbuilder.validate.runner import QUICK_SEEDS, SEEDS, families_of, validate_task
 
 if TYPE_CHECKING:  # pages need the physics engine, which a static validation never loads
     from taskbuilder.validate.html.page import Page
@@ -43,6 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     names = asked_tasks(arguments, catalogue)
     for name in names:
         catalogue.task(name)  # one that is not there is refused before any takes its time
+    if arguments.only:
+        families_of(arguments.level, arguments.only)
     started = time.perf_counter()
     pages = _Pages(arguments.report, catalogue, asked_robots(arguments))
     reports: list[TaskReport] = []
@@ -69,6 +71,7 @@ def _validated(
         seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
         catalogue=catalogue,
         robots=dict(asked_robots(arguments)),
+        only=arguments.only,
     )
     if arguments.ray:
         with cluster(arguments.ray) as spread:
@@ -91,6 +94,8 @@ def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) 
         return report
     words = ["taskbuilder", "validate", name]
     words += ["--level", arguments.level] if arguments.level != "full" else []
+    for family in arguments.only or ():
+        words += ["--only", family]
     words += ["--quick"] if arguments.quick else []
     words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
     for robot, model in arguments.robot:

@@ -74,7 +74,7 @@ def _listed(of: tuple[Condition, ...]) -> Iterator[str]:
 
 @dataclass(frozen=True, init=False)
 class AtLeast(Condition):
-    """At least ``count`` given conditions hold; each member of a group is counted separately."""
+    """At least ``count`` of the given conditions hold; each member of a group counts as one."""
 
     gathers = True
 

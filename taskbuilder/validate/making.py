@@ -21,7 +21,7 @@ class Stopwatch:
         self._date = datetime.now(UTC)
         self._started = time.perf_counter()
 
-    def making(self, level: str, seeds: int) -> Making:
+    def making(self, level: str, seeds: int, only: tuple[str, ...] | None = None) -> Making:
         """The metadata of a validation that ends now."""
         return Making(
             level,
@@ -29,6 +29,7 @@ class Stopwatch:
             f"{self._date:%Y-%m-%d %H:%M} UTC",
             time.perf_counter() - self._started,
             _versions(),
+            only=only,
         )
 
 

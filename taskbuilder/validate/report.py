@@ -99,6 +99,7 @@ class Making:
         seconds: Duration in seconds, including loading.
         versions: Versions of taskbuilder and the packages that its figures depend on.
         command: The command; "" if the validation was called from Python.
+        only: The families that were asked for; None for all families of the level.
     """
 
     level: str
@@ -107,6 +108,7 @@ class Making:
     seconds: float
     versions: Mapping[str, str]
     command: str = ""
+    only: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)

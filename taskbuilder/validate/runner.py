@@ -130,6 +130,8 @@ def validate_task(
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
+    if wanted:
+        families_of(level, wanted)  # a wrong name is refused before anything takes its time
     others = other_robots(robots or {})
     config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted, robots=others)
     watched = Stopwatch()
@@ -137,7 +139,7 @@ def validate_task(
         report = watch(validate_in_child, config, progress)
     else:
         report = _validated(config, Nobody(progress))
-    return replace(report, making=watched.making(level, seeds))
+    return replace(report, making=watched.making(level, seeds, wanted))
 
 
 def validate_in_child(config: ValidationConfig) -> TaskReport:
@@ -162,7 +164,7 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
         beat=listener.alive,
         prepared="taskbuilder.validate.context",  # while this process does
     ) as spread:
-        families = _wanted(config.level, config.only)
+        families = families_of(config.level, config.only)
         return _play(task, config, static, families, listener, spread, limit_s)
 
 
@@ -180,16 +182,19 @@ def _loaded(config: ValidationConfig, listener: Listener) -> Task:
     return load_task(config.reference, catalogue=config.catalogue, robots=dict(config.robots))
 
 
-def _wanted(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
+def families_of(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
     """The families of a level, or some of them.
 
     Raises:
-        UsageError: There is no family of this name.
+        UsageError: The level has no family of this name.
     """
     known = {family.name: family for family in _families() if level in ("full", family.level)}
     for name in only or ():
         if name not in known:
-            raise UsageError(f'no family "{name}"; {suggestion(name, known, what="there are")}')
+            where = "" if level == "full" else f" at level {level}"
+            raise UsageError(
+                f'no family "{name}"{where}; {suggestion(name, known, what="there are")}'
+            )
     return tuple(family for name, family in known.items() if only is None or name in only)
 
 

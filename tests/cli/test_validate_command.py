@@ -90,6 +90,28 @@ def test_levels_add_families(run, good):
     assert families("--level", "build", "--quick") == ["static", "build", "reset"]
 
 
+def test_some_families_only_are_run_and_named(run, good):
+    words = ("validate", "good.yaml", "--level", "build", "--seeds", "2", "--only", "reset")
+    ran, data = run(*words), run(*words, "--json").data["tasks"][0]
+    assert list(dict.fromkeys(check["family"] for check in data["checks"])) == ["static", "reset"]
+    assert data["making"]["only"] == ["reset"]
+    assert data["making"]["command"].endswith("--level build --only reset --seeds 2")
+    assert ran.out.splitlines()[-1].endswith(" s · only reset")
+
+
+@pytest.mark.parametrize(
+    ("words", "advice"),
+    [
+        (("--only", "solveable"), 'no family "solveable"; did you mean "solvable"?'),
+        (("--only", "solvable", "--level", "build"), 'no family "solvable" at level build; there'),
+    ],
+)
+def test_a_family_that_is_not_there_is_refused_before_anything_runs(words, advice, run, good):
+    ran = run("validate", "good.yaml", *words)
+    assert (ran.status, ran.out) == (2, "")
+    assert advice in ran.err
+
+
 def test_all_is_every_task_of_the_catalogue(run):
     ran = run(*STATIC, "--all")
     listed = run("list", "--json").data["tasks"]

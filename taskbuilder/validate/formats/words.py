@@ -65,10 +65,13 @@ def severities(report: TaskReport) -> tuple[int, int]:
 def closing(reports: Sequence[TaskReport], seconds: float) -> tuple[str, str]:
     """The verdict on all tasks: a word, and the rest of its line.
 
-    ``ok`` and `` in 31 s``; ``failed`` and ``: lift: 2 errors in 3.1 s``.
+    ``ok`` and `` in 31 s``; ``failed`` and ``: lift: 2 errors in 3.1 s``. A validation of some
+    families only says which.
     """
     failed = [report for report in reports if not report.ok]
-    took = f"in {duration(seconds)}"
+    making = reports[0].making if reports else None
+    some = f" · only {listed(making.only)}" if making and making.only else ""
+    took = f"in {duration(seconds)}{some}"
     if not failed:
         return "ok", f" {took}"
     errors = sum(severities(report)[0] for report in reports)
