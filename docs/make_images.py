@@ -52,8 +52,8 @@ _LARGE = ((480, 360), (400, 300), (360, 270), (320, 240))
 _SMALL = ((320, 240), (280, 210), (240, 180))
 FILMS = (
     *((size, 12, GIF_COLORS) for size in _LARGE),
-    *((size, 8, GIF_COLORS) for size in _SMALL),
-    *((size, 5, 64) for size in _SMALL),
+    *((size, 8, GIF_COLORS) for size in _SMALL[:-1]),
+    *((size, 5, 128) for size in _SMALL),
 )
 """Size, frames a second and colours of a film of the gallery: the first that is small enough."""
 FILM_BYTES = 300_000

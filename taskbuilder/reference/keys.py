@@ -104,7 +104,10 @@ def _rows(name: str, keys: list[str]) -> list[list[str]]:
         if not meaning:
             raise ValueError(f"{name}.{shown} has no meaning; write one in meanings.py")
         value = VALUES.get((name, shown)) or _with_unit(shown, describe(hints[key]))
-        rows.append([code(shown), value, _default(field), meaning])
+        default = _default(field)
+        if default == "none" and "default" in meaning:
+            default = "see meaning"
+        rows.append([code(shown), value, default, meaning])
     return rows
 
 

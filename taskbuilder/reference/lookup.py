@@ -160,7 +160,9 @@ def _models(hint: Any) -> Iterator[str]:
 
 
 def _told(value: str, default: str, meaning: str) -> str:
-    given = {"": "", "required": "; required", "none": ""}.get(default, f"; by default {default}")
+    given = {"": "", "required": "; required", "none": "", "see meaning": ""}.get(
+        default, f"; by default {default}"
+    )
     return f"{meaning}\n\nValue: {_without_links(value)}{given}."
 
 

@@ -106,6 +106,18 @@ def frames_in(path: Path) -> int:
     return count
 
 
+def _weighted(sample: Pixels) -> Pixels:
+    """The pixels, and again as many, in which each colour has a share that grows with its chroma.
+
+    By their number alone, walls and tables would get all of a small palette, and a cube of a few
+    pixels would lose its colour.
+    """
+    pixels = sample.reshape(-1, 3)
+    each = np.unique(pixels, axis=0)
+    chroma = np.ptp(each, axis=1).astype(int)
+    return np.vstack([pixels, np.resize(np.repeat(each, 1 + chroma, axis=0), pixels.shape)])[None]
+
+
 def save_gif(
     path: Path,
     frames: Sequence[Pixels],
@@ -135,7 +147,7 @@ def save_gif(
     ticks = [round(100 * time) for time in (*times_s, times_s[-1] + hold_s)]
     pauses = [10 * (end - start) for start, end in pairwise(ticks)]
     step = -(-len(frames) // _SAMPLES)
-    sample = Image.fromarray(np.vstack([*frames[::step], frames[-1]]))
+    sample = Image.fromarray(_weighted(np.vstack([*frames[::step], frames[-1]])))
     palette = sample.quantize(colors, method=Image.Quantize.MEDIANCUT)
     first, *others = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
