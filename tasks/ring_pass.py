@@ -31,7 +31,7 @@ class RingPass(d.Description):
         *(d.Below(cube, height=0.38) for cube in CUBES),
         *(d.ForceAbove(arm, NEXT[arm], newtons=100) for arm in ARMS),
     )
-    stages = {"all taken": taken, "all passed on": taken & passed}
+    stages = {"all taken": taken, "all taken over": taken & passed}
     stages |= {"sorted": sorted_out, "kept there": success}
     reward = (
         *(d.Distance("carry", c, f"{c}_home", agent=NEXT[arm]) for c, arm in CUBES.items()),

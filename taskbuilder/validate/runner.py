@@ -113,9 +113,9 @@ def validate_task(
         seeds: Number of seeds per variation.
         catalogue: Catalogue in which to look up names; by default the catalogue of this
             installation.
-        progress: Function that wraps an iterable, to display a progress bar. It is called with the
-            seeds or variations of a family of checks and a label, and must return an iterable of
-            the same values.
+        progress: Function that wraps an iterable, to display a progress bar. It is called with
+            two arguments, the seeds or variations that a family of checks goes through and a label,
+            and must return an iterable of the same seeds or variations.
         jobs: Number of processes that play episodes; the results do not depend on this number.
         only: Names of the families of checks to run in addition to the static checks; by default
             all families of the level.

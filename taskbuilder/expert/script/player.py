@@ -76,8 +76,8 @@ class Expert:
             observations: Whether to record the observations of every agent.
             cameras: Names of the cameras whose images are recorded.
             size: Width and height of the images in pixels; by default, those of each camera.
-            forces: Whether to record the contact force between robots, even if the description does
-                not measure this force.
+            forces: Whether to record, for each control step, the largest contact force between two
+                robots, in `Rollout.robot_force`.
             explain: Whether to record why success is false, if it is false at the end.
             watch: Function that is called with the environment after reset and after each control
                 step.
