@@ -4,7 +4,8 @@
     taskbuilder validate --all --json > all.json && python benchmarks/proofs.py --from all.json
 
 A task whose two files are those of its last proof is left out, unless it is named. The second form
-keeps what a validation of whole suites has measured, and proves nothing again. Each proof is
+keeps what a validation of whole suites has measured, and plays nothing again of tasks whose files
+are those of the last proof. Each proof is
 written to benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it
 again, and with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has
 a record of those that passed.
@@ -97,8 +98,11 @@ def keep(data: dict[str, Any], summed: str) -> bool:
     whole = making["level"] == "full" and not making.get("only") and making["seeds"] >= SEEDS
     assert whole, f"{name}: a proof has all families of checks, with {SEEDS} seeds"
     about = {"making": {**making, "machine": describe_machine()}, "checksum": summed}
-    about |= {"expert": how_it_is_done(name)} if data["ok"] else {}
-    write(RESULTS / f"{name}.json", {**data, **about})
+    file = RESULTS / f"{name}.json"
+    before = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    known = before.get("expert") if before.get("checksum") == summed else None
+    about |= {"expert": known or how_it_is_done(name)} if data["ok"] else {}
+    write(file, {**data, **about})
     records = json.loads(RECORDS.read_text(encoding="utf-8")) if RECORDS.exists() else {}
     records.pop(name, None)
     if data["ok"]:
