@@ -141,4 +141,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    import experts  # worker processes import `play` by this name
+
+    experts.main()
