@@ -4,11 +4,11 @@
     taskbuilder validate --all --json > all.json && python benchmarks/proofs.py --from all.json
 
 A task whose two files are those of its last proof is left out, unless it is named. The second form
-keeps what a validation of whole suites has measured, and plays nothing again of tasks whose files
-are those of the last proof. Each proof is
-written to benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it
-again, and with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has
-a record of those that passed.
+keeps what a validation of whole suites has measured; a report does not say of which files it is, so
+use it only where no task has changed since. Each proof is written to
+benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it again, and
+with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has a record
+of those that passed.
 """
 
 from __future__ import annotations

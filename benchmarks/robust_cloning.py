@@ -165,18 +165,9 @@ def write(folder: Path) -> None:
             result = played(json.loads((out / f"{name}.json").read_text()))
             keys = ("variation", "success_rate", "interval", "success_at_end_rate", "stages")
             found[name] = [{key: each.get(key, 0) for key in keys} for each in result]
-            rows += [
-                [
-                    task,
-                    seed,
-                    name,
-                    str(each["variation"]),
-                    str(each["seed"]),
-                    str(int(each["success"])),
-                ]
-                for one in result
-                for each in one["episodes"]
-            ]
+            for each in (each for one in result for each in one["episodes"]):
+                numbers = (each["variation"], each["seed"], int(each["success"]))
+                rows.append([task, seed, name, *map(str, numbers)])
         runs.append(
             {
                 "task": task,
