@@ -12,8 +12,8 @@ writes
 On one core, a run from states takes minutes and one from pictures about half an hour.
 Nothing is left out: a run that failed is there as it is, and so are runs with pictures of another
 `--size` than the task's own. `--demos`, `--states`, `--pictures` and `--episodes` change how much
-is done, to try this program quickly. `--publish` puts a policy of each task into the zoo, that of
-the median seed: of two, the one that succeeds less.
+is done, to try this program quickly. `--publish` puts the policies that observe pictures into the
+zoo, for each task that of the median seed: of two, the one that succeeds less.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ SIZES = {"pick_push_place": 64, "collaborative_lift": 96, "handover": 64}
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
 TASKBUILDER = (sys.executable, "-m", "taskbuilder")
 ZOO = Path(__file__).parents[1] / "taskbuilder" / "learn" / "models"
-TRACKS = {"states": "cloned", "pictures": "visuomotor"}
+TRACK = "visuomotor"
 EVALUATION, COMMANDS = "evaluation.json", "commands.json"
 
 
@@ -205,7 +205,12 @@ def publish(name: str, arguments: argparse.Namespace) -> None:
     runs.sort(key=lambda run: json.loads((run / EVALUATION).read_text())["success_rate"])
     median = runs[(len(runs) - 1) // 2]
     task, inputs = name.split("/")
-    kept = ZOO / task / TRACKS[inputs]
+    if inputs == "pictures":
+        keep(median, ZOO / task / TRACK)
+
+
+def keep(median: Path, kept: Path) -> None:
+    """Copy a policy, its plan and its curve into the zoo."""
     shutil.copyfile(median / "policy.npz", kept.with_suffix(".npz"))
     shutil.copyfile(median / "evaluations.csv", kept.with_suffix(".csv"))
     plan = json.loads((median / "run.json").read_text())

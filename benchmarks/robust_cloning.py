@@ -31,7 +31,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cloning import ZOO, minutes, taskbuilder
+from cloning import ZOO, keep, minutes, taskbuilder
 from machine import describe_machine
 
 from taskbuilder import catalogue
@@ -43,7 +43,7 @@ SUMMARY, ROWS = RESULTS / "robust_cloning.json", RESULTS / "robust_cloning.csv"
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
 DEMOS, UPDATES, EPISODES, NOISE_M = 600, 15_000, 300, 0.005
 EVERY = str(UPDATES // 5)
-TRACK = "robust"
+TRACK = "cloned"
 QUANTITIES = """
 randomize:
   stick.mass: {uniform: [0.056, 0.195]}
@@ -212,12 +212,7 @@ def publish(task: str, folder: Path) -> None:
     runs = [run for run in json.loads(SUMMARY.read_text())["runs"] if run["task"] == task]
     runs.sort(key=lambda run: worst(run["evaluations"]["noise"]))
     median = folder / f"{task}-{runs[(len(runs) - 1) // 2]['seed']}"
-    kept = ZOO / task / TRACK
-    shutil.copyfile(median / "policy.npz", kept.with_suffix(".npz"))
-    shutil.copyfile(median / "evaluations.csv", kept.with_suffix(".csv"))
-    plan = json.loads((median / "run.json").read_text())
-    plan["data"] = Path(plan["data"]).name  # not where it was on this machine
-    kept.with_suffix(".json").write_text(json.dumps(plan, indent=1) + "\n")
+    keep(median, ZOO / task / TRACK)
 
 
 if __name__ == "__main__":

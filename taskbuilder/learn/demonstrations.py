@@ -21,6 +21,7 @@ from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import cores, workers
 from taskbuilder.learn.collector import Collector
+from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TrainingReward
 from taskbuilder.rollout.files import load_rollouts
@@ -135,7 +136,11 @@ def load_demonstrations(folder: Path) -> tuple[Rollout, ...]:
 
 
 def transitions(
-    episodes: Sequence[Rollout], env: TaskVectorEnv, reward: TrainingReward, shapes: Shapes
+    episodes: Sequence[Rollout],
+    env: TaskVectorEnv,
+    reward: TrainingReward,
+    shapes: Shapes,
+    n_step: NStepTransitions,
 ) -> NDArray[np.float32]:
     """Transitions of demonstrations, which are replayed: (steps, width) rows.
 
@@ -144,17 +149,19 @@ def transitions(
         env: One environment, with the options and wrappers of the run.
         reward: The training reward, for one environment.
         shapes: What agents and critics observe.
+        n_step: Joins the transitions of one environment.
     """
     collector = Collector(env, reward, shapes)
     parts = []
     for episode in episodes:
         collector.begin(episode.seed)
+        n_step.begin()
         steps = min(len(done) for done in episode.actions.values())
         for step in range(steps):
             done = {agent: values[step : step + 1] for agent, values in episode.actions.items()}
             collector.step_async(done)
-            rows, _, finished = collector.step_wait()
-            parts.append(rows)
+            rows, lost, finished = collector.step_wait()
+            parts.append(n_step.add(rows, lost))
             if finished:  # later actions of the expert would belong to another episode
                 break
     rows = np.concatenate(parts)

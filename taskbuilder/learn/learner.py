@@ -67,7 +67,8 @@ class DataLearner(Trainable, Protocol):
 class OffPolicyLearner(Learner, Protocol):
     """Learns from transitions of any policy, sampled from a replay buffer.
 
-    Its settings also have ``capacity``, ``warm_up`` and ``update_every``; see `OffPolicy`.
+    Its settings also have ``capacity``, ``warm_up``, ``update_every`` and ``n_step``; see
+    `OffPolicy`.
     """
 
     def begin(self, rows: Rows, rng: np.random.Generator) -> None:
@@ -110,6 +111,10 @@ class Collection(Protocol):
     @property
     def at_rest(self) -> bool:
         """Whether a checkpoint may be made now, with all collected transitions in `memories`."""
+        ...
+
+    def begin(self) -> None:
+        """Called when all environments are reset: at the start, and after each checkpoint."""
         ...
 
     def before_step(self, rng: np.random.Generator, step: int) -> None:

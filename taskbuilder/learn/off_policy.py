@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.learn.learner import OffPolicyLearner
+from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.replay import Replay
-from taskbuilder.learn.shapes import Rows
+from taskbuilder.learn.shapes import Layout, Rows
 
 DEMO_SHARE = 0.5
 """Fraction of demonstrations in every batch, if there are any."""
@@ -19,11 +20,12 @@ class OffPolicy:
     """Stores transitions in a replay buffer, and updates the learner while the environments step.
 
     Learning begins after ``warm_up`` control steps, or at once if there are demonstrations. Then
-    there is an update every ``update_every`` control steps.
+    there is an update every ``update_every`` control steps. Transitions are over ``n_step`` control
+    steps; with more than one, those in progress at a checkpoint are dropped.
 
     Args:
         learner: The learner.
-        width: Numbers in a row.
+        layout: The layout of a row.
         envs: Number of parallel environments.
         demonstrations: Rows of demonstrations, or None.
     """
@@ -31,20 +33,30 @@ class OffPolicy:
     at_rest = True
 
     def __init__(
-        self, learner: OffPolicyLearner, width: int, envs: int, demonstrations: Rows | None = None
+        self,
+        learner: OffPolicyLearner,
+        layout: Layout,
+        envs: int,
+        demonstrations: Rows | None = None,
     ) -> None:
+        settings = learner.settings
         self._learner, self._envs = learner, envs
         self._due, self._begun = 0.0, False
-        self.experience = Replay(width, learner.settings.capacity)
+        self._n_step = NStepTransitions(layout, envs, settings.n_step, settings.discount)
+        self.experience = Replay(layout.width, settings.capacity)
         self.demonstrations: Replay | None = None
         if demonstrations is not None:
-            self.demonstrations = Replay(width, len(demonstrations))
+            self.demonstrations = Replay(layout.width, len(demonstrations))
             self.demonstrations.add(demonstrations)
 
     @property
     def memories(self) -> dict[str, Replay]:
         """The replay buffer; demonstrations are not saved, because they are replayed on loading."""
         return {"experience": self.experience}
+
+    def begin(self) -> None:
+        """Drop the transitions in progress: all environments are reset."""
+        self._n_step.begin()
 
     def before_step(self, rng: np.random.Generator, step: int) -> None:
         """Prepare the learner once learning is due to begin."""
@@ -71,7 +83,7 @@ class OffPolicy:
     ) -> dict[str, float]:
         """Store the transitions."""
         del rng, progress_fraction
-        self.experience.add(rows[~lost])
+        self.experience.add(self._n_step.add(rows, lost))
         return {}
 
     def sample(self, count: int, rng: np.random.Generator) -> Rows:

@@ -9,7 +9,7 @@ import numpy as np
 
 from taskbuilder.learn.learner import OnPolicyLearner
 from taskbuilder.learn.replay import Replay
-from taskbuilder.learn.shapes import Rows
+from taskbuilder.learn.shapes import Layout, Rows
 
 
 class OnPolicy:
@@ -19,7 +19,7 @@ class OnPolicy:
 
     Args:
         learner: The learner.
-        width: Numbers in a row.
+        layout: The layout of a row.
         envs: Number of parallel environments.
         demonstrations: None; on-policy learners use only transitions of their own policy.
     """
@@ -27,18 +27,25 @@ class OnPolicy:
     memories: Mapping[str, Replay] = {}
 
     def __init__(
-        self, learner: OnPolicyLearner, width: int, envs: int, demonstrations: Rows | None = None
+        self,
+        learner: OnPolicyLearner,
+        layout: Layout,
+        envs: int,
+        demonstrations: Rows | None = None,
     ) -> None:
         del demonstrations
         steps = learner.settings.rollout_steps
         self._learner, self._filled = learner, 0
-        self._rows = np.zeros((steps, envs, width), dtype=np.float32)
+        self._rows = np.zeros((steps, envs, layout.width), dtype=np.float32)
         self._lost = np.zeros((steps, envs), dtype=np.bool_)
 
     @property
     def at_rest(self) -> bool:
         """Whether no rollout is in progress."""
         return self._filled == 0
+
+    def begin(self) -> None:
+        """Do nothing: checkpoints, and so resets, are between rollouts."""
 
     def before_step(self, rng: np.random.Generator, step: int) -> None:
         """Do nothing; there is nothing to prepare."""

@@ -87,6 +87,7 @@ class Interaction:
 
     def begin(self, seed: int) -> None:
         """Reset all environments."""
+        self.collection.begin()
         self.collector.begin(seed)
 
     def step(self, rng: np.random.Generator, step: int) -> PracticeResult:

@@ -69,6 +69,7 @@ class Layout:
         ended: 1.0 if the episode ended with this step, for any reason.
         terminated: 1.0 if it ended by success or failure, and not by the time limit.
         demonstrated: 1.0 if the expert acted.
+        extra_steps: Control steps of the transition beyond the first; see `NStepTransitions`.
         next_observations: Observations by agent after the step.
         next_state: The state after the step.
         next_critic_input: The inputs of centralised critics after the step.
@@ -84,6 +85,7 @@ class Layout:
     ended: slice
     terminated: slice
     demonstrated: slice
+    extra_steps: slice
     next_observations: Mapping[str, slice]
     next_state: slice
     next_critic_input: slice
@@ -98,8 +100,8 @@ class Layout:
         action = {agent: cut(size) for agent, size in shapes.actions.items()}
         first = next(iter(action.values())).start
         actions = slice(first, cut.end)
-        rewards, ended, terminated, demonstrated = (
-            cut(size) for size in (len(shapes.agents), 1, 1, 1)
+        rewards, ended, terminated, demonstrated, extra_steps = (
+            cut(size) for size in (len(shapes.agents), 1, 1, 1, 1)
         )
         later = cut.end
         next_observations = {agent: cut(size) for agent, size in shapes.observations.items()}
@@ -114,6 +116,7 @@ class Layout:
             ended=ended,
             terminated=terminated,
             demonstrated=demonstrated,
+            extra_steps=extra_steps,
             next_observations=next_observations,
             next_state=next_state,
             next_critic_input=slice(later, cut.end),
@@ -148,6 +151,7 @@ class Layout:
         rows[:, self.ended] = ended[:, None]
         rows[:, self.terminated] = terminated[:, None]
         rows[:, self.demonstrated] = float(demonstrated)
+        rows[:, self.extra_steps] = 0.0
         rows[:, self.next_state] = next_state
         return rows
 

@@ -27,6 +27,7 @@ from taskbuilder.learn.collector import Collector, Finished
 from taskbuilder.learn.demonstrations import load_demonstrations, transitions
 from taskbuilder.learn.learner import Trainable
 from taskbuilder.learn.logger import RunLogger
+from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.plan import Plan, make_settings
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.practice import Batches, Interaction, Practice
@@ -290,8 +291,9 @@ def _environments(
     if plan.demos:
         with closing(make_vec(task, 1, wrap=ends, **options)) as env:
             own = reward(1, settings.discount)
-            shown = transitions(demonstrations[: plan.demos], env, own, shapes)
-    collection = algorithm.collection(learner, shapes.layout.width, plan.envs, shown)
+            joined = NStepTransitions(shapes.layout, 1, settings.n_step, settings.discount)
+            shown = transitions(demonstrations[: plan.demos], env, own, shapes, joined)
+    collection = algorithm.collection(learner, shapes.layout, plan.envs, shown)
     collector = Collector(envs, reward(plan.envs, settings.discount), shapes)
     return learner, Interaction(learner, collector, collection, plan.steps, plan.envs)
 

@@ -50,7 +50,7 @@ def made(algorithm, seed=0):
     """A learner, and the collection that it learns by."""
     settings = small(algorithm)
     learner = algorithm.learner(SHAPES, settings, shared_reward=False, seed=seed, device="cpu")
-    return learner, algorithm.collection(learner, SHAPES.layout.width, ENVS, None)
+    return learner, algorithm.collection(learner, SHAPES.layout, ENVS, None)
 
 
 def observed(rng):

@@ -22,7 +22,7 @@ def made(pairs, state=3):
 
 def places(layout):
     """All parts, by name."""
-    flags = ("rewards", "ended", "terminated", "demonstrated")
+    flags = ("rewards", "ended", "terminated", "demonstrated", "extra_steps")
     parts = {name: getattr(layout, name) for name in ("state", "next_state", *flags)}
     for name in ("observations", "action", "next_observations"):
         parts |= {f"{name}/{agent}": part for agent, part in getattr(layout, name).items()}
@@ -83,6 +83,7 @@ def test_transitions_are_laid_out_where_the_layout_says(demonstrated):
     assert rows[:, layout.ended][:, 0].tolist() == [1.0, 1.0, 0.0, 0.0]
     assert rows[:, layout.terminated][:, 0].tolist() == [0.0, 1.0, 0.0, 0.0]
     assert set(rows[:, layout.demonstrated][:, 0]) == {float(demonstrated)}
+    assert set(rows[:, layout.extra_steps][:, 0]) == {0.0}
 
 
 def test_agents_that_see_and_do_equally_many_numbers_are_alike():

@@ -92,6 +92,17 @@ def test_targets_are_the_pay_and_the_lower_discounted_value_unless_the_episode_e
     assert loss == pytest.approx(2 * expected**2)  # of two critics that say zero
 
 
+@pytest.mark.parametrize(
+    ("ended", "terminated", "expected"),
+    [(0, 0, 0.5 + 0.97 * 2.0), (1, 1, 0.5), (1, 0, 0.5 + 0.97 * 2.0)],
+)
+def test_values_are_bootstrapped_beyond_truncations_if_asked_to(ended, terminated, expected):
+    made = learner(settings=replace(FIXED, bootstrap_truncated=True))
+    set_to(made, {f"{TARGET_CRITICS}.bias": 2.0})
+    loss = updated(made, row(ONE, rewards=0.5, ended=ended, terminated=terminated))["critic"]
+    assert loss == pytest.approx(2 * expected**2)
+
+
 def test_the_lower_value_is_taken_transition_by_transition():
     made = learner()
     set_to(
@@ -426,7 +437,7 @@ def test_the_exported_policy_does_what_the_learner_would_without_noise(shapes, n
 
 
 def test_networks_begin_anew_after_so_many_steps_and_when_they_have_doubled():
-    made, memory, rng = *renewed_after(100), np.random.default_rng(0)
+    (made, memory), rng = renewed_after(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     weights = [made.arrays()[f"{CRITICS}.weight"]]
     for step in (99, 100, 104, 199, 203, 204, 300, 399, 400):
@@ -437,7 +448,7 @@ def test_networks_begin_anew_after_so_many_steps_and_when_they_have_doubled():
 
 
 def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_that_was_met():
-    made, memory, rng = *renewed_after(100), np.random.default_rng(0)
+    (made, memory), rng = renewed_after(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     for step in range(90, 101):
         made.update(memory, rng, step)
@@ -450,7 +461,7 @@ def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_tha
 
 
 def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
-    made, memory, rng = *renewed_after(100), np.random.default_rng(0)
+    (made, memory), rng = renewed_after(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     made.update(memory, rng, 100)
     other = renewed_after(100)[0]
@@ -462,14 +473,51 @@ def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
         assert same(made.arrays(), other.arrays())
 
 
+def test_what_is_seen_is_measured_anew_each_time_the_steps_have_doubled():
+    settings = replace(LINEAR, warm_up=100, measure_until=700, lr=1e-4, batch=16)
+    made, memory, rng = learner(TWO, settings), met(), np.random.default_rng(0)
+    made.begin(random_rows(TWO, 64), rng)
+    measured = []
+    for step in (150, 204, 300, 399, 410, 500, 816, 900):
+        before, weights = made.arrays()["mean"], made.arrays()[f"{CRITICS}.weight"]
+        made.update(memory, rng, step)
+        if not np.array_equal(made.arrays()["mean"], before):
+            measured.append(step)
+        assert np.abs(made.arrays()[f"{CRITICS}.weight"] - weights).max() < 0.01  # and no more
+        other = learner(TWO, settings)
+        other.load(made.arrays())  # which knows when it was last measured
+        made = other
+    assert measured == [204, 410]
+    assert made.arrays()["mean"][TWO.layout.state] == pytest.approx([5.0], abs=0.05)
+
+
+@pytest.mark.parametrize("project", [False, True])
+def test_weights_before_a_layer_norm_keep_their_norm_if_asked_to(project):
+    settings = replace(LINEAR, hidden=(16, 16), lr=0.05, actor_norms=True, project_weights=project)
+    made, rows = learner(TWO, settings), random_rows(TWO, 32)
+    for _ in range(20):
+        updated(made, rows)
+    arrays = made.arrays()
+    for network in ("critics/", "actors/0."):
+        for layer, kept in enumerate((project, project, False)):
+            parts = (arrays[f"{network}layers.{layer}.{name}"] for name in ("weight", "bias"))
+            size = np.sqrt(sum(np.square(part).sum((1, 2)) for part in parts))
+            initial = np.sqrt(16 / 3.0)
+            assert (size == pytest.approx(initial, rel=1e-3)) == kept
+
+
 def renewed_after(steps):
-    """A learner that begins anew, and what it has met: a state of 5 ± 2 among other numbers."""
-    made = learner(TWO, replace(LINEAR, reset_networks_after=steps, lr=1e-4, batch=16))
+    """A learner that begins anew, and what it has met."""
+    return learner(TWO, replace(LINEAR, reset_networks_after=steps, lr=1e-4, batch=16)), met()
+
+
+def met():
+    """Transitions with a state of 5 ± 2 among other numbers."""
     rows = random_rows(TWO, 4096)
     rows[:, TWO.layout.state] = rows[:, TWO.layout.state] * 2.0 + 5.0
     memory = Replay(TWO.layout.width, len(rows))
     memory.add(rows)
-    return made, memory
+    return memory
 
 
 # --- what is kept
@@ -557,7 +605,7 @@ def test_it_learns_with_any_number_of_unlike_agents(count, shared):
     )
     settings = MaddpgSettings(hidden=(16,), lr=0.01, actor_every=1, tau=0.2)
     made = learner(shapes, settings, shared_reward=shared)
-    rows = random_rows(shapes, 128, ended=1.0)
+    rows = random_rows(shapes, 512, ended=1.0)
     # Numbers are to rise and to fall in turn, and every agent is paid for all or for its own.
     signs = np.where(np.arange(shapes.joint_action) % 2, -1.0, 1.0)
     gains = rows[:, shapes.layout.actions] * signs

@@ -217,10 +217,10 @@ def test_a_rollout_is_learned_from_when_it_is_whole_and_checkpoints_wait_for_tha
             return {"actor": 1.0}
 
     counting = Counting()
-    collection = OnPolicy(counting, 3, 2)
+    collection = OnPolicy(counting, ONE.layout, 2)
     rest = []
     for step in range(4):
-        rows = np.full((2, 3), step, dtype=np.float32)
+        rows = np.full((2, ONE.layout.width), step, dtype=np.float32)
         losses = collection.after_step(rows, np.zeros(2, dtype=np.bool_), None, 0.0)
         rest.append((collection.at_rest, losses, counting.updates))
     assert rest[:3] == [(False, {}, 0)] * 3

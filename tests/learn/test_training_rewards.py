@@ -87,11 +87,11 @@ def test_shaping_comes_upon_the_teams_reward():
 
 
 @given(progresses)
-def test_the_ratchet_pays_for_the_best_progress_and_takes_nothing_back(ladder):
+def test_the_ratchet_pays_for_the_best_progress_and_costs_where_it_is_below(ladder):
     pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)
-    assert (pays >= 0.0).all()
     gained = max(ladder) - ladder[0]
-    assert pays.sum(0) == pytest.approx([0.3 * 10.0 * gained] * 2, abs=1e-6)
+    below = sum(max(ladder[: n + 2]) - now for n, now in enumerate(ladder[1:]))
+    assert pays.sum(0) == pytest.approx([0.3 * (10.0 * gained - 0.5 * below)] * 2, abs=1e-6)
 
 
 @given(progresses)
@@ -100,6 +100,11 @@ def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder
     pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)[:, 0]
     beyond = [now > max(ladder[: n + 1]) for n, now in enumerate(ladder[1:])]
     assert (pays > 0.0).tolist() == beyond
+
+
+def test_the_ratchet_takes_nothing_for_staying_where_it_has_paid():
+    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [1.0, 3.0, 3.0, 2.0])
+    assert pays[:, 0] == pytest.approx([0.3 * 20.0, 0.0, -0.3 * 0.5])
 
 
 @pytest.mark.parametrize(

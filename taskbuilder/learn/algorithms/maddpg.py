@@ -9,7 +9,6 @@ with the actions of the current policies in place of those in the replay (Peng e
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -20,17 +19,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from taskbuilder.errors import UsageError
+from taskbuilder.learn.actor_critic import ActorCritic
 from taskbuilder.learn.learner import Algorithm, Preset
-from taskbuilder.learn.networks import (
-    Networks,
-    SharedNetworks,
-    follow,
-    load_state,
-    make_adam,
-    minimize,
-    set_lr,
-    state_arrays,
-)
 from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
@@ -60,6 +50,7 @@ class MaddpgSettings:
         capacity: Transitions in the replay buffer.
         warm_up: Control steps of random actions before learning begins.
         update_every: Control steps between updates.
+        n_step: Control steps of the returns that critics learn from.
         noise: Standard deviation of the Gaussian exploration noise at the start of training.
         final_noise: Its value at the end of a linear decay.
         noise_until: Fraction of the training after which the decay ends.
@@ -69,6 +60,12 @@ class MaddpgSettings:
             saturation, where gradients vanish, and small where motion earns nothing.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
             it, all ReLUs of a layer can die when the distribution of the observations shifts.
+        project_weights: Whether weights before a layer norm keep their initial norm. They would
+            grow otherwise, and large weights learn ever more slowly (Lyle et al. 2024).
+        measure_until: Control steps until which the standardisation of inputs is measured anew,
+            each time their number has doubled; 0 for once, at the end of the warm-up.
+        bootstrap_truncated: Whether values are bootstrapped beyond the time limit and other
+            truncations. Without it, these are terminal states.
         reset_networks_after: Control steps after which the networks are reset, and again each time
             this number has doubled; 0 for never. Networks overfit to the first transitions and then
             learn ever more slowly (the primacy bias, Nikishin et al. 2022).
@@ -89,6 +86,7 @@ class MaddpgSettings:
     capacity: int = 1_000_000
     warm_up: int = 2_000
     update_every: float = 1.0
+    n_step: int = 1
     noise: float = 0.25
     final_noise: float = 0.1
     noise_until: float = 1.0
@@ -96,6 +94,9 @@ class MaddpgSettings:
     actor_every: int = 2
     regulariser: float = 0.03
     actor_norms: bool = False
+    project_weights: bool = False
+    measure_until: int = 0
+    bootstrap_truncated: bool = False
     reset_networks_after: int = 0
     share: bool = True
     bc_updates: int = 10_000
@@ -132,32 +133,24 @@ class Maddpg:
         self._standard = Standardizer(shapes.layout, self._device)
         self._updates = 0
         self._renewals = 0
+        self._measured = 0
         self._begun = self._pretrained = False
-        self._build(seed)
+        self._networks = self._build(seed)
 
-    def _build(self, seed: int) -> None:
-        """Make untrained networks, their target networks and optimisers."""
-        generator = torch.Generator().manual_seed(seed)
-        shapes, settings = self.shapes, self.settings
-        critic = (shapes.critic_input + shapes.joint_action, *settings.hidden, 1)
-        self._critics = Networks(2 * self._rewards, critic, generator, norms=True)
-        self._actors = SharedNetworks(
-            self._groups,
-            shapes.observations,
-            settings.hidden,
-            shapes.actions,
-            generator,
-            norms=settings.actor_norms,
-            last=0.1,
+    def _build(self, seed: int) -> ActorCritic:
+        """Untrained networks, their target networks and optimisers."""
+        settings = self.settings
+        return ActorCritic(
+            self.shapes,
+            critics=2 * self._rewards,
+            groups=self._groups,
+            hidden=settings.hidden,
+            lr=settings.lr,
+            actor_norms=settings.actor_norms,
+            project=settings.project_weights,
+            seed=seed,
+            device=self._device,
         )
-        for module in (self._critics, self._actors):
-            module.to(self._device)
-        self._target_critics = copy.deepcopy(self._critics)
-        self._target_actors = copy.deepcopy(self._actors)
-        for target in (self._target_critics, self._target_actors):
-            target.requires_grad_(False)
-        self._critic_adam = make_adam([self._critics], settings.lr)
-        self._actor_adam = make_adam([self._actors], settings.lr)
 
     # --- acting
 
@@ -181,7 +174,12 @@ class Maddpg:
             shape = {a: (len(seen), self.shapes.actions[a]) for a, seen in observations.items()}
             return {a: rng.uniform(-1.0, 1.0, n).astype(np.float32) for a, n in shape.items()}
         with torch.no_grad():
-            plain = self._actors(self._standard.observations(observations)).tanh_().cpu().numpy()
+            plain = (
+                self._networks.actors(self._standard.observations(observations))
+                .tanh_()
+                .cpu()
+                .numpy()
+            )
         noise = self.noise(progress_fraction)
         first, actions = self.shapes.layout.actions.start, {}
         for agent, part in self.shapes.layout.action.items():
@@ -212,12 +210,12 @@ class Maddpg:
         if len(shown):
             for _ in range(self.settings.bc_updates):
                 batch = self._drawn(known, rng)
-                actions = self._actors(self.shapes.layout.observed(batch)).tanh()
-                minimize(self._actor_adam, self._imitation(batch, actions))
-            follow(self._target_actors, self._actors, 1.0)
+                actions = self._networks.actors(self.shapes.layout.observed(batch)).tanh()
+                self._networks.update_actors(self._imitation(batch, actions))
+            self._networks.follow_actors(1.0)
         for _ in range(self.settings.critic_warmup_updates):
             self._update_critics(self._drawn(known, rng), rng)
-            follow(self._target_critics, self._critics, self.settings.tau)
+            self._networks.follow_critics(self.settings.tau)
 
     def _drawn(self, memory: Memory, rng: np.random.Generator) -> Tensor:
         """A batch with standardised observations and state."""
@@ -237,14 +235,16 @@ class Maddpg:
         """
         settings = self.settings
         if settings.lr_half_life:
-            for adam in (self._critic_adam, self._actor_adam):
-                set_lr(adam, settings.lr * 0.5 ** (step / settings.lr_half_life))
+            self._networks.set_lr(settings.lr * 0.5 ** (step / settings.lr_half_life))
         reset_after = settings.reset_networks_after * 2**self._renewals
         if reset_after and step >= reset_after:
             self._renewals += 1
             self._pretrained = False
-            self._build(int(rng.integers(2**63)))
+            self._networks = self._build(int(rng.integers(2**63)))
             self.begin(memory.sample(MEASURED, rng), rng)
+        if 2 * max(self._measured, settings.warm_up) <= step < settings.measure_until:
+            self._measured = step
+            self._standard.measure(memory.sample(MEASURED, rng))
         batch = self._drawn(memory, rng)
         critic_loss = self._update_critics(batch, rng)
         self._updates += 1
@@ -252,43 +252,47 @@ class Maddpg:
             return {"critic": critic_loss}
         weight = settings.imitation * 0.5 ** (step / settings.imitation_half_life)
         actor_loss = self._actor_loss(batch, weight)
-        minimize(self._actor_adam, actor_loss)
-        follow(self._target_critics, self._critics, settings.tau)
-        follow(self._target_actors, self._actors, settings.tau)
+        self._networks.update_actors(actor_loss)
+        self._networks.follow_critics(settings.tau)
+        self._networks.follow_actors(settings.tau)
         return {"critic": critic_loss, "actor": float(actor_loss.detach())}
 
     def _update_critics(self, batch: Tensor, rng: np.random.Generator) -> float:
         """Update the critics, and return their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
-        values = self._critics(batch[:, : layout.actions.stop])  # critic inputs, and actions
+        values = self._networks.critics(
+            batch[:, : layout.actions.stop]
+        )  # critic inputs, and actions
         loss = (values.view(2, self._rewards, -1) - target).square().mean(2).sum()
-        minimize(self._critic_adam, loss)
+        self._networks.update_critics(loss)
         return float(loss.detach())
 
     def _target(self, batch: Tensor, rng: np.random.Generator) -> Tensor:
-        """Reward + γ (1 - ended) min of the two target critics: (rewards, n)."""
+        """Reward + γⁿ (1 - ended) min of the two target critics: (rewards, n)."""
         layout, settings = self.shapes.layout, self.settings
         with torch.no_grad():
             later = {agent: batch[:, part] for agent, part in layout.next_observations.items()}
-            plain = self._target_actors(later).tanh_()
+            plain = self._networks.target_actors(later).tanh_()
             noise = rng.standard_normal(plain.shape, dtype=np.float32) * settings.smoothing
             limit = 2.0 * settings.smoothing
             actions = (plain + self._tensor(noise).clamp_(-limit, limit)).clamp_(-1.0, 1.0)
             inputs = torch.cat([batch[:, layout.next_critic_input], actions], 1)
-            values = self._target_critics(inputs).view(2, self._rewards, -1).amin(0)
+            values = self._networks.target_critics(inputs).view(2, self._rewards, -1).amin(0)
             pay = batch[:, layout.rewards].T[: self._rewards]
-            # The time limit is a terminal state like any other, since the time left is observed.
-            target: Tensor = pay + settings.discount * (1.0 - batch[:, layout.ended].T) * values
+            # The time limit may be a terminal state, since the time left is observed.
+            over = layout.terminated if settings.bootstrap_truncated else layout.ended
+            discount = settings.discount ** (1.0 + batch[:, layout.extra_steps].T)
+            target: Tensor = pay + discount * (1.0 - batch[:, over].T) * values
             return target
 
     def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
         """The critics' normalised value of the current policies, and the imitation term."""
-        raw: Tensor = self._actors(self.shapes.layout.observed(batch))
+        raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
         actions = raw.tanh()
         loss: Tensor = self.settings.regulariser * raw.square().mean()
         paid = self.shapes.agents[: self._rewards]
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
-        values: Tensor = self._critics(joint, first=self._rewards).flatten(1)
+        values: Tensor = self._networks.critics(joint, first=self._rewards).flatten(1)
         size = values.detach().abs().mean(1).clamp(min=1.0)
         loss = loss - (values.mean(1) / size).sum()
         shown = batch[:, self.shapes.layout.demonstrated]
@@ -326,24 +330,23 @@ class Maddpg:
 
     def _take(self, policy: TrainedPolicy) -> None:
         """Copy a policy into the actors, under the current standardisation."""
-        self._actors.take(policy, *self._standard.by_agent())
-        follow(self._target_actors, self._actors, 1.0)
+        self._networks.actors.take(policy, *self._standard.by_agent())
+        self._networks.follow_actors(1.0)
 
     # --- saving and loading
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The current policy for evaluation: the target actors."""
-        networks = self._target_actors.policy(*self._standard.by_agent(), squash=True)
+        networks = self._networks.target_actors.policy(*self._standard.by_agent(), squash=True)
         return TrainedPolicy(networks, about)
 
     def arrays(self) -> dict[str, Array]:
         """The complete state of the learner by name: networks, targets, optimisers, statistics."""
         flags = {"updates": self._updates, "begun": self._begun, "renewals": self._renewals}
-        if self._pretrained:
-            flags["pretrained"] = True
+        more = {"pretrained": self._pretrained, "measured": self._measured}
+        flags |= {name: value for name, value in more.items() if value}
         numbers = {name: np.array([value]) for name, value in flags.items()}
-        state = state_arrays(self._modules(), self._adams())
-        return {**numbers, **state, **self._standard.arrays()}
+        return {**numbers, **self._networks.arrays(), **self._standard.arrays()}
 
     def load(self, arrays: Mapping[str, Array]) -> None:
         """Restore the state that `arrays` returned.
@@ -355,15 +358,9 @@ class Maddpg:
         self._updates, self._begun = int(arrays["updates"][0]), bool(arrays["begun"][0])
         self._renewals = int(arrays["renewals"][0])
         self._pretrained = "pretrained" in arrays
-        load_state(arrays, self._modules(), self._adams())
+        self._measured = int(arrays["measured"][0]) if "measured" in arrays else 0
+        self._networks.load(arrays)
         self._standard.load(arrays)
-
-    def _modules(self) -> dict[str, torch.nn.Module]:
-        names = ("critics", "actors", "target_critics", "target_actors")
-        return {name: getattr(self, f"_{name}") for name in names}
-
-    def _adams(self) -> dict[str, torch.optim.Adam]:
-        return {"critic_adam": self._critic_adam, "actor_adam": self._actor_adam}
 
 
 def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:

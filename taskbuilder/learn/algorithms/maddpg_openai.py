@@ -43,6 +43,7 @@ class OpenaiSettings:
         warm_up: Control steps with the initial actors before learning begins: as many episodes as
             a batch has transitions, of 50 steps each.
         update_every: Control steps between updates of all agents.
+        n_step: Control steps of the returns that critics learn from.
         clip: Maximum gradient norm of each variable (a weight matrix or a bias).
         regulariser: Weight of the mean squared outputs of an actor.
     """
@@ -55,6 +56,7 @@ class OpenaiSettings:
     capacity: int = 1_000_000
     warm_up: int = 1024 * 50
     update_every: float = 100
+    n_step: int = 1
     clip: float = 0.5
     regulariser: float = 1e-3
     log_std_max: float = 88.0
@@ -154,7 +156,7 @@ class MaddpgOpenai:
         return (values[:, 0] - self._target(agent, batch, rng)).square().mean()
 
     def _target(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
-        """The TD target r + γ (1 - terminated) Q', at samples of all target actors: (n,).
+        """The TD target r + γⁿ (1 - terminated) Q', at samples of all target actors: (n,).
 
         The time limit is not a terminal state here, so values are bootstrapped beyond it.
         """
@@ -168,7 +170,8 @@ class MaddpgOpenai:
             values = self._learners[agent].target_critic(inputs)[:, 0]
             pay = batch[:, layout.rewards][:, self.shapes.agents.index(agent)]
             goes_on = 1.0 - batch[:, layout.terminated][:, 0]
-            return pay + self.settings.discount * goes_on * values
+            discount = self.settings.discount ** (1.0 + batch[:, layout.extra_steps][:, 0])
+            return pay + discount * goes_on * values
 
     def _actor_loss(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
         """-Q at this agent's new action and the others' stored ones, and the regulariser."""
