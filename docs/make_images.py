@@ -14,6 +14,7 @@ import io
 import sys
 import tempfile
 from contextlib import closing
+from itertools import product
 from pathlib import Path
 
 import cv2
@@ -33,7 +34,8 @@ from taskbuilder.visual.video import GIF_COLORS
 
 IMAGES = Path(__file__).parent / "images"
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
-RUNS = RESULTS / "learning"
+RUNS = {"": RESULTS / "learning", "-earlier": RESULTS / "learning_earlier"}
+"""Folders of training runs, by what the names of their curves have."""
 PAPER = {
     "pick_push_place-1": "Pick-Push-Place, the paper's learner",
     "collaborative_lift-1": "Collaborative Lift, the paper's learner",
@@ -44,6 +46,7 @@ SHOWN = {
     "collaborative_lift": "Collaborative Lift",
     "handover": "Handover",
 }
+TRACKS = ("demos", "scratch", "resets")
 SIZES = ((800, 600), (640, 480))
 """Sizes of a task's picture: the first that is small enough."""
 PICTURE_BYTES = 150_000
@@ -120,12 +123,11 @@ def make_all() -> None:
     for policy in zoo_names():
         make_policy(policy)
     with tempfile.TemporaryDirectory() as folder:
-        for task in SHOWN:
-            for track in ("demos", "scratch", "resets"):
-                runs = sorted(RUNS.glob(f"{task}-{track}-*"))
-                if runs:
-                    curves = IMAGES / f"{task}-{track}-curves.png"
-                    _call("plot", *map(str, runs), "--out", str(curves))
+        for task, track, (when, kept) in product(SHOWN, TRACKS, RUNS.items()):
+            runs = sorted(kept.glob(f"{task}-{track}-*"))
+            if runs:
+                curves = IMAGES / f"{task}-{track}{when}-curves.png"
+                _call("plot", *map(str, runs), "--out", str(curves))
         for run, title in PAPER.items():
             curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
             _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))

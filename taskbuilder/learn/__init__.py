@@ -4,7 +4,7 @@
 
     run = train("handover", demos=200, steps=100_000, observe="scene", out="runs/first")
     print(evaluate(run.policy, episodes=300).success_rate)
-    print(evaluate(load_policy("zoo:handover/scratch")).interval)
+    print(evaluate(load_policy("zoo:handover/demos")).interval)
 
 Names are imported on first use. Only training needs torch; playing a policy does not.
 """

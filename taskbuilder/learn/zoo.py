@@ -38,7 +38,7 @@ def load_policy(name: str) -> TrainedPolicy:
     """Load a policy.
 
     Args:
-        name: Name of a pretrained policy, such as ``zoo:handover/scratch``, or the path of a
+        name: Name of a pretrained policy, such as ``zoo:handover/demos``, or the path of a
             training run's folder or of a policy file.
 
     Raises:
@@ -71,7 +71,7 @@ def policy_file(name: str) -> Path:
 
 
 def zoo_names() -> tuple[str, ...]:
-    """Names of the pretrained policies, such as ``zoo:handover/scratch``."""
+    """Names of the pretrained policies, such as ``zoo:handover/demos``."""
     files = sorted(ZOO.glob("*/*.npz"))
     return tuple(f"{_PREFIX}{file.parent.name}/{file.stem}" for file in files)
 

@@ -60,7 +60,7 @@ def test_a_policy_is_evaluated_where_it_was_trained_or_where_it_is_asked_to_play
     other = evaluate(sideways(), episodes=3, task=load_task(task), jobs=1, variation=1)
     assert other.mean_return != one.mean_return or other.successes == one.successes
     with pytest.raises(UsageError, match="was trained on handover, not on sideways"):
-        evaluate(load_policy("zoo:handover/scratch"), task=task)
+        evaluate(load_policy("zoo:handover/demos"), task=task)
 
 
 def test_demonstrations_are_the_same_in_one_process_and_in_two():
