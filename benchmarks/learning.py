@@ -17,18 +17,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from cloning import ZOO, keep
 from machine import describe_machine
 from training_runs import EPISODES, summary, trained
 
 RESULTS = Path(__file__).parent / "results"
-ZOO = Path(__file__).parents[1] / "taskbuilder" / "learn" / "models"
 TASKS = ("handover", "pick_push_place", "collaborative_lift")
 SEEDS = (1, 2, 3)
 
@@ -87,14 +86,8 @@ def publish(name: str, seeds: Sequence[int], folder: Path) -> None:
     median = runs[(len(runs) - 1) // 2]
     if success(median) < WORTH_KEEPING:
         return
-    kept = ZOO / name
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    for file, ending in (
-        ("policy.npz", ".npz"),
-        ("run.json", ".json"),
-        ("evaluations.csv", ".csv"),
-    ):
-        shutil.copyfile(median / file, kept.with_suffix(ending))
+    (ZOO / name).parent.mkdir(parents=True, exist_ok=True)
+    keep(median, ZOO / name)
 
 
 def success(run: Path) -> float:

@@ -507,7 +507,7 @@ def test_weights_before_a_layer_norm_keep_their_norm_if_asked_to(project):
 
 
 def renewed_after(steps):
-    """A learner that begins anew, and what it has met."""
+    """A learner whose networks are reset, and a replay buffer for it."""
     return learner(TWO, replace(LINEAR, reset_networks_after=steps, lr=1e-4, batch=16)), met()
 
 
