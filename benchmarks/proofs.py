@@ -4,8 +4,8 @@
     taskbuilder validate --all --json > all.json && python benchmarks/proofs.py --from all.json
 
 A task whose two files are those of its last proof is left out, unless it is named. The second form
-keeps what a validation of whole suites has measured; a report does not say of which files it is, so
-use it only where no task has changed since. Each proof is written to
+keeps what a validation of whole suites has measured, of tasks whose files have not changed since.
+Each proof is written to
 benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it again, and
 with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has a record
 of those that passed.
@@ -85,20 +85,23 @@ def how_it_is_done(name: str) -> dict[str, Any]:
 
 def prove(name: str, jobs: int) -> bool:
     """Prove a task, and keep the result."""
-    summed = checksum(taskbuilder.catalogue().tasks[name])
     report = validate_task(name, seeds=SEEDS, jobs=jobs, progress=told(name))
     (data,) = as_data([report])["tasks"]
     data["making"]["command"] = f"taskbuilder validate {name}"
-    return keep(data, summed)
+    return keep(data)
 
 
-def keep(data: dict[str, Any], summed: str) -> bool:
-    """Keep a proof, given as the task's part of ``--json``, of files with this checksum."""
-    name, making = data["task"], data["making"]
+def keep(data: dict[str, Any]) -> bool:
+    """Keep a proof, given as the task's part of ``--json``."""
+    name, making = data["task"], dict(data["making"])
     whole = making["level"] == "full" and not making.get("only") and making["seeds"] >= SEEDS
     assert whole, f"{name}: a proof has all families of checks, with {SEEDS} seeds"
-    about = {"making": {**making, "machine": describe_machine()}, "checksum": summed}
+    summed = making.pop("checksum")
+    if summed != checksum(taskbuilder.catalogue().tasks[name]):
+        print(f"{name}: its files have changed since; the proof is not kept")
+        return False
     file = RESULTS / f"{name}.json"
+    about = {"making": {**making, "machine": describe_machine()}, "checksum": summed}
     before = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
     known = before.get("expert") if before.get("checksum") == summed else None
     about |= {"expert": known or how_it_is_done(name)} if data["ok"] else {}
@@ -135,7 +138,7 @@ def main() -> int:
     entries = taskbuilder.catalogue().tasks
     if asked.file:
         tasks = json.loads(asked.file.read_text(encoding="utf-8"))["tasks"]
-        kept = [keep(data, checksum(entries[data["task"]])) for data in tasks]
+        kept = [keep(data) for data in tasks]
         return int(not all(kept))
     proofs = {name: proof_of(entry) for name, entry in entries.items() if entry.trusted}
     changed = [name for name, proof in proofs.items() if proof is None or not proof.current]

@@ -37,6 +37,9 @@ RENAMED_SETTINGS = {
 }
 """Old names of settings of maddpg, from version 0.1, and their new ones; the old still work."""
 
+COUNTS = ("actor_every", "batch", "capacity", "epochs", "minibatches", "n_step", "rollout_steps")
+"""Settings that are at least 1."""
+
 REWARDS = ("team", "local", "sparse", "shaped", "ratchet")
 
 
@@ -238,7 +241,7 @@ def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
         texts: Settings as ``name=value``, with the value in JSON.
 
     Raises:
-        UsageError: There is no such setting, or the value has another type.
+        UsageError: There is no such setting, or the value has another type or is too small.
     """
     known = {f.name: f.default for f in fields(kind)}
     chosen = {}
@@ -250,6 +253,8 @@ def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
         if not equals:
             raise UsageError(f'"{text}" sets nothing; write {name}={json.dumps(known[name])}')
         chosen[name] = _value(name, value, known[name])
+        if name in COUNTS and chosen[name] < 1:
+            raise UsageError(f"{name} is {chosen[name]}; at least 1")
     return chosen
 
 

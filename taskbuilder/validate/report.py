@@ -100,6 +100,7 @@ class Making:
         versions: Versions of taskbuilder and the packages that its figures depend on.
         command: The command; "" if the validation was called from Python.
         only: The families that were asked for; None for all families of the level.
+        checksum: Checksum of the task file and its description; "" if there is no task file.
     """
 
     level: str
@@ -109,6 +110,7 @@ class Making:
     versions: Mapping[str, str]
     command: str = ""
     only: tuple[str, ...] | None = None
+    checksum: str = ""
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import owned
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import OtherRobots, other_robots
+from taskbuilder.schema.proofs import checksum
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.apart import (
     CHECK,
@@ -134,12 +135,20 @@ def validate_task(
         families_of(level, wanted)  # a wrong name is refused before anything takes its time
     others = other_robots(robots or {})
     config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted, robots=others)
-    watched = Stopwatch()
+    watched, summed = Stopwatch(), _checksum(config)
     if apart:
         report = watch(validate_in_child, config, progress)
     else:
         report = _validated(config, Nobody(progress))
-    return replace(report, making=watched.making(level, seeds, wanted))
+    making = replace(watched.making(level, seeds, wanted), checksum=summed)
+    return replace(report, making=making)
+
+
+def _checksum(config: ValidationConfig) -> str:
+    """Checksum of the task's two files, before anything else reads them."""
+    with suppress(FileError):  # reported with everything else
+        return checksum(config.catalogue.task(config.reference))
+    return ""
 
 
 def validate_in_child(config: ValidationConfig) -> TaskReport:

@@ -206,6 +206,19 @@ def test_json_says_how_it_was_made(run, good):
     assert making["versions"]["taskbuilder"] == taskbuilder.__version__
 
 
+def test_json_says_of_which_files_it_is(run, good, tmp_path):
+    words = ("validate", "good.yaml", "--level", "static", "--json")
+
+    def checksum():
+        return run(*words).data["tasks"][0]["making"]["checksum"]
+
+    before = checksum()
+    assert before == checksum() != ""
+    file = tmp_path / "good.yaml"
+    file.write_text(file.read_text() + "# changed\n")
+    assert checksum() != before
+
+
 def test_junit_is_xml_and_nothing_else(run, good, broken):
     ran = run("validate", "--level", "static", "--format", "junit", "good.yaml", "broken.yaml")
     assert (ran.status, ran.err) == (1, "")

@@ -260,9 +260,8 @@ class Maddpg:
     def _update_critics(self, batch: Tensor, rng: np.random.Generator) -> float:
         """Update the critics, and return their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
-        values = self._networks.critics(
-            batch[:, : layout.actions.stop]
-        )  # critic inputs, and actions
+        seen = batch[:, : layout.actions.stop]  # critic inputs, and actions
+        values = self._networks.critics(seen)
         loss = (values.view(2, self._rewards, -1) - target).square().mean(2).sum()
         self._networks.update_critics(loss)
         return float(loss.detach())
