@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 
@@ -12,6 +13,11 @@ from taskbuilder.validate.runner import validate_task
 # Tests are shared out over the cores already; with threads besides, they would wait for each other.
 for library in ("OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+# A shell ignores Ctrl-C for what it starts in the background, and children inherit that; the tests
+# that interrupt their children would fail there.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Validations play in the process of the test, which may have broken something on purpose there, and
 # which need not wait for another to start; what other processes are for is tested where it says so.

@@ -62,7 +62,10 @@ def test_workers_end_with_their_owner(task_file, ending):
         if to_owner:
             time.sleep(0.3)
             owner.send_signal(to_owner)
-        out, err = owner.communicate(timeout=20)
+        try:
+            out, err = owner.communicate(timeout=20)
+        finally:
+            owner.kill()
     assert out == ""
     assert says in err if says else err == ""
     assert "resource_tracker" not in err
