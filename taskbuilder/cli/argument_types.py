@@ -1,10 +1,27 @@
-"""Converters: what the words of a command line mean, or why they mean nothing."""
+"""Converters and actions: what the words of a command line mean, or why they mean nothing."""
 
 from __future__ import annotations
 
 import argparse
 import re
 from typing import Any
+
+
+class Extend(argparse.Action):
+    """Collects the values of every use of an option; the default counts if there is none."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Add the values of one use."""
+        del parser, option_string
+        before = getattr(namespace, self.dest)
+        given = [] if before is self.default else before
+        setattr(namespace, self.dest, [*given, *values])
 
 
 def whole(least: int, most: int) -> Any:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.argument_types import Extend, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
@@ -259,6 +259,7 @@ def _add_render(adder: Adder) -> None:
     add_picture(parser, cameras="all cameras of the scene", of="a picture")
     parser.add_argument(
         "--modality",
+        action=Extend,
         nargs="+",
         choices=("rgb", "depth", "mask"),
         default=["rgb"],

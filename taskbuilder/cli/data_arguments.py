@@ -5,7 +5,14 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
-from taskbuilder.cli.argument_types import listed, share, side_or_size, variation_or_all, whole
+from taskbuilder.cli.argument_types import (
+    Extend,
+    listed,
+    share,
+    side_or_size,
+    variation_or_all,
+    whole,
+)
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import (
     add_jobs,
@@ -38,6 +45,7 @@ def add_collect(adder: CommandAdder) -> None:
     )
     parser.add_argument(
         "--policy",
+        action=Extend,
         nargs="+",
         default=["expert"],
         metavar="P",

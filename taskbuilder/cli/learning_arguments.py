@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.argument_types import any_variation, listed, share, variation, whole
+from taskbuilder.cli.argument_types import Extend, any_variation, listed, share, variation, whole
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
@@ -70,6 +70,7 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--seed",
         "--seeds",
+        action=Extend,
         nargs="+",
         type=whole(0, 2**31 - 1),
         metavar="N",
@@ -183,7 +184,11 @@ def add_train(adder: CommandAdder) -> None:
         help="stop when two evaluations in a row reach this success rate",
     )
     parser.add_argument(
-        "--set", nargs="+", metavar="K=V", help="settings of the algorithm, such as noise=0.2"
+        "--set",
+        action=Extend,
+        nargs="+",
+        metavar="K=V",
+        help="settings of the algorithm, such as noise=0.2",
     )
 
 
@@ -281,6 +286,7 @@ def add_plot(adder: CommandAdder) -> None:
     )
     parser.add_argument(
         "--beside",
+        action=Extend,
         nargs="+",
         type=Path,
         default=[],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import robot_choice, size, whole
+from taskbuilder.cli.argument_types import Extend, robot_choice, size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -89,7 +89,11 @@ def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
         of: What the size is that of, in words.
     """
     parser.add_argument(
-        "--camera", nargs="+", metavar="C", help=f"names of cameras (default {cameras})"
+        "--camera",
+        action=Extend,
+        nargs="+",
+        metavar="C",
+        help=f"names of cameras (default {cameras})",
     )
     parser.add_argument(
         "--size", type=size, metavar="WxH", help=f"size of {of} in pixels, such as 640x480"
@@ -111,6 +115,7 @@ def add_show(parser: ArgumentParser) -> None:
     """``--show``: what is drawn over pictures."""
     parser.add_argument(
         "--show",
+        action=Extend,
         nargs="+",
         default=[],
         metavar="WHAT",

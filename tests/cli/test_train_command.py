@@ -31,6 +31,12 @@ def plan_of(folder: str) -> dict:
     return json.loads((Path(folder) / "run.json").read_text())
 
 
+def test_an_option_of_several_values_may_be_given_again(run):
+    assert run(*TRAIN, "--set", "noise=0.5", "--set", "tau=0.1", "--out", "twice").status == 0
+    settings = plan_of("twice")["settings"]
+    assert (settings["batch"], settings["noise"], settings["tau"]) == (16, 0.5, 0.1)
+
+
 def test_a_run_is_told_about_evaluation_by_evaluation_and_can_be_played(run):
     ran = run(*TRAIN, "--out", "first")
     assert ran.status == 0, ran.err
