@@ -142,6 +142,12 @@ def add_train(adder: CommandAdder) -> None:
         help="format of orientations: quaternion or matrix (default matrix)",
     )
     parser.add_argument(
+        "--distances",
+        metavar="D",
+        help="format of positions in the frame of a tool: metres, or log, which is finer near the "
+        "tool (default metres; log with maddpg's preset scratch)",
+    )
+    parser.add_argument(
         "--variation",
         type=variation,
         metavar="K",

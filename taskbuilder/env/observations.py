@@ -42,6 +42,7 @@ class ObservedValue:
         noise: Gaussian noise on the numbers, or None.
         names: Name of each number, such as ``left.joint_3``.
         matrix: Convert the quaternion to the first two columns of its rotation matrix.
+        log: Compress the position, the first three numbers; see `compressed`.
     """
 
     name: str
@@ -52,6 +53,7 @@ class ObservedValue:
     noise: Noise | None = None
     names: tuple[str, ...] = ()
     matrix: bool = False
+    log: bool = False
 
     @property
     def size(self) -> int:
@@ -68,11 +70,18 @@ class ObservedValue:
         names = with_matrix(self.names, self.turns)
         return replace(self, low=low, high=high, names=names, matrix=True)
 
+    def with_log(self) -> ObservedValue:
+        """The same channel with its position compressed."""
+        low, high = (_near_first(bound) for bound in (self.low, self.high))
+        return replace(self, low=low, high=high, log=True)
+
     def shown(self, episode: Episode) -> Sequence[float]:
         """The current values."""
         values = self.read(episode)
         if self.noise is not None:
             values = self.noisy(values, episode.noise_rng)
+        if self.log:
+            values = _near_first(values)
         if self.matrix and self.turns is not None:
             x, y, z, w = values[self.turns :]
             return (*values[: self.turns], *_columns((x, y, z, w)))
@@ -132,6 +141,10 @@ class ObservedGroup:
     def with_matrix(self) -> ObservedGroup:
         """The same channel with rotations as columns of matrices."""
         return replace(self, of=tuple(each.with_matrix() for each in self.of))
+
+    def with_log(self) -> ObservedGroup:
+        """The same channel with positions compressed."""
+        return replace(self, of=tuple(each.with_log() for each in self.of))
 
     def shown(self, episode: Episode) -> Sequence[float]:
         """The current values."""
@@ -297,6 +310,16 @@ def _velocity(world: World, subject: str, frame: str) -> Sequence[float]:
 
 def _pose_numbers(pose: Pose) -> Sequence[float]:
     return (*pose.position, *_upper(pose.quaternion))
+
+
+def compressed(metres: float) -> float:
+    """asinh(x / 2 cm) / 2: linear for small x and logarithmic for large x, of either sign."""
+    return math.asinh(metres / 0.02) / 2.0
+
+
+def _near_first(values: Sequence[float]) -> tuple[float, ...]:
+    """Compress the first three numbers, a position."""
+    return (*map(compressed, values[:3]), *values[3:])
 
 
 def _upper(q: Quat) -> Quat:

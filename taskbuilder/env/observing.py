@@ -45,7 +45,7 @@ class Observer:
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
         self._task, self._world = task, world
         self._own_frames, self._matrices = options.frame == "base", options.rotation == "matrix"
-        self._position_noise = options.position_noise
+        self._log, self._position_noise = options.distances == "log", options.position_noise
         self._views = {
             agent: self._view((*listed[agent], *extra), agent, spec.observation_noise.get(agent))
             for agent in task.agents
@@ -109,6 +109,8 @@ class Observer:
         if agent and self._position_noise and channel.quantity in POSITIONS:
             noise = with_position_noise(noise, self._position_noise)
         reading = make_reading(text, channel, self._world, noise)
+        if self._log and channel.quantity in POSITIONS and channel.frame.endswith(".tcp"):
+            reading = reading.with_log()
         return reading.with_matrix() if self._matrices else reading
 
     def _seen(self, view: View, episode: Episode, images: Mapping[str, _Look]) -> Any:

@@ -23,6 +23,7 @@ Seen = Literal["task", "scene"]
 Frame = Literal["task", "base"]
 Randomize = bool | Literal["looks", "all"]
 Rotation = Literal["quaternion", "matrix"]
+Distances = Literal["metres", "log"]
 
 
 _FOR_TRAINING = {
@@ -68,6 +69,9 @@ class Options:
             each robot's own base frame. Robots that face each other can then share a policy.
         rotation: Format of orientations. ``quaternion``: (x, y, z, w), which jumps where its sign
             flips. ``matrix``: the first two columns of the rotation matrix, which never jump.
+        distances: Format of observed positions in the frame of a tool. ``metres``, or ``log``:
+            asinh(x / 2 cm) / 2, which is linear near the tool and logarithmic far from it, so that
+            small networks tell millimetres apart near the tool.
         cameras: Cameras whose colour images every agent observes in addition to its channels.
         camera_size: Width and height of observed images in pixels; by default, those of each
             camera.
@@ -89,6 +93,7 @@ class Options:
     observe: Seen = "task"
     frame: Frame = "task"
     rotation: Rotation = "quaternion"
+    distances: Distances = "metres"
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
     renderer: Renderer = "auto"
@@ -137,7 +142,8 @@ class Options:
             raise UsageError(f"position_noise is {self.position_noise!r}; 0 to 1, in metres")
         _choice("observe", self.observe, ("task", "scene"))
         _choice("frame", self.frame, ("task", "base"))
-        _choice("rotation", self.rotation, ("quaternion", "matrix"))
+        _choice("rotation", self.rotation, get_args(Rotation))
+        _choice("distances", self.distances, get_args(Distances))
         _choice("renderer", self.renderer, get_args(Renderer))
         size = self.camera_size
         if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
@@ -180,6 +186,7 @@ class EnvOptions(TypedDict, total=False):
     observe: Seen
     frame: Frame
     rotation: Rotation
+    distances: Distances
     cameras: tuple[str, ...]
     camera_size: tuple[int, int] | None
     renderer: Renderer

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import torch
 from torch import Tensor
@@ -32,8 +32,6 @@ class ActorCritic:
         hidden: Units of each hidden layer.
         lr: Learning rate of Adam.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do.
-        project: Whether the weights before a layer norm are projected back to their initial norm
-            after each gradient step; see `Networks.project`.
         seed: Seed of the initial weights.
         device: Device of the networks.
 
@@ -51,7 +49,6 @@ class ActorCritic:
         hidden: Sequence[int],
         lr: float,
         actor_norms: bool,
-        project: bool,
         seed: int,
         device: torch.device,
     ) -> None:
@@ -75,7 +72,6 @@ class ActorCritic:
             target.requires_grad_(False)
         self._critic_adam = make_adam([self.critics], lr)
         self._actor_adam = make_adam([self.actors], lr)
-        self._project = project
 
     def set_lr(self, lr: float) -> None:
         """Set the learning rate."""
@@ -84,19 +80,11 @@ class ActorCritic:
 
     def update_critics(self, loss: Tensor) -> None:
         """Take a gradient step of the critics."""
-        self._step(self._critic_adam, loss, [self.critics])
+        minimize(self._critic_adam, loss)
 
     def update_actors(self, loss: Tensor) -> None:
         """Take a gradient step of the actors."""
-        self._step(self._actor_adam, loss, self.actors)
-
-    def _step(
-        self, adam: torch.optim.Adam, loss: Tensor, networks: Iterable[torch.nn.Module]
-    ) -> None:
-        minimize(adam, loss)
-        for network in networks if self._project else ():
-            if isinstance(network, Networks) and network.norms:
-                network.project()
+        minimize(self._actor_adam, loss)
 
     def follow_critics(self, share: float) -> None:
         """Move the target critics towards the critics by a fraction."""

@@ -36,7 +36,7 @@ Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
 OPTIONS = (
-    *("observe", "frame", "rotation", "variation"),
+    *("observe", "frame", "rotation", "distances", "variation"),
     *("cameras", "camera_size", "renderer"),
 )
 """Options of environments that a policy records, because it depends on them."""

@@ -102,20 +102,6 @@ class Networks(nn.Module):
         out: Tensor = last(hidden)
         return out
 
-    def project(self) -> None:
-        """Scale weights and biases of each hidden layer back to their expected initial norm.
-
-        Before a layer norm, a scale changes no output, but gradients shrink with it (Lyle et al.
-        2024, normalise and project).
-        """
-        with torch.no_grad():
-            for layer in layers_of(self)[:-1]:
-                size = layer.weight.square().sum((1, 2)) + layer.bias.square().sum((1, 2))
-                initial = math.sqrt(layer.weight.shape[2] / 3.0)  # of `_uniform` within 1 / √ins
-                scale = (initial / size.sqrt())[:, None, None]
-                layer.weight.mul_(scale)
-                layer.bias.mul_(scale)
-
 
 class SharedNetworks(nn.ModuleList):
     """One network per group of agents, with a one-hot input for the agent.

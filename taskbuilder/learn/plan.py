@@ -26,7 +26,7 @@ RUN_FILE = "run.json"
 
 _LATER = (
     *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
-    "film_every",
+    *("film_every", "distances"),
 )
 """Fields of a plan that may be missing in files of earlier versions."""
 
@@ -63,7 +63,8 @@ class Plan:
         cameras: Cameras of the data set whose pictures the policies observe.
         camera_size, renderer: Of these pictures; None and "" without cameras.
         device: Device of the networks: ``cpu`` or ``cuda``.
-        observe, frame, rotation, variation, randomize: Options of the environments; see `Options`.
+        observe, frame, rotation, distances, variation, randomize: Options of the environments; see
+            `Options`.
         evaluate_every: Control steps between evaluations.
         evaluate_episodes: Episodes per evaluation.
         film_every: Evaluations between films of an episode; 0 for no films.
@@ -91,6 +92,7 @@ class Plan:
     observe: str = "task"
     frame: str = "base"
     rotation: str = "matrix"
+    distances: str = "metres"
     variation: int | str = 0
     randomize: bool | str = False
     evaluate_every: int = 10_000
@@ -103,7 +105,7 @@ class Plan:
     @property
     def env(self) -> dict[str, Any]:
         """The options of the environments that a policy of this plan needs."""
-        names = ("observe", "frame", "rotation", "variation")
+        names = ("observe", "frame", "rotation", "distances", "variation")
         randomized = {"randomize": self.randomize} if self.randomize else {}
         pictures = ("cameras", "camera_size", "renderer") if self.cameras else ()
         return {**{name: getattr(self, name) for name in (*names, *pictures)}, **randomized}
@@ -226,7 +228,8 @@ def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The observation options of a trained policy's environment."""
     options = policy.about.get("env", {})
-    return {name: options[name] for name in ("observe", "frame", "rotation") if name in options}
+    seen = ("observe", "frame", "rotation", "distances")
+    return {name: options[name] for name in seen if name in options}
 
 
 def _checked_settings(kind: type[Any], chosen: Mapping[str, Any]) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from taskbuilder.learn.policy import Array
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
-OPTIONS = ("observe", "frame", "rotation", "randomize")
+OPTIONS = ("observe", "frame", "rotation", "distances", "randomize")
 """Options of the environment that a data set determines."""
 
 SMALLEST_PICTURE = 24
@@ -150,7 +150,7 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
     dataset = load_dataset(folder)
     where = display_path(folder)
     options = {"frame": "task", "rotation": "quaternion", "observe": "task", "randomize": False}
-    options |= options_of_dataset(dataset.about, cameras=False)
+    options |= {"distances": "metres", **options_of_dataset(dataset.about, cameras=False)}
     recorded = {name: options[name] for name in OPTIONS}
     for name, value in recorded.items():
         if name in asked and asked[name] != value:

@@ -116,7 +116,7 @@ def names_of(groups: Sequence[RunGroup]) -> list[str]:
     traits = [group.traits for group in groups]
     telling = [key for key in traits[0] if len({t[key] for t in traits}) > 1]
     if len(traits) == 1:
-        telling = [key for key in traits[0] if key not in ("frame", "rotation")]
+        telling = [key for key in traits[0] if key not in ("frame", "rotation", "distances")]
     names = []
     for own in traits:
         # Words for a missing option are shown only if other groups have the option.
@@ -145,6 +145,7 @@ def _traits(run: RunLog) -> dict[str, str]:
         "observe": "whole scene" if plan.observe == "scene" else "",
         "frame": f"frame {plan.frame}",
         "rotation": f"rotation {plan.rotation}",
+        "distances": f"distances in {plan.distances}",
         "variation": f"variation {plan.variation}" if plan.variation else "",
         "settings": ", ".join(f"{key} {value}" for key, value in sorted(plan.settings.items())),
     }

@@ -1,4 +1,4 @@
-"""Whose frame, how much of the scene, and how orientations are told: three options of all views."""
+"""Whose frame, how much of the scene, and in what format orientations and distances are told."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import taskbuilder.gym  # noqa: F401  # registers the tasks
+from taskbuilder.env.observations import compressed
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.vector import make_vec
 from taskbuilder.geometry import Pose, Vec3, rotate
@@ -355,6 +356,36 @@ def test_the_state_has_matrices_too(make):
     state = plain.state()
     assert other.state_space.contains(other.state())
     assert near(other.state(), [*state[:3], *columns(state[3:7]), state[7]], 1e-6)
+
+
+# --- distances on a logarithmic scale
+
+
+def test_positions_in_the_frame_of_a_tool_alone_are_compressed(make):
+    channels = "self.tcp, block.pose, block.pose in self.tcp, block.position in right.tcp"
+    text = facing(f"left: [{channels}, spot.position in left.base, time_left]", "right: [self.tcp]")
+    plain, other = (make(text, distances=distances) for distances in ("metres", "log"))
+    one, two = (env.reset(seed=4)[0]["left"] for env in (plain, other))
+    assert other.observation_space("left").contains(two)
+    near_tool = [*range(14, 17), *range(21, 24)]
+    rest = np.delete(np.arange(len(one)), near_tool)
+    assert two[rest].tobytes() == one[rest].tobytes()
+    assert near(two[near_tool], np.arcsinh(one[near_tool] / 0.02) / 2.0, 1e-5)
+    assert np.all(np.abs(two[near_tool]) < 3.0)
+    assert other.observation_names == plain.observation_names
+
+
+def test_a_millimetre_near_the_tool_is_seen_more_than_one_far_away():
+    steps = [compressed(x + 0.001) - compressed(x) for x in (0.0, 0.1, 1.0)]
+    assert steps == pytest.approx([0.025, 0.0049, 0.0005], rel=0.03)
+    assert compressed(-0.3) == -compressed(0.3)
+
+
+def test_noise_comes_before_the_scale(make):
+    noise = "\nobservation_noise: {left: {block.position in self.tcp: {std: 0.01}}}\n"
+    text = facing("left: [block.position in self.tcp]", "right: [self.tcp]", extra=noise)
+    one, two = (make(text, distances=d).reset(seed=0)[0]["left"] for d in ("metres", "log"))
+    assert near(two, np.arcsinh(one / 0.02) / 2.0, 1e-5)
 
 
 # --- noise

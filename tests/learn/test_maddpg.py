@@ -92,17 +92,6 @@ def test_targets_are_the_pay_and_the_lower_discounted_value_unless_the_episode_e
     assert loss == pytest.approx(2 * expected**2)  # of two critics that say zero
 
 
-@pytest.mark.parametrize(
-    ("ended", "terminated", "expected"),
-    [(0, 0, 0.5 + 0.97 * 2.0), (1, 1, 0.5), (1, 0, 0.5 + 0.97 * 2.0)],
-)
-def test_values_are_bootstrapped_beyond_truncations_if_asked_to(ended, terminated, expected):
-    made = learner(settings=replace(FIXED, bootstrap_truncated=True))
-    set_to(made, {f"{TARGET_CRITICS}.bias": 2.0})
-    loss = updated(made, row(ONE, rewards=0.5, ended=ended, terminated=terminated))["critic"]
-    assert loss == pytest.approx(2 * expected**2)
-
-
 def test_the_lower_value_is_taken_transition_by_transition():
     made = learner()
     set_to(
@@ -471,39 +460,6 @@ def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
         for one, generator in zip((made, other), draws, strict=True):
             one.update(memory, generator, step)
         assert same(made.arrays(), other.arrays())
-
-
-def test_what_is_seen_is_measured_anew_each_time_the_steps_have_doubled():
-    settings = replace(LINEAR, warm_up=100, measure_until=700, lr=1e-4, batch=16)
-    made, memory, rng = learner(TWO, settings), met(), np.random.default_rng(0)
-    made.begin(random_rows(TWO, 64), rng)
-    measured = []
-    for step in (150, 204, 300, 399, 410, 500, 816, 900):
-        before, weights = made.arrays()["mean"], made.arrays()[f"{CRITICS}.weight"]
-        made.update(memory, rng, step)
-        if not np.array_equal(made.arrays()["mean"], before):
-            measured.append(step)
-        assert np.abs(made.arrays()[f"{CRITICS}.weight"] - weights).max() < 0.01  # and no more
-        other = learner(TWO, settings)
-        other.load(made.arrays())  # which knows when it was last measured
-        made = other
-    assert measured == [204, 410]
-    assert made.arrays()["mean"][TWO.layout.state] == pytest.approx([5.0], abs=0.05)
-
-
-@pytest.mark.parametrize("project", [False, True])
-def test_weights_before_a_layer_norm_keep_their_norm_if_asked_to(project):
-    settings = replace(LINEAR, hidden=(16, 16), lr=0.05, actor_norms=True, project_weights=project)
-    made, rows = learner(TWO, settings), random_rows(TWO, 32)
-    for _ in range(20):
-        updated(made, rows)
-    arrays = made.arrays()
-    for network in ("critics/", "actors/0."):
-        for layer, kept in enumerate((project, project, False)):
-            parts = (arrays[f"{network}layers.{layer}.{name}"] for name in ("weight", "bias"))
-            size = np.sqrt(sum(np.square(part).sum((1, 2)) for part in parts))
-            initial = np.sqrt(16 / 3.0)
-            assert (size == pytest.approx(initial, rel=1e-3)) == kept
 
 
 def renewed_after(steps):

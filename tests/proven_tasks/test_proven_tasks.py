@@ -1,4 +1,4 @@
-"""Tasks whose experts push things and turn joints: they work, so they prove whole.
+"""Tasks whose experts push things and turn joints: they work, so they can be proved.
 
 Where things are after a push or on a joint is foreseen without physics, and physics decides.
 """
@@ -25,6 +25,9 @@ HERE = Path(__file__).parent
 TASKS = sorted(file.stem for file in HERE.glob("*.yaml"))
 FAMILIES = 10
 
+WHOLE = ("hatch_by_a_button", "pushed_then_picked")
+"""Those that are proved whole, which takes long: one of joints, knobs and locks, one of pushes."""
+
 
 @contextmanager
 def playing(name):
@@ -44,7 +47,7 @@ def test_the_expert_succeeds_from_every_seed_and_nothing_is_said_against_it(name
     assert values["TB511"] > 0.0
 
 
-@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("name", WHOLE)
 def test_it_proves_whole(name):
     report = validate_task(HERE / f"{name}.yaml", seeds=1)
     assert report.ok, "\n".join(map(str, report.findings))

@@ -10,7 +10,7 @@ from scripted import Script
 
 from taskbuilder.geometry import subtract
 
-SEEDS = range(20)
+SEEDS = range(8)
 MOST_STEPS = 47
 
 

@@ -60,12 +60,6 @@ class MaddpgSettings:
             saturation, where gradients vanish, and small where motion earns nothing.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
             it, all ReLUs of a layer can die when the distribution of the observations shifts.
-        project_weights: Whether weights before a layer norm keep their initial norm. They would
-            grow otherwise, and large weights learn ever more slowly (Lyle et al. 2024).
-        measure_until: Control steps until which the standardisation of inputs is measured anew,
-            each time their number has doubled; 0 for once, at the end of the warm-up.
-        bootstrap_truncated: Whether values are bootstrapped beyond the time limit and other
-            truncations. Without it, these are terminal states.
         reset_networks_after: Control steps after which the networks are reset, and again each time
             this number has doubled; 0 for never. Networks overfit to the first transitions and then
             learn ever more slowly (the primacy bias, Nikishin et al. 2022).
@@ -94,9 +88,6 @@ class MaddpgSettings:
     actor_every: int = 2
     regulariser: float = 0.03
     actor_norms: bool = False
-    project_weights: bool = False
-    measure_until: int = 0
-    bootstrap_truncated: bool = False
     reset_networks_after: int = 0
     share: bool = True
     bc_updates: int = 10_000
@@ -133,7 +124,6 @@ class Maddpg:
         self._standard = Standardizer(shapes.layout, self._device)
         self._updates = 0
         self._renewals = 0
-        self._measured = 0
         self._begun = self._pretrained = False
         self._networks = self._build(seed)
 
@@ -147,7 +137,6 @@ class Maddpg:
             hidden=settings.hidden,
             lr=settings.lr,
             actor_norms=settings.actor_norms,
-            project=settings.project_weights,
             seed=seed,
             device=self._device,
         )
@@ -242,9 +231,6 @@ class Maddpg:
             self._pretrained = False
             self._networks = self._build(int(rng.integers(2**63)))
             self.begin(memory.sample(MEASURED, rng), rng)
-        if 2 * max(self._measured, settings.warm_up) <= step < settings.measure_until:
-            self._measured = step
-            self._standard.measure(memory.sample(MEASURED, rng))
         batch = self._drawn(memory, rng)
         critic_loss = self._update_critics(batch, rng)
         self._updates += 1
@@ -278,10 +264,9 @@ class Maddpg:
             inputs = torch.cat([batch[:, layout.next_critic_input], actions], 1)
             values = self._networks.target_critics(inputs).view(2, self._rewards, -1).amin(0)
             pay = batch[:, layout.rewards].T[: self._rewards]
-            # The time limit may be a terminal state, since the time left is observed.
-            over = layout.terminated if settings.bootstrap_truncated else layout.ended
             discount = settings.discount ** (1.0 + batch[:, layout.extra_steps].T)
-            target: Tensor = pay + discount * (1.0 - batch[:, over].T) * values
+            # The time limit may be a terminal state, since the time left is observed.
+            target: Tensor = pay + discount * (1.0 - batch[:, layout.ended].T) * values
             return target
 
     def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
@@ -342,8 +327,7 @@ class Maddpg:
     def arrays(self) -> dict[str, Array]:
         """The complete state of the learner by name: networks, targets, optimisers, statistics."""
         flags = {"updates": self._updates, "begun": self._begun, "renewals": self._renewals}
-        more = {"pretrained": self._pretrained, "measured": self._measured}
-        flags |= {name: value for name, value in more.items() if value}
+        flags |= {"pretrained": True} if self._pretrained else {}
         numbers = {name: np.array([value]) for name, value in flags.items()}
         return {**numbers, **self._networks.arrays(), **self._standard.arrays()}
 
@@ -357,7 +341,6 @@ class Maddpg:
         self._updates, self._begun = int(arrays["updates"][0]), bool(arrays["begun"][0])
         self._renewals = int(arrays["renewals"][0])
         self._pretrained = "pretrained" in arrays
-        self._measured = int(arrays["measured"][0]) if "measured" in arrays else 0
         self._networks.load(arrays)
         self._standard.load(arrays)
 
@@ -385,7 +368,14 @@ ALGORITHM = Algorithm(
         # Early transitions differ from late ones.
         "scratch": Preset(
             "learning without demonstrations",
-            {"discount": 0.95, "actor_norms": True, "reset_networks_after": 50_000},
+            {
+                "discount": 0.95,
+                "n_step": 3,
+                "capacity": 100_000,
+                "actor_norms": True,
+                "reset_networks_after": 50_000,
+            },
+            {"distances": "log"},
         ),
         "finetune": Preset("going on from a trained policy", {"noise": 0.1, "final_noise": 0.05}),
     },
