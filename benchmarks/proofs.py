@@ -5,10 +5,9 @@
 
 A task whose two files are those of its last proof is left out, unless it is named. The second form
 keeps what a validation of whole suites has measured, of tasks whose files have not changed since.
-Each proof is written to
-benchmarks/results/proofs/TASK.json as soon as it is made, with the command that makes it again, and
-with how the expert does the task; tasks/proofs.json, which `taskbuilder list` shows, has a record
-of those that passed.
+Each proof is written to benchmarks/results/proofs/TASK.json as soon as it is made, with the command
+that makes it again, and with how the expert does the task; tasks/proofs.json, which `taskbuilder
+list` shows, has a record of those that passed.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ class ObservedValue:
 
     def with_log(self) -> ObservedValue:
         """The same channel with its position compressed."""
-        low, high = (_near_first(bound) for bound in (self.low, self.high))
+        low, high = (_with_position_compressed(bound) for bound in (self.low, self.high))
         return replace(self, low=low, high=high, log=True)
 
     def shown(self, episode: Episode) -> Sequence[float]:
@@ -81,7 +81,7 @@ class ObservedValue:
         if self.noise is not None:
             values = self.noisy(values, episode.noise_rng)
         if self.log:
-            values = _near_first(values)
+            values = _with_position_compressed(values)
         if self.matrix and self.turns is not None:
             x, y, z, w = values[self.turns :]
             return (*values[: self.turns], *_columns((x, y, z, w)))
@@ -317,7 +317,7 @@ def compressed(metres: float) -> float:
     return math.asinh(metres / 0.02) / 2.0
 
 
-def _near_first(values: Sequence[float]) -> tuple[float, ...]:
+def _with_position_compressed(values: Sequence[float]) -> tuple[float, ...]:
     """Compress the first three numbers, a position."""
     return (*map(compressed, values[:3]), *values[3:])
 

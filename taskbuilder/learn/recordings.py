@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, options_of_dataset
+from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstrations import explicit_gripper
@@ -149,9 +150,8 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
     """
     dataset = load_dataset(folder)
     where = display_path(folder)
-    options = {"frame": "task", "rotation": "quaternion", "observe": "task", "randomize": False}
-    options |= {"distances": "metres", **options_of_dataset(dataset.about, cameras=False)}
-    recorded = {name: options[name] for name in OPTIONS}
+    options = options_of_dataset(dataset.about, cameras=False)
+    recorded = {name: options.get(name, getattr(Options, name)) for name in OPTIONS}
     for name, value in recorded.items():
         if name in asked and asked[name] != value:
             raise UsageError(

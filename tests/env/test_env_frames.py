@@ -1,4 +1,4 @@
-"""Whose frame, how much of the scene, and in what format orientations and distances are told."""
+"""Options of observations: their frame, the whole scene, and formats of rotations and distances."""
 
 from __future__ import annotations
 
