@@ -102,7 +102,8 @@ def decoded(content: bytes) -> Frames:
         VideoError: It is damaged.
         UsageError: PyAV is not installed.
     """
-    return np.stack([frame.to_ndarray(format="rgb24") for frame in _frames(content)])
+    # The format they are stored in: a conversion by FFmpeg would start threads for every image.
+    return np.stack([frame.to_ndarray(format="gbrp") for frame in _frames(content)])
 
 
 def decoded_depth(content: bytes) -> NDArray[np.float32]:
@@ -121,6 +122,8 @@ def _frames(content: bytes) -> list[Any]:
         import av
     try:
         with av.open(io.BytesIO(content), "r") as file:
+            for stream in file.streams.video:
+                stream.thread_count = 1
             found = list(file.decode(video=0))
     except (av.FFmpegError, IndexError) as error:
         raise VideoError(f"a video is damaged ({error})") from None
