@@ -29,8 +29,8 @@ from taskbuilder.rollout import save_rollouts
 from taskbuilder.task import load_task
 
 TINY = {"hidden": [8, 8], "batch": 16, "warm_up": 20, "bc_updates": 5, "critic_warmup_updates": 5}
-PLAN = Plan("handover", steps=330, envs=2, evaluate_every=110, checkpoint_every=110, settings=TINY)
-STEPS = (110, 220, 330)
+PLAN = Plan("handover", steps=150, envs=2, evaluate_every=50, checkpoint_every=50, settings=TINY)
+STEPS = (50, 100, 150)
 
 
 class StoppedError(Exception):
@@ -103,9 +103,9 @@ def test_a_run_leaves_tables_a_policy_and_its_last_checkpoints(whole):
         "step,episode,steps,success,stage,team_return,training_return,term/"
     )
     assert [row.split(",")[0] for row in (whole / "evaluations.csv").read_text().split()[1:]] == [
-        "110",
-        "220",
-        "330",
+        "50",
+        "100",
+        "150",
     ]
 
 
@@ -117,7 +117,7 @@ def test_what_was_learned_is_not_what_it_began_with(whole):
     assert not np.array_equal(first, last)
 
 
-@pytest.mark.parametrize("step", [2, 112, 328])
+@pytest.mark.parametrize("step", [2, 52, 148])
 def test_a_run_that_was_stopped_goes_on_as_if_it_had_not_been(step, whole, tmp_path):
     run(tmp_path, stop_at=step)
     assert same(run(tmp_path), whole)
@@ -135,8 +135,8 @@ def test_a_run_that_is_finished_takes_no_further_step(whole):
 
 @pytest.mark.parametrize("damage", ["cut off", "changed", "foreign", "gone"])
 def test_a_damaged_checkpoint_is_passed_over_for_the_one_before(damage, whole, tmp_path):
-    run(tmp_path, stop_at=222)
-    newest = checkpoint(tmp_path, 220)
+    run(tmp_path, stop_at=102)
+    newest = checkpoint(tmp_path, 100)
     content = newest.read_bytes()
     middle = len(content) // 2
     changed = content[:middle] + bytes([content[middle] ^ 255]) + content[middle + 1 :]
@@ -148,18 +148,18 @@ def test_a_damaged_checkpoint_is_passed_over_for_the_one_before(damage, whole, t
 
 
 def test_transitions_that_are_damaged_take_their_checkpoint_with_them(whole, tmp_path):
-    run(tmp_path, stop_at=222)
-    rows = tmp_path / FOLDER / "experience-000000110-000000220.npz"
+    run(tmp_path, stop_at=102)
+    rows = tmp_path / FOLDER / "experience-000000050-000000100.npz"
     rows.write_bytes(rows.read_bytes()[:-100])
     assert same(run(tmp_path), whole)
 
 
 def test_a_run_without_any_whole_checkpoint_says_so_and_changes_nothing(tmp_path):
-    run(tmp_path, stop_at=222)
+    run(tmp_path, stop_at=102)
     for path in (tmp_path / FOLDER).glob("step-*"):
         path.write_bytes(b"")
     with pytest.raises(
-        StoreError, match=r"no checkpoint is whole: .*step-000000220\.npz: is damaged"
+        StoreError, match=r"no checkpoint is whole: .*step-000000100\.npz: is damaged"
     ):
         run(tmp_path)
     assert len(list((tmp_path / FOLDER).glob("step-*"))) == 2
@@ -167,7 +167,7 @@ def test_a_run_without_any_whole_checkpoint_says_so_and_changes_nothing(tmp_path
 
 def test_a_full_disk_loses_nothing_that_was_kept(whole, tmp_path, monkeypatch):
     def full(path, content, *, sync=False):
-        if path.name == "step-000000220.npz":
+        if path.name == "step-000000100.npz":
             raise OSError(errno.ENOSPC, "No space left on device", str(path))
         files.write_whole(path, content, sync=sync)
 
@@ -175,7 +175,7 @@ def test_a_full_disk_loses_nothing_that_was_kept(whole, tmp_path, monkeypatch):
         patched.setattr(store, "write_whole", full)
         with pytest.raises(OSError, match="No space left"):
             run(tmp_path)
-    assert [path.name for path in (tmp_path / FOLDER).glob("step-*")] == ["step-000000110.npz"]
+    assert [path.name for path in (tmp_path / FOLDER).glob("step-*")] == ["step-000000050.npz"]
     assert same(run(tmp_path), whole)
 
 
@@ -212,14 +212,14 @@ def expert_episodes():
 
 @pytest.mark.parametrize("change", [{"demos": 2}, {"starts": 0.5}])
 def test_runs_with_expert_episodes_go_on_exactly_too(change, expert_episodes, tmp_path):
-    plan = replace(PLAN, steps=220, **change)
+    plan = replace(PLAN, steps=100, **change)
     folders = tmp_path / "whole", tmp_path / "stopped"
     for folder in folders:
         folder.mkdir()
         save_rollouts(folder / DEMONSTRATIONS_FILE, expert_episodes)
     run(folders[0], plan)
-    run(folders[1], plan, stop_at=150)
-    assert same(run(folders[1], plan), folders[0], step=220)
+    run(folders[1], plan, stop_at=70)
+    assert same(run(folders[1], plan), folders[0], step=100)
 
 
 def test_training_stops_once_success_is_sure(tmp_path):
