@@ -56,18 +56,23 @@ class Handover(Description):
             + 0.25 * lift
             + 0.75 * Closeness("stick", "meeting", scale=0.3)
             + 0.75 * lift * Closeness("right.tcp", "stick.right_end", scale=0.6)
-            + 0.25 * lift * Closeness("right.tcp", "stick.right_end", scale=0.1)
+            + 1.5 * lift * Closeness("right.tcp", "stick.right_end", scale=0.15)
             + 0.5 * lift * GripperOpening("right"),
         ),
-        (shared, 4.25),
+        (
+            taken & Near("right.tcp", "stick.right_end", within=0.025),
+            5.0 + 0.75 * (1.0 - GripperOpening("right")),
+        ),
+        (shared, 6.0),
         (
             handed_over,
-            5.15
+            6.9
             - 0.15 * Closeness("left.tcp", "stick.left_end")
-            + 3.0 * Closeness("stick", "goal", scale=0.5),
+            + 2.0 * Closeness("stick", "goal", scale=0.5)
+            + 1.0 * Closeness("stick", "goal", scale=0.1),
         ),
-        (at_goal, 8.5 + 2.0 * Fraction(Duration(at_goal), of=1.0)),
-        (success, 11.5),
+        (at_goal, 10.0 + 2.0 * Fraction(Duration(at_goal), of=1.0)),
+        (success, 13.0),
     )
 
     held = taken | Held("stick", by="right")

@@ -33,7 +33,6 @@ _LATER = (
 RENAMED_SETTINGS = {
     "cloning": "bc_updates",
     "judging": "critic_warmup_updates",
-    "renew": "reset_networks_after",
 }
 """Old names of settings of maddpg, from version 0.1, and their new ones; the old still work."""
 

@@ -73,17 +73,14 @@ def test_evaluations_are_filmed_now_and_then(run, tmp_path):
 def test_settings_fit_learning_from_nothing_and_with_demonstrations(run):
     assert run(*TRAIN, "--out", "nothing").status == 0
     learned = plan_of("nothing")["settings"]
-    assert (learned["discount"], learned["actor_norms"], learned["reset_networks_after"]) == (
-        0.95,
-        True,
-        50_000,
-    )
+    assert (learned["discount"], learned["actor_norms"]) == (0.95, True)
+    assert learned["reset_networks_every"] == 30_000
 
     quick = ("bc_updates=2", "critic_warmup_updates=2", "regulariser=0.01")
     assert run(*TRAIN, *quick, "--demos", "1", "--steps", "60", "--out", "shown").status == 0
     shown = plan_of("shown")["settings"]
     assert (shown["noise"], shown["lr_half_life"], shown["regulariser"]) == (0.1, 30_000, 0.01)
-    assert "reset_networks_after" not in shown
+    assert "reset_networks_every" not in shown
 
     paper = ("train", "handover", "--algorithm", "maddpg_openai", "--reward", "team")
     reference = ("--set", "hidden=[8]", "batch=16")
@@ -112,14 +109,14 @@ def test_a_run_that_diverges_says_so_and_keeps_its_logs(run):
 
 
 def test_settings_by_their_old_names_are_taken_with_a_warning(run):
-    with pytest.warns(FutureWarning, match="the setting renew is called reset_networks_after now"):
-        assert run(*TRAIN, "renew=0", "--steps", "60", "--out", "old").status == 0
-    assert plan_of("old")["settings"]["reset_networks_after"] == 0
+    with pytest.warns(FutureWarning, match="the setting cloning is called bc_updates now"):
+        assert run(*TRAIN, "cloning=7", "--steps", "60", "--out", "old").status == 0
+    assert plan_of("old")["settings"]["bc_updates"] == 7
     file = Path("old/run.json")
-    file.write_text(file.read_text().replace("reset_networks_after", "renew"))
-    with pytest.warns(FutureWarning, match="renew is called reset_networks_after"):
+    file.write_text(file.read_text().replace("bc_updates", "cloning"))
+    with pytest.warns(FutureWarning, match="cloning is called bc_updates"):
         plan, _ = load_plan(Path("old"))
-    assert plan.settings["reset_networks_after"] == 0
+    assert plan.settings["bc_updates"] == 7
 
 
 def test_several_seeds_are_a_run_each(run, tmp_path):

@@ -157,6 +157,20 @@ def test_a_setback_is_told_and_ends_an_episode_where_that_is_asked_for(make, ask
     assert env.agents == ([] if asked else ["left", "right"])
 
 
+@pytest.mark.parametrize("asked", [True, False])
+def test_a_failure_ends_an_episode_where_that_is_asked_for(make, asked):
+    fallen = TWO + '    failure = Below("block", height=0.3)\n'
+    env = TrainingWrappers(end_on_setback=asked)(make(facing(), fallen))
+    env.reset(seed=0)
+    body = env.episode.world.objects["block"].body
+    body.place(body.pose().moved((0.3, 0.0, -0.11)))
+    _, _, terminations, truncations, infos = env.step(still(env))
+    assert infos["left"]["failure"] == 1.0
+    assert set(terminations.values()) == {asked}
+    assert set(truncations.values()) == {False}
+    assert env.agents == ([] if asked else ["left", "right"])
+
+
 RISING = TWO.replace("import ", "import Height, ") + "    progress = 10.0 * Height('block')\n"
 
 

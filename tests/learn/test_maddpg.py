@@ -425,19 +425,19 @@ def test_the_exported_policy_does_what_the_learner_would_without_noise(shapes, n
 # --- beginning anew
 
 
-def test_networks_begin_anew_after_so_many_steps_and_when_they_have_doubled():
-    (made, memory), rng = renewed_after(100), np.random.default_rng(0)
+def test_networks_begin_anew_every_so_many_steps():
+    (made, memory), rng = reset_every(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     weights = [made.arrays()[f"{CRITICS}.weight"]]
     for step in (99, 100, 104, 199, 203, 204, 300, 399, 400):
         made.update(memory, rng, step)
         weights.append(made.arrays()[f"{CRITICS}.weight"])
     moved = [np.abs(b - a).max() > 0.1 for a, b in itertools.pairwise(weights)]
-    assert moved == [False, True, False, False, True, False, False, False, True]
+    assert moved == [False, True, False, False, True, False, True, False, True]
 
 
 def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_that_was_met():
-    (made, memory), rng = renewed_after(100), np.random.default_rng(0)
+    (made, memory), rng = reset_every(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     for step in range(90, 101):
         made.update(memory, rng, step)
@@ -450,10 +450,10 @@ def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_tha
 
 
 def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
-    (made, memory), rng = renewed_after(100), np.random.default_rng(0)
+    (made, memory), rng = reset_every(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     made.update(memory, rng, 100)
-    other = renewed_after(100)[0]
+    other = reset_every(100)[0]
     other.load(made.arrays())
     draws = np.random.default_rng(1), np.random.default_rng(1)
     for step in (104, 200):
@@ -462,9 +462,9 @@ def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
         assert same(made.arrays(), other.arrays())
 
 
-def renewed_after(steps):
+def reset_every(steps):
     """A learner whose networks are reset, and a replay buffer for it."""
-    return learner(TWO, replace(LINEAR, reset_networks_after=steps, lr=1e-4, batch=16)), met()
+    return learner(TWO, replace(LINEAR, reset_networks_every=steps, lr=1e-4, batch=16)), met()
 
 
 def met():

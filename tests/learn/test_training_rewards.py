@@ -91,7 +91,7 @@ def test_the_ratchet_pays_for_the_best_progress_and_costs_where_it_is_below(ladd
     pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)
     gained = max(ladder) - ladder[0]
     below = sum(max(ladder[: n + 2]) - now for n, now in enumerate(ladder[1:]))
-    assert pays.sum(0) == pytest.approx([0.3 * (10.0 * gained - 0.5 * below)] * 2, abs=1e-6)
+    assert pays.sum(0) == pytest.approx([0.3 * (10.0 * gained - 0.25 * below)] * 2, abs=1e-6)
 
 
 @given(progresses)
@@ -104,7 +104,7 @@ def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder
 
 def test_the_ratchet_takes_nothing_for_staying_where_it_has_paid():
     pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [1.0, 3.0, 3.0, 2.0])
-    assert pays[:, 0] == pytest.approx([0.3 * 20.0, 0.0, -0.3 * 0.5])
+    assert pays[:, 0] == pytest.approx([0.3 * 20.0, 0.0, -0.3 * 0.25])
 
 
 @pytest.mark.parametrize(

@@ -60,9 +60,9 @@ class MaddpgSettings:
             saturation, where gradients vanish, and small where motion earns nothing.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
             it, all ReLUs of a layer can die when the distribution of the observations shifts.
-        reset_networks_after: Control steps after which the networks are reset, and again each time
-            this number has doubled; 0 for never. Networks overfit to the first transitions and then
-            learn ever more slowly (the primacy bias, Nikishin et al. 2022).
+        reset_networks_every: Control steps between resets of the networks, while the replay buffer
+            stays; 0 for never. Networks overfit to the first transitions and then learn ever more
+            slowly (the primacy bias, Nikishin et al. 2022).
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
@@ -88,7 +88,7 @@ class MaddpgSettings:
     actor_every: int = 2
     regulariser: float = 0.03
     actor_norms: bool = False
-    reset_networks_after: int = 0
+    reset_networks_every: int = 0
     share: bool = True
     bc_updates: int = 10_000
     critic_warmup_updates: int = 4_000
@@ -225,8 +225,8 @@ class Maddpg:
         settings = self.settings
         if settings.lr_half_life:
             self._networks.set_lr(settings.lr * 0.5 ** (step / settings.lr_half_life))
-        reset_after = settings.reset_networks_after * 2**self._renewals
-        if reset_after and step >= reset_after:
+        every = settings.reset_networks_every
+        if every and step >= every * (1 + self._renewals):
             self._renewals += 1
             self._pretrained = False
             self._networks = self._build(int(rng.integers(2**63)))
@@ -373,7 +373,8 @@ ALGORITHM = Algorithm(
                 "n_step": 3,
                 "capacity": 100_000,
                 "actor_norms": True,
-                "reset_networks_after": 50_000,
+                "reset_networks_every": 30_000,
+                "update_every": 0.5,
             },
             {"distances": "log"},
         ),
