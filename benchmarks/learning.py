@@ -1,4 +1,4 @@
-"""The learning runs: three tasks, with demonstrations and from scratch, several seeds each.
+"""The learning runs: eight tasks, with demonstrations and from scratch, several seeds each.
 
     python benchmarks/learning.py [--only handover/demos] [--seeds 1 2 3] [--jobs 2] [--folder runs]
 
@@ -29,16 +29,25 @@ from training_runs import EPISODES, summary, trained
 
 RESULTS = Path(__file__).parent / "results"
 TASKS = ("handover", "pick_push_place", "collaborative_lift")
+LIBRARY = ("two_buttons", "lift_pot", "open_lid", "stack_together", "lift_triangle")
+"""Other tasks of the library, chosen before anything was trained on them."""
+
 SEEDS = (1, 2, 3)
 
-COMMON = ("--observe", "scene", "--evaluate-episodes", "100", "--stop-at", "0.99")
+COMMON = ("--evaluate-episodes", "100", "--stop-at", "0.99")
+SCENE = ("--observe", "scene")
+STEPS = ("--steps", "150000", "--evaluate-every", "10000")
 TRACKS = {
-    "demos": ("--demos", "200", "--steps", "50000", "--evaluate-every", "5000"),
-    "scratch": ("--steps", "150000", "--evaluate-every", "10000"),
+    "demos": (*SCENE, "--demos", "200", "--steps", "50000", "--evaluate-every", "5000"),
+    "scratch": (*SCENE, *STEPS),
+    "own": ("--observe", "task", *STEPS),
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 
-RUNS = tuple(f"{task}/{track}" for track in TRACKS for task in TASKS)
+RUNS = (
+    *(f"{task}/{track}" for track in TRACKS for task in TASKS),
+    *(f"{task}/scratch" for task in LIBRARY),
+)
 """By TASK/TRACK."""
 
 WORTH_KEEPING = 0.95

@@ -56,6 +56,8 @@ def summary(folder: Path) -> dict[str, Any]:
         "task": plan["task"],
         "track": plan["track"],
         "seed": plan["seed"],
+        "processor": plan.get("processor", {}).get("name", ""),
+        "c_library": plan.get("system", {}).get("c library", ""),
         "observe": plan["observe"],
         "steps": int(rows[-1].split(",")[0]),
         "minutes": round(float(last_update[1]) / 60.0, 1),

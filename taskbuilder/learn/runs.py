@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import platform
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan,
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import check_recorded, identity, task_in
 from taskbuilder.learn.zoo import load_policy, save_policy
+from taskbuilder.machine import processor, system, versions
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
@@ -220,7 +220,9 @@ def create(
             **({"data_seal": identity(Path(plan.data))} if plan.data else {}),
             "horizon": task.file.spec.timing.episode_steps,
             "stages": list(task.description.stages),
-            "versions": _versions(),
+            "versions": versions(),
+            "processor": processor(),
+            "system": system(),
             "command": command,
         },
     )
@@ -313,11 +315,3 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
 
 def _digest(task: Task) -> str:
     return digest([task.file.entry.file, task.file.entry.description_file])
-
-
-def _versions() -> dict[str, str]:
-    from importlib.metadata import version
-
-    packages = ("pybullet", "numpy", "torch", "gymnasium", "pettingzoo")
-    found = {package: version(package) for package in packages}
-    return {"taskbuilder": __version__, "python": platform.python_version(), **found}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -49,6 +50,8 @@ def test_a_run_is_told_about_evaluation_by_evaluation_and_can_be_played(run):
         "hidden=[8]", "'hidden=[8]'"
     )
     assert plan["versions"].keys() >= {"taskbuilder", "python", "pybullet", "numpy", "torch"}
+    assert plan["processor"]["architecture"] == platform.machine()
+    assert plan["system"]["c library"]
     assert run("evaluate", "first", "--episodes", "1", "--jobs", "1").status == 0
 
 
