@@ -32,6 +32,7 @@ from taskbuilder.description.measures import (
     Mean,
     Measure,
     Minimum,
+    Speed,
     Tilt,
     measure,
 )
@@ -111,6 +112,7 @@ __all__ = [
     "Simultaneous",
     "SiteName",
     "SolidName",
+    "Speed",
     "Stationary",
     "Sustained",
     "Term",

@@ -178,6 +178,17 @@ class Tilt(Measure):
 
 
 @dataclass(frozen=True)
+class Speed(Measure):
+    """How fast a frame moves, in m/s."""
+
+    frame: FrameName
+
+    def value(self, world: WorldView) -> float:
+        linear, _ = world.velocity(self.frame)
+        return math.hypot(*linear)
+
+
+@dataclass(frozen=True)
 class GripperOpening(Measure):
     """How far a robot's gripper is open, from 0 (closed) to 1 (fully open)."""
 

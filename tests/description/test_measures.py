@@ -20,6 +20,7 @@ from taskbuilder.description import (
     JointTravel,
     Ladder,
     Minimum,
+    Speed,
     Tilt,
 )
 from taskbuilder.description.description import Referee
@@ -75,6 +76,12 @@ def test_distances_and_heights_are_in_metres(world, now):
 def test_a_tilt_is_the_angle_to_the_vertical_in_degrees(world, now, axis, rpy_deg, tilt):
     world.poses["cube"] = Pose.from_rpy_deg((0.1, 0.2, 0.3), rpy_deg)
     assert now(Tilt("cube", axis=axis)) == pytest.approx(tilt, abs=1e-5)
+
+
+def test_a_speed_is_in_metres_a_second_in_any_direction(world, now):
+    assert now(Speed("cube")) == 0.0
+    world.velocities["cube"] = ((0.3, 0.0, -0.4), (9.0, 0.0, 0.0))
+    assert now(Speed("cube")) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(
