@@ -6,7 +6,7 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,14 @@ def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
     return result
 
 
+def machine_of(plan: Mapping[str, Any]) -> dict[str, str]:
+    """Processor and C library of a run; earlier runs did not record them."""
+    if "processor" not in plan:
+        return {}
+    name = plan["processor"].get("name", plan["processor"]["architecture"])
+    return {"processor": name, "c_library": plan["system"]["c library"]}
+
+
 def summary(folder: Path) -> dict[str, Any]:
     """What came of a kept run."""
     plan = json.loads((folder / "run.json").read_text())
@@ -56,8 +64,7 @@ def summary(folder: Path) -> dict[str, Any]:
         "task": plan["task"],
         "track": plan["track"],
         "seed": plan["seed"],
-        "processor": plan.get("processor", {}).get("name", ""),
-        "c_library": plan.get("system", {}).get("c library", ""),
+        **machine_of(plan),
         "observe": plan["observe"],
         "steps": int(rows[-1].split(",")[0]),
         "minutes": round(float(last_update[1]) / 60.0, 1),

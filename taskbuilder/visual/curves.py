@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from textwrap import shorten
+from textwrap import shorten, wrap
 from typing import Any, Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ _WIDTH, _LEFT, _RIGHT = 11.0, 0.72, 0.35  # inches, as all that follows
 _GAP = 0.62  # between columns
 _COLUMNS = 4  # of small panels
 _LINE = 0.24  # of text
+_SUBTITLE_LETTERS = 130  # that fit on a line
 _NAMES = 1.05  # room for the names of stages
 _ROUND = [1, 2, 2.5, 5, 10]  # what ticks are multiples of
 _BOLD: Mapping[str, Any] = {"color": INK, "fontsize": 10.5, "fontweight": "bold"}
@@ -90,7 +91,7 @@ def learning_curves(
 
     Args:
         title: In large letters.
-        subtitle: Lines below it.
+        subtitle: Lines below it; long ones are wrapped.
         groups: At least one with stages, and an evaluation in each of these.
         stages: Names of the stages, in order; those that have none are numbered.
         episodes_at: Training episodes that have ended after so many steps, for the upper axis.
@@ -99,6 +100,7 @@ def learning_curves(
     Returns:
         A PNG or an SVG.
     """
+    subtitle = [part for line in subtitle for part in wrap(line, _SUBTITLE_LETTERS)]
     labels = list(dict.fromkeys(label for group in groups for label in group.terms))
     staged = [group for group in groups if group.stages is not None]
     rows = [_Row(2.75, 0.95, _even(2)), *_small_rows(len(labels)), *_stage_rows(len(staged))]

@@ -82,6 +82,16 @@ def height(*groups):
     return float(re.search(r'height="([\d.]+)pt"', svg)[1])
 
 
+def test_a_long_line_below_the_title_is_wrapped():
+    words = " ".join(["reset_networks_every"] * 12)
+    pictures = [
+        learning_curves("t", [line], [made()], (), lambda steps: steps, "svg").decode()
+        for line in ("short", words)
+    ]
+    assert [picture.count("reset_networks_every") for picture in pictures] == [0, 12]
+    assert words not in pictures[1]
+
+
 def test_every_term_has_a_panel_and_every_group_its_stages():
     one, two, three = (height(*(made(f"g{n}", terms=()) for n in range(m))) for m in (1, 2, 3))
     assert three - two > 150 > two - one > 0  # two stand side by side
