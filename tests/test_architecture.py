@@ -51,7 +51,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *SIMULATED,
     ),
     "learn": (
-        *("data", "visual", "expert", "rollout", "env", "jobs", "arrays", "files"),
+        *("data", "visual", "expert", "rollout", "env", "jobs", "machine", "arrays", "files"),
         *SIMULATED,
     ),
     "data": (

@@ -122,8 +122,7 @@ def _frames(content: bytes) -> list[Any]:
         import av
     try:
         with av.open(io.BytesIO(content), "r") as file:
-            for stream in file.streams.video:
-                stream.thread_count = 1
+            file.streams.video[0].thread_count = 1
             found = list(file.decode(video=0))
     except (av.FFmpegError, IndexError) as error:
         raise VideoError(f"a video is damaged ({error})") from None

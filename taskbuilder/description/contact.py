@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 
+from taskbuilder.description.bodies import one_body, without_hands
 from taskbuilder.description.figures import beside, listed
-from taskbuilder.description.measures import one_body, without_hands
 from taskbuilder.description.node import BodyName, Condition, Memory, RobotName, SolidName
 from taskbuilder.description.view import WorldView
 from taskbuilder.schema.names import SceneNames

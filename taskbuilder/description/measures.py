@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, Literal, SupportsFloat
 
+from taskbuilder.description.bodies import one_body, without_hands
 from taskbuilder.description.custom import Call
 from taskbuilder.description.node import (
     Argument,
@@ -221,19 +222,6 @@ class ContactForce(Measure):
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from one_body(self.first, self.second)
-
-
-def without_hands(names: SceneNames, *robots: str) -> Iterator[str]:
-    """Robots that are to hold something and have no gripper."""
-    for robot in robots:
-        if robot in names.handless:
-            yield f"{robot} has no gripper and never holds anything"
-
-
-def one_body(first: str, second: str) -> Iterator[str]:
-    """The problem with a force between a body and itself."""
-    if first.partition(".")[0] == second.partition(".")[0]:
-        yield "no force is known within one body; name two"
 
 
 @dataclass(frozen=True)
