@@ -1,6 +1,9 @@
-"""An ablation of Handover with `maddpg`: seven training setups, two seeds each.
+"""An ablation of Handover with `maddpg`: four rewards, and demonstrations; two seeds each.
 
     python benchmarks/deadlock.py [--only team local] [--seeds 1 2] [--jobs 1] [--folder runs/here]
+
+Two more ways of training belong to it, progress only and progress only on the task's own
+observations: they are handover/scratch and handover/own of learning.py, with the same options.
 
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
 that training has not seen, and writes
@@ -8,8 +11,9 @@ that training has not seen, and writes
 - benchmarks/results/deadlock/WAY-SEED/: plan, tables and result of a run, and
 - benchmarks/results/deadlock.json: what came of each, with the command that makes it again.
 
-All runs have the same learner (`maddpg`), the same settings and 150,000 control steps, which take
-ten to thirty minutes of one core. Nothing is left out: a run that failed is there as it is.
+All runs have the same learner (`maddpg`) and at most 150,000 control steps, which take half an hour
+of one core. Their settings are the same, except for the preset `demos` with demonstrations. Nothing
+is left out: a run that failed is there as it is.
 """
 
 from __future__ import annotations
@@ -33,14 +37,13 @@ WAYS = {
     "team": ("handover", "--reward", "team"),
     "local": ("handover", "--reward", "local"),
     "shaped": ("handover", "--reward", "shaped"),
-    "ratchet": ("handover", "--reward", "ratchet"),
     "wrong_order": (WRONG_ORDER, "--reward", "team"),
     "demos": ("handover", "--reward", "team", "--demos", "200"),
-    "own_observations": ("handover", "--reward", "ratchet", "--observe", "task"),
 }
 """The task and what is particular to each way of training."""
 
-COMMON = ("--algorithm", "maddpg", "--steps", "150000", "--set", "capacity=100000")
+COMMON = ("--observe", "scene", "--steps", "150000", "--evaluate-every", "10000")
+COMMON += ("--evaluate-episodes", "100", "--stop-at", "0.99")
 
 
 def main() -> int:
@@ -68,8 +71,7 @@ def run(wanted: tuple[int, str], folder: Path) -> str:
 def command(way: str, seed: int, folder: Path) -> list[str]:
     """What trains a run from the beginning."""
     task, *options = WAYS[way]
-    scene = () if "--observe" in options else ("--observe", "scene")
-    words = ["train", task, *options, *scene, *COMMON, "--seed", str(seed)]
+    words = ["train", task, *options, *COMMON, "--seed", str(seed)]
     return [*words, "--out", str(folder / f"{way}-{seed}")]
 
 

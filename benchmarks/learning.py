@@ -2,6 +2,9 @@
 
     python benchmarks/learning.py [--only handover/demos] [--seeds 1 2 3] [--jobs 2] [--folder runs]
 
+The algorithm is `maddpg` with the preset of each track. For comparison, `mappo` and `ippo` are PPO
+with a centralised critic and independent PPO, for as many control steps and also from scratch.
+
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
 that neither training nor the choice of a policy has seen, and writes
 
@@ -37,10 +40,13 @@ SEEDS = (1, 2, 3)
 COMMON = ("--evaluate-episodes", "100", "--stop-at", "0.99")
 SCENE = ("--observe", "scene")
 STEPS = ("--steps", "150000", "--evaluate-every", "10000")
+PPO = ("--algorithm", "ppo", "--envs", "8")
 TRACKS = {
     "demos": (*SCENE, "--demos", "200", "--steps", "50000", "--evaluate-every", "5000"),
     "scratch": (*SCENE, *STEPS),
     "own": ("--observe", "task", *STEPS),
+    "mappo": (*SCENE, *STEPS, *PPO, "--preset", "mappo"),
+    "ippo": (*SCENE, *STEPS, *PPO, "--preset", "ippo"),
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 

@@ -62,6 +62,8 @@ def summary(folder: Path) -> dict[str, Any]:
         "run": folder.name,
         "command": plan["command"],
         "task": plan["task"],
+        "algorithm": plan["algorithm"],
+        "preset": plan["preset"],
         "track": plan["track"],
         "seed": plan["seed"],
         **machine_of(plan),

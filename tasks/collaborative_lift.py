@@ -17,6 +17,7 @@ from taskbuilder.description import (
     Near,
     On,
     Once,
+    Speed,
     Sustained,
     Then,
 )
@@ -54,6 +55,7 @@ class CollaborativeLift(Description):
     lowest = Minimum(
         Height("tray.left_handle", "table.top"), Height("tray.right_handle", "table.top")
     )
+    slow = 1.0 - Fraction(Speed("cube"), of=0.5)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "tray.left_handle_top")
         + 0.5 * Closeness("right.tcp", "tray.right_handle_top")
@@ -61,10 +63,13 @@ class CollaborativeLift(Description):
         + Ladder(0.0, (Held("tray.right_handle", by="right"), 0.5)),
         (
             lifted & On("cube", "tray"),
-            2.5 + 2.0 * Fraction(lowest - 0.05, of=0.08) + 2.0 * Closeness("cube", "goal"),
+            2.5
+            + 2.0 * Fraction(lowest - 0.05, of=0.08)
+            + 2.0 * Closeness("cube", "goal")
+            + Closeness("cube", "goal", scale=0.15) * (0.5 + slow),
         ),
-        (presented, 7.5 + 2.0 * Fraction(Duration(presented), of=1.0)),
-        (success, 10.5),
+        (presented, 8.0 + 0.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
+        (success, 11.5),
     )
 
     setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted & ~Once(success), seconds=0.3))

@@ -15,6 +15,7 @@ from taskbuilder.description import (
     Ladder,
     Near,
     Once,
+    Speed,
     Sustained,
     Then,
 )
@@ -48,6 +49,7 @@ class Handover(Description):
     )
 
     lift = Fraction(Height("stick", "table.top"), of=0.1)
+    slow = 1.0 - Fraction(Speed("stick"), of=0.5)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "stick.left_end") + 0.15 * Closeness("right.tcp", "goal"),
         (
@@ -69,10 +71,10 @@ class Handover(Description):
             6.9
             - 0.15 * Closeness("left.tcp", "stick.left_end")
             + 2.0 * Closeness("stick", "goal", scale=0.5)
-            + 1.0 * Closeness("stick", "goal", scale=0.1),
+            + Closeness("stick", "goal", scale=0.15) * (0.75 + slow),
         ),
-        (at_goal, 10.0 + 2.0 * Fraction(Duration(at_goal), of=1.0)),
-        (success, 13.0),
+        (at_goal, 10.75 + 0.5 * slow + 2.0 * Fraction(Duration(at_goal), of=1.0)),
+        (success, 14.0),
     )
 
     held = taken | Held("stick", by="right")

@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from generators import api, commands, leaderboard, results, robots, tasks
+from generators import api, commands, leaderboard, results, robots, tasks, training
 from taskbuilder.reference import codes, keys, vocabulary
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -24,7 +24,7 @@ DOCS = Path(__file__).resolve().parents[1]
 GENERATORS: Mapping[str, Callable[[str], str]] = {
     "api": api.names,
     "channels": vocabulary.channels,
-    "cloning": results.cloning,
+    "cloning": training.cloning,
     "collecting": results.collecting,
     "codes": codes.entries,
     "colours": keys.colours,
@@ -37,18 +37,18 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "keys": keys.table,
     "kinds": vocabulary.kinds,
     "leaderboard": leaderboard.rows,
-    "learning": results.learning,
+    "learning": training.learning,
     "manners": keys.manners,
     "nodes": vocabulary.nodes,
-    "phases": results.phases,
+    "phases": training.phases,
     "probes": results.probes,
     "robots": robots.library,
     "scaffold": commands.scaffold,
-    "robust": results.robust,
+    "robust": training.robust,
     "task": tasks.page,
     "verbs": keys.verbs,
     "view": vocabulary.view,
-    "zoo": results.zoo,
+    "zoo": training.zoo,
 }
 
 _BLOCK = re.compile(

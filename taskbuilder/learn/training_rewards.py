@@ -126,7 +126,7 @@ class Ratchet:
     """A reward for each new best progress of the episode, and a small cost of being below it.
 
     0.3 (10 max(0, Φ - best Φ so far) - 0.25 (best Φ - Φ) + 2 while success holds - 2 on failure or
-    a setback), and both end the episode. The task's own reward is not used: waiting, holding or
+    a setback); a setback ends the episode. The task's own reward is not used: waiting, holding or
     staying near something earns nothing. The cost is for policies that fly past what they were paid
     for. A learner that has lost its object gains nothing by going back for it, so episodes also end
     when the progress has not risen for a while. Critics observe the best progress so far and the

@@ -63,16 +63,13 @@ class EpisodeWrapper(BaseParallelWrapper):  # type: ignore[misc]  # pettingzoo s
 
 
 class EndOnSetback(EpisodeWrapper):
-    """Terminates episodes on the description's ``setback``, and on a failure.
-
-    After a failure, an episode cannot succeed any more, though it may go on.
-    """
+    """Terminates episodes when the description's ``setback`` holds."""
 
     def step(self, actions: Mapping[str, Any]) -> Returned:
         """Step the environment; see `TaskEnv.step`."""
         observations, rewards, terminations, truncations, infos = self.env.step(actions)
         info = next(iter(infos.values()))
-        if info["condition/setback"] or info["failure"]:
+        if info["condition/setback"]:
             terminations = dict.fromkeys(terminations, True)
             truncations = dict.fromkeys(truncations, False)
             self.end_episode()
@@ -233,7 +230,7 @@ class TrainingWrappers:
     """The wrappers of a training run; calling this applies them to an environment.
 
     Attributes:
-        end_on_setback: Terminate episodes on a setback, and on a failure.
+        end_on_setback: Terminate episodes on a setback.
         no_progress_timeout_s: Truncate episodes after this time without progress; None for never.
         start_prefixes: Recorded prefixes that episodes may begin after.
         start_share: Fraction of the episodes that do.

@@ -258,7 +258,7 @@ def _draw_stages(
         return
     steps, shares = group.stages
     count = len(shares) - 1
-    colors = _shades(count)
+    colors = stage_colors(count)
     names = ["none", *stages[:count]]
     names += [f"stage {number}" for number in range(len(names), count + 1)]
     _name_stages(axes, names, colors)
@@ -334,7 +334,7 @@ def _color(number: int) -> str:
     return COLORS[number % len(COLORS)]
 
 
-def _shades(count: int) -> list[str]:
+def stage_colors(count: int) -> list[str]:
     """Colours of no stage, of the stages on the way from pale to deep, and of the last in green."""
     pale, deep = np.array(to_rgb(_PALE)), np.array(to_rgb(_DEEP))
     way = np.linspace(0.0, 1.0, max(count - 1, 0))

@@ -142,19 +142,16 @@ def test_nothing_is_put_around_where_nothing_is_asked_for(make):
 
 
 @pytest.mark.parametrize("asked", [True, False])
-@pytest.mark.parametrize(
-    ("lost", "told"), [("setback", "condition/setback"), ("failure", "failure")]
-)
-def test_a_loss_is_told_and_ends_an_episode_where_that_is_asked_for(make, asked, lost, told):
-    thrown = TWO + f'    {lost} = Below("block", height=0.3)\n'
+def test_a_setback_is_told_and_ends_an_episode_where_that_is_asked_for(make, asked):
+    thrown = TWO + '    setback = Below("block", height=0.3)\n'
     env = TrainingWrappers(end_on_setback=asked)(make(facing(), thrown))
     _, infos = env.reset(seed=0)
-    assert infos["left"][told] == 0.0
+    assert infos["left"]["condition/setback"] == 0.0
     body = env.episode.world.objects["block"].body
     body.place(body.pose().moved((0.3, 0.0, -0.11)))
     _, _, terminations, truncations, infos = env.step(still(env))
-    assert infos["left"][told] == 1.0
-    assert infos["left"]["failure"] == float(lost == "failure")
+    assert infos["left"]["condition/setback"] == 1.0
+    assert infos["left"]["failure"] == 0.0
     assert set(terminations.values()) == {asked}
     assert set(truncations.values()) == {False}
     assert env.agents == ([] if asked else ["left", "right"])

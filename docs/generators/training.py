@@ -1,0 +1,256 @@
+"""Results of training runs, from the files that the benchmarks wrote."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from generators.results import RESULTS, read, signed
+from taskbuilder.learn.logs import read_run
+from taskbuilder.learn.zoo import load_policy, zoo_names
+from taskbuilder.reference.markdown import table
+
+PHASE = 5_000
+"""Training episodes in a row of the tables on the paper's learner."""
+
+NONE = "–"
+"""In a table, for what was not measured."""
+
+DASH = "A dash means that the policies were not evaluated in this way. "
+"""Below a table with `NONE`."""
+
+
+ALGORITHMS = {
+    ("maddpg", "scratch"): "MADDPG (`maddpg`)",
+    ("ppo", "mappo"): "MAPPO (`ppo`, preset `mappo`)",
+    ("ppo", "ippo"): "independent PPO (`ppo`, preset `ippo`)",
+}
+"""Algorithms of the comparison, by name and preset."""
+
+ALGORITHM_SEEDS = (1, 2)
+"""Seeds of the comparison of algorithms, and of the ablation."""
+
+WAYS = {
+    "team": "team reward",
+    "local": "local rewards",
+    "shaped": "team reward and potential-based shaping",
+    "wrong_order": "team reward, smaller bonus for handing over",
+    "demos": "team reward and 200 demonstrations",
+    "ratchet": "progress only (ratchet)",
+    "own": "progress only, own observations",
+}
+"""Ways of training in the ablation of Handover."""
+
+
+def learning(which: str) -> str:
+    """The runs of `maddpg`, or those under the earlier definition of success."""
+    rows = [
+        [
+            run["task"],
+            run["track"],
+            str(run["seed"]),
+            {"scene": "the whole scene", "task": "as the task lists"}[run["observe"]],
+            f"{run['steps']:,}",
+            _success(run),
+            *([] if which else [f"{100.0 * run['success_at_end_rate']:.1f} %"]),
+            _stages(run["stages"]),
+            f"{run['minutes']:.0f}",
+        ]
+        for run in (read("learning_earlier.json")["runs"] if which else _runs("maddpg"))
+    ]
+    if not rows:
+        return "No run is kept yet."
+    head = ["task", "track", "seed", "policies observe", "control steps", "success (95 % interval)"]
+    head += [] if which else ["success at the last step"]
+    return table([*head, "furthest stage", "minutes"], rows)
+
+
+def algorithms(_: str) -> str:
+    """Runs from scratch, by task and algorithm: MADDPG, MAPPO and independent PPO."""
+    runs = [run for name in ALGORITHMS for run in _runs(*name) if run["observe"] == "scene"]
+    runs = [run for run in runs if run["track"] == "scratch" and run["seed"] in ALGORITHM_SEEDS]
+    rows = [
+        [
+            run["task"],
+            ALGORITHMS[run["algorithm"], run["preset"]],
+            str(run["seed"]),
+            f"{run['steps']:,}",
+            _success(run),
+            f"{100.0 * run['success_at_end_rate']:.1f} %",
+            signed(run["return"]),
+            _stages(run["stages"]),
+        ]
+        for run in sorted(runs, key=lambda run: run["task"])
+    ]
+    head = ["task", "algorithm", "seed", "control steps", "success (95 % interval)"]
+    return table([*head, "success at the last step", "return", "furthest stage"], rows)
+
+
+def deadlock(_: str) -> str:
+    """The ablation of Handover: what each way of training came to."""
+    rows = [
+        [
+            WAYS[way],
+            str(run["seed"]),
+            f"{run['steps']:,}",
+            _success(run),
+            f"{100.0 * _handed_over(run):.1f} %",
+            _stages(run["stages"]),
+        ]
+        for way, runs in ablation().items()
+        for run in runs
+    ]
+    head = ["way of training", "seed", "control steps", "success (95 % interval)"]
+    return table([*head, "handed over", "furthest stage"], rows)
+
+
+def ablation() -> dict[str, list[dict[str, Any]]]:
+    """The runs of the ablation of Handover by way of training, in the order of `WAYS`."""
+    found: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
+    for run in read("deadlock.json")["runs"]:
+        found[run["run"].rpartition("-")[0]].append(run)
+    for run in _runs("maddpg", "scratch"):
+        if run["task"] == "handover" and run["seed"] in ALGORITHM_SEEDS:
+            found["ratchet" if run["observe"] == "scene" else "own"].append(run)
+    return found
+
+
+def _runs(algorithm: str, preset: str = "") -> list[dict[str, Any]]:
+    """The kept learning runs of an algorithm."""
+    runs = [run for run in read("learning.json")["runs"] if run["algorithm"] == algorithm]
+    return [run for run in runs if preset in ("", run["preset"])]
+
+
+def _success(run: Mapping[str, Any]) -> str:
+    """A success rate with its interval."""
+    low, high = (100.0 * bound for bound in run["interval"])
+    return f"{100.0 * run['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)"
+
+
+def _handed_over(run: Mapping[str, Any]) -> float:
+    """The share of episodes in which only the right arm held the stick at some time."""
+    counts = run["stages"]
+    reached = list(counts)[list(counts).index("handed over") :]
+    return sum(counts[stage] for stage in reached) / sum(counts.values())
+
+
+def cloning(_: str) -> str:
+    """The results of behaviour cloning, every seed."""
+    found = read("cloning.json")
+    rows = [
+        [
+            run["task"],
+            _inputs(run),
+            str(run["seed"]),
+            f"{run['demonstrations']}",
+            f"{run['updates']:,}",
+            _success(run),
+            _stages(run["stages"]),
+            f"{run['minutes']:.0f}",
+        ]
+        for run in found["runs"]
+    ]
+    head = ["task", "inputs", "seed", "demonstrations", "updates", "success (95 % interval)"]
+    episodes = {run["episodes"] for run in found["runs"]}
+    count = ", ".join(map(str, sorted(episodes)))
+    told = (
+        f"Each policy was evaluated in {count} episodes, with seeds from 2000000. The column "
+        "*minutes* shows how long the training run took on one core, including its evaluations."
+    )
+    return f"{table([*head, 'furthest stage', 'minutes'], rows)}\n\n{told}"
+
+
+def _inputs(run: Mapping[str, Any]) -> str:
+    """What a policy observes."""
+    size = run.get("picture_size")
+    return f"{run['inputs']}, {size}×{size}" if size else str(run["inputs"])
+
+
+def robust(_: str) -> str:
+    """The results of cloning from demonstrations of every variation."""
+    found = read("robust_cloning.json")
+    rows = [
+        [
+            run["task"],
+            str(run["seed"]),
+            *(_worst(run["evaluations"].get(name)) for name in ("fresh", "noise", "randomized")),
+            f"{run['minutes']:.0f}",
+        ]
+        for run in found["runs"]
+    ]
+    noise = f"worst variation, noise of {1000.0 * found['noise_m']:g} mm"
+    head = ["task", "seed", "variation 0", noise, "worst variation, randomised", "minutes"]
+    told = (
+        f"Measured with `{found['command']}`. The table shows success rates over "
+        f"{found['episodes']} episodes, with 95 % intervals in brackets. *Variation 0* was played "
+        "without noise. The next two columns show the lowest success rate among all variations "
+        "(*worst variation*). In the first of them, noise was added to all observed positions. In "
+        "the second (*randomised*), quantities were drawn at random in each episode. "
+        f"{DASH * any(NONE in row for row in rows)}The column *minutes* shows how long the "
+        "training run took on one core, including its evaluations."
+    )
+    return f"{table(head, rows)}\n\n{told}"
+
+
+def _worst(evaluations: Sequence[Mapping[str, Any]] | None) -> str:
+    """The lowest success rate of several variations, with its interval."""
+    if not evaluations:
+        return NONE
+    return _success(min(evaluations, key=lambda each: each["success_rate"]))
+
+
+def phases(run: str) -> str:
+    """The training episodes of a run of the paper's learner, 5,000 at a time."""
+    table_of = read_run(RESULTS / "paper" / run).episodes
+    terms = [name for name in table_of if name.startswith("term/")]
+    bonuses = [name for name in terms if table_of[name].min() >= 0.0]
+    distances = [name for name in terms if name not in bonuses]
+    rows = []
+    for first in range(0, len(table_of["episode"]), PHASE):
+        part = {name: column[first : first + PHASE] for name, column in table_of.items()}
+        rows.append(
+            [
+                f"{first + 1:,}–{first + len(part['episode']):,}",
+                signed(part["team_return"].mean()),
+                *(signed(part[name].mean()) for name in distances),
+                *(f"{np.count_nonzero(part[name]):,}" for name in bonuses),
+                f"{np.count_nonzero(part['success']):,}",
+            ]
+        )
+    labels = [name.removeprefix("term/") for name in (*distances, *bonuses)]
+    return table(["episodes", "return", *(f"`{label}`" for label in labels), "success"], rows)
+
+
+def _stages(stages: dict[str, int]) -> str:
+    """The number of episodes by the last stage that they reached, the furthest first."""
+    reached = [f"{name or 'none'}: {count}" for name, count in stages.items() if count]
+    return ", ".join(reversed(reached))
+
+
+def zoo(_: str) -> str:
+    """The pretrained policies, their success rates, and the commands that trained them."""
+    rows, commands = [], []
+    measured = read("zoo.json")
+    for name in zoo_names():
+        about = load_policy(name).about
+        found = measured["policies"][name]
+        low, high = (100.0 * bound for bound in found["interval"])
+        rows.append(
+            [
+                f"`{name}`",
+                f"{about['step']:,} {'updates' if about['algorithm'] == 'bc' else 'steps'}",
+                f"{found['successes']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
+                f"{100.0 * found['success_at_end_rate']:.1f} %",
+                f"{found['peak_robot_force']['median']:.0f} N",
+            ]
+        )
+        commands.append(about["command"])
+    if not rows:
+        return "None yet."
+    head = ["policy", "trained for", "success (95 % interval)", "success at the last step"]
+    head += ["largest force between robots, median"]
+    made = "\n".join(["These commands trained the policies:", "", "```text", *commands, "```"])
+    asked = f"Measured with `{measured['command']}`, by `python benchmarks/zoo.py`."
+    return f"{table(head, rows)}\n\n{asked}\n\n{made}"
