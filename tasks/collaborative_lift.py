@@ -55,21 +55,26 @@ class CollaborativeLift(Description):
     lowest = Minimum(
         Height("tray.left_handle", "table.top"), Height("tray.right_handle", "table.top")
     )
+    grip = 0.5 * Closeness("left.tcp", "tray.left_handle_top", scale=0.06) + 0.5 * Closeness(
+        "right.tcp", "tray.right_handle_top", scale=0.06
+    )
     slow = 1.0 - Fraction(Speed("cube"), of=0.5)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "tray.left_handle_top")
         + 0.5 * Closeness("right.tcp", "tray.right_handle_top")
+        + 0.5 * grip
         + Ladder(0.0, (Held("tray.left_handle", by="left"), 0.5))
         + Ladder(0.0, (Held("tray.right_handle", by="right"), 0.5)),
         (
             lifted & On("cube", "tray"),
-            2.5
-            + 2.0 * Fraction(lowest - 0.05, of=0.08)
-            + 2.0 * Closeness("cube", "goal")
-            + Closeness("cube", "goal", scale=0.15) * (0.5 + slow),
+            3.0
+            + 0.5 * grip
+            + 0.5 * Fraction(lowest - 0.05, of=0.05)
+            + 3.0 * (0.4 + 0.6 * grip) * Closeness("cube", "goal", scale=0.2)
+            + Closeness("cube", "goal", scale=0.08) * (0.5 + slow),
         ),
-        (presented, 8.0 + 0.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
-        (success, 11.5),
+        (presented, 8.5 + 0.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
+        (success, 12.0),
     )
 
     setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted & ~Once(success), seconds=0.3))
