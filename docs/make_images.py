@@ -2,9 +2,9 @@
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
 strip and the chart of its reward, all from the first camera of the task file; the film of each
-policy of the zoo; the curves of each task's training; a picture of each robot; and tasks.png, the
-three tasks of the README side by side. Given tasks or policies of the zoo, such as
-zoo:handover/demos, it makes theirs only.
+policy of the zoo; the curves of each task's training; the stages reached in the ablation of
+Handover; a picture of each robot; and tasks.png, the three tasks of the README side by side. Given
+tasks or policies of the zoo, such as zoo:handover/demos, it makes theirs only.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from generators.training import WAYS, ablation
+from stage_bars import stage_bars
 
 from taskbuilder import load_task, parallel_env
 from taskbuilder.cli import main as taskbuilder
@@ -131,11 +133,25 @@ def make_all() -> None:
         for run, title in PAPER.items():
             curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
             _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))
+        make_ablation()
         for name, entry in catalogue.robots.items():
             if entry.module:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
                 _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
     save_image(IMAGES / "tasks.png", _side_by_side())
+
+
+def make_ablation() -> None:
+    """Draw the furthest stages of the runs of the ablation of Handover."""
+    groups = {
+        WAYS[way]: [(f"seed {run['seed']}", run["stages"]) for run in runs]
+        for way, runs in ablation().items()
+    }
+    title, subtitle = (
+        "What is learned of Handover",
+        "furthest stage in 300 new episodes of each run",
+    )
+    (IMAGES / "handover-ablation.png").write_bytes(stage_bars(title, subtitle, groups))
 
 
 def _drawn() -> tuple[str, ...]:

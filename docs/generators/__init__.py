@@ -29,6 +29,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "codes": codes.entries,
     "colours": keys.colours,
     "commands": commands.helps,
+    "deadlock": training.deadlock,
     "experts": results.experts,
     "file": tasks.shown_file,
     "fingers": robots.fingers,

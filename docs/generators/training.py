@@ -35,9 +35,9 @@ ALGORITHM_SEEDS = (1, 2)
 WAYS = {
     "team": "team reward",
     "local": "local rewards",
-    "shaped": "team reward and potential-based shaping",
-    "wrong_order": "team reward, smaller bonus for handing over",
-    "demos": "team reward and 200 demonstrations",
+    "shaped": "team reward, shaped by progress",
+    "wrong_order": "team reward, small handover bonus",
+    "demos": "team reward, 200 demonstrations",
     "ratchet": "progress only (ratchet)",
     "own": "progress only, own observations",
 }
@@ -107,14 +107,17 @@ def deadlock(_: str) -> str:
 
 
 def ablation() -> dict[str, list[dict[str, Any]]]:
-    """The runs of the ablation of Handover by way of training, in the order of `WAYS`."""
+    """The runs of the ablation of Handover by way of training, in the order of `WAYS`.
+
+    Ways without a run are left out.
+    """
     found: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
     for run in read("deadlock.json")["runs"]:
         found[run["run"].rpartition("-")[0]].append(run)
     for run in _runs("maddpg", "scratch"):
         if run["task"] == "handover" and run["seed"] in ALGORITHM_SEEDS:
             found["ratchet" if run["observe"] == "scene" else "own"].append(run)
-    return found
+    return {way: runs for way, runs in found.items() if runs}
 
 
 def _runs(algorithm: str, preset: str = "") -> list[dict[str, Any]]:
