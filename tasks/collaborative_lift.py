@@ -58,7 +58,7 @@ class CollaborativeLift(Description):
     grip = 0.5 * Closeness("left.tcp", "tray.left_handle_top", scale=0.06) + 0.5 * Closeness(
         "right.tcp", "tray.right_handle_top", scale=0.06
     )
-    slow = 1.0 - Fraction(Speed("cube"), of=0.5)
+    slow = 1.0 - Fraction(Speed("cube"), of=0.3)
     progress = Ladder(
         0.5 * Closeness("left.tcp", "tray.left_handle_top")
         + 0.5 * Closeness("right.tcp", "tray.right_handle_top")
@@ -71,10 +71,10 @@ class CollaborativeLift(Description):
             + 0.5 * grip
             + 0.5 * Fraction(lowest - 0.05, of=0.05)
             + 3.0 * (0.4 + 0.6 * grip) * Closeness("cube", "goal", scale=0.2)
-            + Closeness("cube", "goal", scale=0.08) * (0.5 + slow),
+            + Closeness("cube", "goal", scale=0.08) * (0.5 + 1.5 * slow),
         ),
-        (presented, 8.5 + 0.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
-        (success, 12.0),
+        (presented, 9.0 + 1.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
+        (success, 13.5),
     )
 
     setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted & ~Once(success), seconds=0.3))

@@ -59,20 +59,22 @@ class PickPushPlace(Description):
     progress = Ladder(
         0.5 * Closeness("left.tcp", "cube.middle")
         + 0.5 * Closeness("right.tcp", "tray.grip")
+        + 0.25 * Closeness("left.tcp", "cube.middle", scale=0.06)
+        + 0.25 * Closeness("right.tcp", "tray.grip", scale=0.06)
         + Ladder(0.0, (cube_held, 0.5 + 0.5 * lift))
         + Ladder(0.0, (tray_held, 0.5)),
         (
             cube_held & tray_held,
-            2.5
+            3.0
             + 0.5 * lift
             + Closeness("tray", "middle", scale=0.7)
             + Closeness("cube", "above_tray", scale=0.7)
             + lift * Closeness("cube", "above_tray", scale=0.08),
         ),
-        (over_tray | in_tray, 6.0 + GripperOpening("left")),
-        (let_go, 8.0 - Fraction(Height("tray", "table.top"), of=0.1)),
-        (placed, 8.5 + 2.0 * Fraction(Duration(placed), of=1.0)),
-        (success, 11.5),
+        (over_tray | in_tray, 6.5 + GripperOpening("left")),
+        (let_go, 8.5 - Fraction(Height("tray", "table.top"), of=0.1)),
+        (placed, 9.0 + 2.0 * Fraction(Duration(placed), of=1.0)),
+        (success, 12.0),
     )
 
     setback = Then(cube_held, Sustained(~cube_held & ~in_tray & ~Once(success), seconds=0.5))
