@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from plays import ABOVE, PLAYS, take
 from scripted import Script
@@ -45,9 +46,10 @@ class TestSuccess:
         outcomes = scripts[name].outcomes
         won = next(k for k, outcome in enumerate(outcomes) if outcome.success)
         rungs = [outcome.progress for outcome in outcomes[won - KEPT_STEPS : won + 1]]
-        lowest = rungs[0]
-        assert rungs[:-1] == pytest.approx([lowest + 0.2 * k for k in range(KEPT_STEPS)])
-        assert rungs[-1] == pytest.approx(lowest + 3.0)
+        rises = np.diff(rungs)
+        assert (rises[:-1] > 0.199).all()  # more than the share while what is carried comes to rest
+        assert rises[-4:-1] == pytest.approx(0.2, abs=0.001)
+        assert rises[-1] > 0.5
 
     def test_is_paid_for_at_once_and_not_for_lasting(self, tasks, scripts, name):
         (bonus,) = (
