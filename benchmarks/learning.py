@@ -50,7 +50,10 @@ TRACKS = {
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 
-LESS_NOISE = {"collaborative_lift/scratch": ("--set", "noise=0.15", "final_noise=0.05")}
+LESS_NOISE = dict.fromkeys(
+    ("collaborative_lift/scratch", "collaborative_lift/own"),
+    ("--set", "noise=0.15", "final_noise=0.05"),
+)
 """Exploration noise moves two arms that hold one object against each other."""
 
 RUNS = (

@@ -147,11 +147,9 @@ def make_ablation() -> None:
         WAYS[way]: [(f"seed {run['seed']}", run["stages"]) for run in runs]
         for way, runs in ablation().items()
     }
-    title, subtitle = (
-        "What is learned of Handover",
-        "furthest stage in 300 new episodes of each run",
-    )
-    (IMAGES / "handover-ablation.png").write_bytes(stage_bars(title, subtitle, groups))
+    title = "What is learned of Handover"
+    chart = stage_bars(title, "furthest stage in 300 new episodes of each run", groups)
+    (IMAGES / "handover-ablation.png").write_bytes(chart)
 
 
 def _drawn() -> tuple[str, ...]:

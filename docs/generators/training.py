@@ -21,16 +21,7 @@ NONE = "–"
 DASH = "A dash means that the policies were not evaluated in this way. "
 """Below a table with `NONE`."""
 
-
-ALGORITHMS = {
-    ("maddpg", "scratch"): "MADDPG (`maddpg`)",
-    ("ppo", "mappo"): "MAPPO (`ppo`, preset `mappo`)",
-    ("ppo", "ippo"): "independent PPO (`ppo`, preset `ippo`)",
-}
-"""Algorithms of the comparison, by name and preset."""
-
-ALGORITHM_SEEDS = (1, 2)
-"""Seeds of the comparison of algorithms, and of the ablation."""
+ABLATION_SEEDS = (1, 2)
 
 WAYS = {
     "team": "team reward",
@@ -67,27 +58,6 @@ def learning(which: str) -> str:
     return table([*head, "furthest stage", "minutes"], rows)
 
 
-def algorithms(_: str) -> str:
-    """Runs from scratch, by task and algorithm: MADDPG, MAPPO and independent PPO."""
-    runs = [run for name in ALGORITHMS for run in _runs(*name) if run["observe"] == "scene"]
-    runs = [run for run in runs if run["track"] == "scratch" and run["seed"] in ALGORITHM_SEEDS]
-    rows = [
-        [
-            run["task"],
-            ALGORITHMS[run["algorithm"], run["preset"]],
-            str(run["seed"]),
-            f"{run['steps']:,}",
-            _success(run),
-            f"{100.0 * run['success_at_end_rate']:.1f} %",
-            signed(run["return"]),
-            _stages(run["stages"]),
-        ]
-        for run in sorted(runs, key=lambda run: run["task"])
-    ]
-    head = ["task", "algorithm", "seed", "control steps", "success (95 % interval)"]
-    return table([*head, "success at the last step", "return", "furthest stage"], rows)
-
-
 def deadlock(_: str) -> str:
     """The ablation of Handover: what each way of training came to."""
     rows = [
@@ -115,7 +85,7 @@ def ablation() -> dict[str, list[dict[str, Any]]]:
     for run in read("deadlock.json")["runs"]:
         found[run["run"].rpartition("-")[0]].append(run)
     for run in _runs("maddpg", "scratch"):
-        if run["task"] == "handover" and run["seed"] in ALGORITHM_SEEDS:
+        if run["task"] == "handover" and run["seed"] in ABLATION_SEEDS:
             found["ratchet" if run["observe"] == "scene" else "own"].append(run)
     return {way: runs for way, runs in found.items() if runs}
 
@@ -128,8 +98,12 @@ def _runs(algorithm: str, preset: str = "") -> list[dict[str, Any]]:
 
 def _success(run: Mapping[str, Any]) -> str:
     """A success rate with its interval."""
+    return f"{100.0 * run['success_rate']:.1f} % {_interval(run)}"
+
+
+def _interval(run: Mapping[str, Any]) -> str:
     low, high = (100.0 * bound for bound in run["interval"])
-    return f"{100.0 * run['success_rate']:.1f} % ({low:.1f}–{high:.1f} %)"
+    return f"({low:.1f}–{high:.1f} %)"
 
 
 def _handed_over(run: Mapping[str, Any]) -> float:
@@ -239,12 +213,11 @@ def zoo(_: str) -> str:
     for name in zoo_names():
         about = load_policy(name).about
         found = measured["policies"][name]
-        low, high = (100.0 * bound for bound in found["interval"])
         rows.append(
             [
                 f"`{name}`",
                 f"{about['step']:,} {'updates' if about['algorithm'] == 'bc' else 'steps'}",
-                f"{found['successes']} of {found['episodes']} ({low:.1f}–{high:.1f} %)",
+                f"{found['successes']} of {found['episodes']} {_interval(found)}",
                 f"{100.0 * found['success_at_end_rate']:.1f} %",
                 f"{found['peak_robot_force']['median']:.0f} N",
             ]
