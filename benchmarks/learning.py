@@ -50,12 +50,6 @@ TRACKS = {
 }
 """What `taskbuilder train` is told beside the task and the seed, by track."""
 
-LESS_NOISE = dict.fromkeys(
-    ("collaborative_lift/scratch", "collaborative_lift/own"),
-    ("--set", "noise=0.15", "final_noise=0.05"),
-)
-"""Exploration noise moves two arms that hold one object against each other."""
-
 RUNS = (
     *(f"{task}/{track}" for track in TRACKS for task in TASKS),
     *(f"{task}/scratch" for task in LIBRARY),
@@ -90,8 +84,7 @@ def command(name: str, seed: int, folder: Path) -> list[str]:
     """What trains a run from the beginning."""
     task, track = name.split("/")
     out = folder / f"{task}-{track}-{seed}"
-    options = (*TRACKS[track], *LESS_NOISE.get(name, ()), *COMMON)
-    return ["train", task, "--seed", str(seed), *options, "--out", str(out)]
+    return ["train", task, "--seed", str(seed), *TRACKS[track], *COMMON, "--out", str(out)]
 
 
 def run(wanted: tuple[str, int], folder: Path) -> str:

@@ -345,6 +345,14 @@ def test_exploration_adds_noise_that_falls_over_the_training(done, noise):
     assert made.act(seen_by(TWO), Constant(99.0), done)["left"].max() == 1.0
 
 
+def test_the_noise_differs_between_environments():
+    made = learner(TWO, replace(FIXED, least_noise=0.1))
+    set_to(made, {"begun": True})
+    noise = [0.1 * 0.25, 0.55 * 0.25, 0.25]
+    assert made.act(seen_by(TWO, 3), Constant(1.0), 0.0)["left"][:, 0] == pytest.approx(noise)
+    assert made.act(seen_by(TWO, 1), Constant(1.0), 0.0)["left"] == pytest.approx(0.25)
+
+
 def test_alike_agents_share_an_actor_that_knows_their_roles():
     made = learner(TWO, replace(FIXED, noise=0.0, final_noise=0.0))
     assert not any(name.startswith("actors/1") for name in made.arrays())

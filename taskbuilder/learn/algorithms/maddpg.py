@@ -54,6 +54,10 @@ class MaddpgSettings:
         noise: Standard deviation of the Gaussian exploration noise at the start of training.
         final_noise: Its value at the end of a linear decay.
         noise_until: Fraction of the training after which the decay ends.
+        least_noise: The noise in the first of several environments, relative to the last, which has
+            the full noise; those in between are evenly spaced. Strong noise finds what little noise
+            does not, and with little noise, states are reached that need precise actions (different
+            noise in parallel environments: Horgan et al. 2018, Ape-X).
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
         actor_every: Critic updates per actor update.
         regulariser: Weight of the mean squared input of the actors' tanh. It keeps actions out of
@@ -84,6 +88,7 @@ class MaddpgSettings:
     noise: float = 0.25
     final_noise: float = 0.1
     noise_until: float = 1.0
+    least_noise: float = 1.0
     smoothing: float = 0.1
     actor_every: int = 2
     regulariser: float = 0.03
@@ -169,7 +174,8 @@ class Maddpg:
                 .cpu()
                 .numpy()
             )
-        noise = self.noise(progress_fraction)
+        scale = np.linspace(1.0, self.settings.least_noise, len(plain), dtype=np.float32)
+        noise = self.noise(progress_fraction) * scale[::-1, None]
         first, actions = self.shapes.layout.actions.start, {}
         for agent, part in self.shapes.layout.action.items():
             own = plain[:, part.start - first : part.stop - first]
@@ -365,7 +371,7 @@ ALGORITHM = Algorithm(
             "learning with demonstrations",
             {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regulariser": 0.005},
         ),
-        # Early transitions differ from late ones.
+        # Early transitions differ from late ones. Saturated actions neither brake nor explore.
         "scratch": Preset(
             "learning without demonstrations",
             {
@@ -375,6 +381,8 @@ ALGORITHM = Algorithm(
                 "actor_norms": True,
                 "reset_networks_every": 30_000,
                 "update_every": 0.5,
+                "least_noise": 0.1,
+                "regulariser": 0.2,
             },
             {"distances": "log"},
         ),
