@@ -187,7 +187,8 @@ def add_train(adder: CommandAdder) -> None:
         "--stop-at",
         type=share,
         metavar="SHARE",
-        help="stop when two evaluations in a row reach this success rate",
+        help="stop when, in two evaluations in a row, success holds at the last control step in "
+        "this share of the episodes",
     )
     parser.add_argument(
         "--set",

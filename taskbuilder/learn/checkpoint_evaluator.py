@@ -27,11 +27,11 @@ class Evaluation:
     """The result of evaluating a policy.
 
     Attributes:
-        success: Fraction of the episodes that succeeded.
+        success_at_end: Fraction of the episodes in which success held at the last control step.
         row: The row for the table of evaluations.
     """
 
-    success: float
+    success_at_end: float
     row: Mapping[str, float]
 
 
@@ -65,11 +65,12 @@ class CheckpointEvaluator:
         row = {
             "episodes": played.episodes,
             "success_rate": played.success_rate,
+            "success_at_end_rate": played.success_at_end_rate,
             "team_return": played.mean_return,
             "steps_to_success": -1.0 if steps is None else steps,
             **{f"stage/{stage}": count for stage, count in enumerate(played.stages)},
         }
-        return Evaluation(played.success_rate, row)
+        return Evaluation(played.success_at_end_rate, row)
 
     def _film(self, episode: Rollout, step: int) -> None:
         """Film an episode from the first camera of the scene."""

@@ -68,7 +68,8 @@ class Plan:
         evaluate_episodes: Episodes per evaluation.
         film_every: Evaluations between films of an episode; 0 for no films.
         checkpoint_every: Control steps between checkpoints.
-        stop_at: Stop when two evaluations in a row reach this success rate.
+        stop_at: Stop when, in two evaluations in a row, success holds at the last control step in
+            this share of the episodes.
         settings: Settings of the algorithm that differ from its defaults, by name.
     """
 

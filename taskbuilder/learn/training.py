@@ -107,8 +107,8 @@ class Counters:
     Attributes:
         step: Control steps so far, summed over all environments.
         episode: Number of finished episodes.
-        best: Success rate of the saved policy.
-        reached: Latest evaluations in a row that reached the success rate to stop at.
+        best: Rate of success at the last control step of the saved policy.
+        reached: Latest evaluations in a row that reached the rate to stop at.
         seconds: Total time, evaluations included.
     """
 
@@ -240,10 +240,10 @@ class Trainer:
         counters, plan = self._counters, self._plan
         row = {"episode": counters.episode, **evaluation.row}
         self.logger.add("evaluations", counters.step, row)
-        if evaluation.success >= counters.best:
-            counters.best = evaluation.success
+        if evaluation.success_at_end >= counters.best:
+            counters.best = evaluation.success_at_end
             save_policy(self._folder / POLICY_FILE, policy)
-        sure = plan.stop_at is not None and evaluation.success >= plan.stop_at
+        sure = plan.stop_at is not None and evaluation.success_at_end >= plan.stop_at
         counters.reached = counters.reached + 1 if sure else 0
 
     def save(self) -> None:

@@ -125,7 +125,7 @@ class Shaped:
 class Ratchet:
     """A reward for each new best progress of the episode, and a small cost of being below it.
 
-    0.3 (10 max(0, Φ - best Φ so far) - 0.25 (best Φ - Φ) + 2 while success holds - 2 on failure or
+    0.3 (10 max(0, Φ - best Φ so far) - 0.25 (best Φ - Φ) + 4 while success holds - 2 on failure or
     a setback); a setback ends the episode. The task's own reward is not used: waiting, holding or
     staying near something earns nothing. The cost is for policies that fly past what they were paid
     for. A learner that has lost its object gains nothing by going back for it, so episodes also end
@@ -138,7 +138,7 @@ class Ratchet:
     end_on_setback = True
     no_progress_timeout_s: float | None = 1.5
     feature_count = 2
-    gain, below, success, failure, scale = 10.0, 0.25, 2.0, 2.0, 0.3
+    gain, below, success, failure, scale = 10.0, 0.25, 4.0, 2.0, 0.3
 
     def __init__(self, num_envs: int, discount: float) -> None:
         del discount

@@ -110,7 +110,7 @@ def test_the_ratchet_takes_nothing_for_staying_where_it_has_paid():
 @pytest.mark.parametrize(
     ("outcome", "pay"),
     [
-        ({"success": 1.0}, 0.6),
+        ({"success": 1.0}, 1.2),
         ({"failure": 1.0}, -0.6),
         ({"setback": 1.0}, -0.6),
         ({"failure": 1.0, "setback": 1.0}, -0.6),
