@@ -112,14 +112,13 @@ def success(run: Path) -> float:
 
 
 def write_summary() -> None:
-    """Write what came of all runs that are kept."""
-    folders = sorted((RESULTS / "learning").glob("*/"))
-    data = {
-        "command": "python benchmarks/learning.py",
-        "machine": describe_machine(),
-        "runs": [summary(folder) for folder in folders],
-    }
-    (RESULTS / "learning.json").write_text(json.dumps(data, indent=2) + "\n")
+    """Write what came of all runs that are kept, and of the trials that were evaluated."""
+    made_by = {"learning": {"command": "python benchmarks/learning.py"}, "learning_trials": {}}
+    for name, about in made_by.items():
+        found = sorted((RESULTS / name).glob("*/evaluation.json"))
+        runs = [summary(file.parent) for file in found]
+        data = {**about, "machine": describe_machine(), "runs": runs}
+        (RESULTS / f"{name}.json").write_text(json.dumps(data, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -130,6 +130,9 @@ def make_all() -> None:
             if runs:
                 curves = IMAGES / f"{task}-{track}{when}-curves.png"
                 _call("plot", *map(str, runs), "--out", str(curves))
+        for task in SHOWN:
+            runs = sorted((RESULTS / "learning_trials").glob(f"{task}-*-saturated"))
+            _call("plot", *map(str, runs), "--out", str(IMAGES / f"{task}-saturated-curves.png"))
         for run, title in PAPER.items():
             curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
             _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))

@@ -21,7 +21,8 @@ NONE = "–"
 DASH = "A dash means that the policies were not evaluated in this way. "
 """Below a table with `NONE`."""
 
-ABLATION_SEEDS = (1, 2)
+RATCHET = ("handover-1-saturated", "handover-2-saturated")
+"""Trials with the reward `ratchet` and with the settings of the ablation's other runs."""
 
 WAYS = {
     "team": "team reward",
@@ -36,7 +37,17 @@ WAYS = {
 
 
 def learning(which: str) -> str:
-    """The runs of `maddpg`, or those under the earlier definition of success."""
+    """The runs of `maddpg`, the trials whose names end in a word, or the earlier runs.
+
+    Args:
+        which: "", the last word of the trials' names, or "earlier": those under the earlier
+            definition of success.
+    """
+    earlier = which == "earlier"
+    runs = read("learning_earlier.json")["runs"] if earlier else _runs("maddpg")
+    if which and not earlier:
+        trials = read("learning_trials.json")["runs"]
+        runs = [run for run in trials if run["run"].endswith(f"-{which}")]
     rows = [
         [
             run["task"],
@@ -45,16 +56,16 @@ def learning(which: str) -> str:
             {"scene": "the whole scene", "task": "as the task lists"}[run["observe"]],
             f"{run['steps']:,}",
             _success(run),
-            *([] if which else [f"{100.0 * run['success_at_end_rate']:.1f} %"]),
+            *([] if earlier else [f"{100.0 * run['success_at_end_rate']:.1f} %"]),
             _stages(run["stages"]),
             f"{run['minutes']:.0f}",
         ]
-        for run in (read("learning_earlier.json")["runs"] if which else _runs("maddpg"))
+        for run in runs
     ]
     if not rows:
         return "No run is kept yet."
     head = ["task", "track", "seed", "policies observe", "control steps", "success (95 % interval)"]
-    head += [] if which else ["success at the last step"]
+    head += [] if earlier else ["success at the last step"]
     return table([*head, "furthest stage", "minutes"], rows)
 
 
@@ -84,16 +95,15 @@ def ablation() -> dict[str, list[dict[str, Any]]]:
     found: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
     for run in read("deadlock.json")["runs"]:
         found[run["run"].rpartition("-")[0]].append(run)
-    for run in _runs("maddpg", "scratch"):
-        if run["task"] == "handover" and run["seed"] in ABLATION_SEEDS:
-            found["ratchet" if run["observe"] == "scene" else "own"].append(run)
+    for run in read("learning_trials.json")["runs"]:
+        if run["run"] in RATCHET:
+            found["ratchet"].append(run)
     return {way: runs for way, runs in found.items() if runs}
 
 
-def _runs(algorithm: str, preset: str = "") -> list[dict[str, Any]]:
+def _runs(algorithm: str) -> list[dict[str, Any]]:
     """The kept learning runs of an algorithm."""
-    runs = [run for run in read("learning.json")["runs"] if run["algorithm"] == algorithm]
-    return [run for run in runs if preset in ("", run["preset"])]
+    return [run for run in read("learning.json")["runs"] if run["algorithm"] == algorithm]
 
 
 def _success(run: Mapping[str, Any]) -> str:

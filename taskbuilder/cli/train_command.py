@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from taskbuilder.cli.output import paint, progress, say
 from taskbuilder.cli.spreading import spread_over
@@ -19,6 +19,10 @@ from taskbuilder.learn.plan import RUN_FILE, Plan, make_plan
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
+
+if TYPE_CHECKING:  # loads PyTorch
+    from taskbuilder.learn.checkpoint_evaluator import Evaluation
+    from taskbuilder.learn.training import TrainingStatus
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -112,22 +116,22 @@ def _track(episodes: Iterable[Rollout], count: int) -> list[Rollout]:
 
 
 def _go_on(folder: Path, plan: Plan, task: Task) -> None:
-    def watch(status: Any) -> None:
+    def watch(status: TrainingStatus) -> None:
         if status.evaluation is not None:
-            say(_line(plan, status))
+            say(_line(plan, status, status.evaluation))
 
     runs.go_on(folder, plan, task, watch)
     print(f"policy and tables: {display_path(folder)}")
 
 
-def _line(plan: Plan, status: Any) -> str:
+def _line(plan: Plan, status: TrainingStatus, evaluation: Evaluation) -> str:
     """How a run stands after an evaluation."""
-    evaluation = status.evaluation
-    success = paint(f"success {evaluation.success:4.0%}", "bold")
+    success = paint(f"success {evaluation.row['success_rate']:4.0%}", "bold")
     left = (plan.steps - status.step) / max(status.steps_per_second, 1e-9)
     parts = (
         f"step {status.step:{len(str(plan.steps))}}",
         success,
+        f"at the end {evaluation.success_at_end:4.0%}",
         f"return {evaluation.row['team_return']:7.1f}",
         f"{status.steps_per_second:4.0f} steps/s",
         f"{left / 60.0:.0f} min left",
