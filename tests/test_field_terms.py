@@ -22,7 +22,7 @@ PRIVATE: dict[str, dict[str, str]] = {
         "overview": "critic_input",
         "cloning": "bc_updates",
         "judging": "critic_warmup_updates",
-        "renew": "reset_networks_every",
+        "renew": "reset_networks_after",
         "judge": "CheckpointEvaluator",
         "signals": "training_rewards",
         "expertise": "demonstrations",

@@ -77,13 +77,13 @@ def test_settings_fit_learning_from_nothing_and_with_demonstrations(run):
     assert run(*TRAIN, "--out", "nothing").status == 0
     learned = plan_of("nothing")["settings"]
     assert (learned["discount"], learned["actor_norms"]) == (0.95, True)
-    assert learned["reset_networks_every"] == 30_000
+    assert learned["reset_networks_after"] == 10_000
 
     quick = ("bc_updates=2", "critic_warmup_updates=2", "regulariser=0.01")
     assert run(*TRAIN, *quick, "--demos", "1", "--steps", "60", "--out", "shown").status == 0
     shown = plan_of("shown")["settings"]
     assert (shown["noise"], shown["lr_half_life"], shown["regulariser"]) == (0.1, 30_000, 0.01)
-    assert "reset_networks_every" not in shown
+    assert "reset_networks_after" not in shown
 
     paper = ("train", "handover", "--algorithm", "maddpg_openai", "--reward", "team")
     reference = ("--set", "hidden=[8]", "batch=16")

@@ -216,12 +216,18 @@ def test_an_agent_rises_along_its_own_critic_alone_where_agents_are_paid_unalike
     assert slopes == pytest.approx([-0.3, -right], abs=1e-6)
 
 
-def test_actors_are_held_off_the_ends_of_their_tanh():
-    made = learner(TWO, replace(FIXED, regulariser=0.1))
-    set_to(made, {f"{ACTOR}.weight": [[0.0], [1.0], [-3.0]]})
-    assert updated(made, row(TWO))["actor"] == pytest.approx(0.1 * (1.0 + 9.0) / 2)
-    slopes = gradient(made, "actor_adam", 0)[0, 1:, 0]
-    assert slopes == pytest.approx([0.1 * 1.0, 0.1 * -3.0], rel=1e-5)
+@pytest.mark.parametrize(
+    ("setting", "loss", "slopes"),
+    [
+        ("regulariser", 0.1 * (0.5**2 + 3.0**2) / 2, [0.1 * 0.5, 0.1 * -3.0]),
+        ("saturation_penalty", 0.1 * 2.0**2 / 2, [0.0, 0.1 * -2.0]),  # beyond ±1 alone
+    ],
+)
+def test_actors_are_held_off_the_ends_of_their_tanh(setting, loss, slopes):
+    made = learner(TWO, replace(FIXED, **{setting: 0.1}))
+    set_to(made, {f"{ACTOR}.weight": [[0.0], [0.5], [-3.0]]})
+    assert updated(made, row(TWO))["actor"] == pytest.approx(loss)
+    assert gradient(made, "actor_adam", 0)[0, 1:, 0] == pytest.approx(slopes, rel=1e-5)
 
 
 def test_actors_and_targets_move_at_every_second_update_of_the_critics_only():
@@ -433,19 +439,20 @@ def test_the_exported_policy_does_what_the_learner_would_without_noise(shapes, n
 # --- beginning anew
 
 
-def test_networks_begin_anew_every_so_many_steps():
-    (made, memory), rng = reset_every(100), np.random.default_rng(0)
+def test_networks_begin_anew_ever_more_rarely():
+    (made, memory), rng = reset_after(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     weights = [made.arrays()[f"{CRITICS}.weight"]]
-    for step in (99, 100, 104, 199, 203, 204, 300, 399, 400):
+    steps = (99, 100, 104, 199, 203, 204, 300, 399, 400, 799, 800)
+    for step in steps:
         made.update(memory, rng, step)
         weights.append(made.arrays()[f"{CRITICS}.weight"])
     moved = [np.abs(b - a).max() > 0.1 for a, b in itertools.pairwise(weights)]
-    assert moved == [False, True, False, False, True, False, True, False, True]
+    assert moved == [step in (100, 203, 400, 800) for step in steps]
 
 
 def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_that_was_met():
-    (made, memory), rng = reset_every(100), np.random.default_rng(0)
+    (made, memory), rng = reset_after(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     for step in range(90, 101):
         made.update(memory, rng, step)
@@ -458,10 +465,10 @@ def test_what_begins_anew_has_learned_nothing_and_sees_by_the_measure_of_all_tha
 
 
 def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
-    (made, memory), rng = reset_every(100), np.random.default_rng(0)
+    (made, memory), rng = reset_after(100), np.random.default_rng(0)
     made.begin(random_rows(TWO, 64), rng)
     made.update(memory, rng, 100)
-    other = reset_every(100)[0]
+    other = reset_after(100)[0]
     other.load(made.arrays())
     draws = np.random.default_rng(1), np.random.default_rng(1)
     for step in (104, 200):
@@ -470,9 +477,9 @@ def test_a_learner_that_was_loaded_begins_anew_when_the_other_would():
         assert same(made.arrays(), other.arrays())
 
 
-def reset_every(steps):
+def reset_after(steps):
     """A learner whose networks are reset, and a replay buffer for it."""
-    return learner(TWO, replace(LINEAR, reset_networks_every=steps, lr=1e-4, batch=16)), met()
+    return learner(TWO, replace(LINEAR, reset_networks_after=steps, lr=1e-4, batch=16)), met()
 
 
 def met():

@@ -83,12 +83,12 @@ def height(*groups):
 
 
 def test_a_long_line_below_the_title_is_wrapped():
-    words = " ".join(["reset_networks_every"] * 12)
+    words = " ".join(["reset_networks_after"] * 12)
     pictures = [
         learning_curves("t", [line], [made()], (), lambda steps: steps, "svg").decode()
         for line in ("short", words)
     ]
-    assert [picture.count("reset_networks_every") for picture in pictures] == [0, 12]
+    assert [picture.count("reset_networks_after") for picture in pictures] == [0, 12]
     assert words not in pictures[1]
 
 

@@ -60,13 +60,16 @@ class MaddpgSettings:
             noise in parallel environments: Horgan et al. 2018, Ape-X).
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
         actor_every: Critic updates per actor update.
-        regulariser: Weight of the mean squared input of the actors' tanh. It keeps actions out of
-            saturation, where gradients vanish, and small where motion earns nothing.
+        regulariser: Weight of the mean squared input of the actors' tanh. It keeps actions small
+            where motion earns nothing.
+        saturation_penalty: Weight of the mean squared part of this input beyond ±1. It keeps
+            actions out of saturation, where gradients vanish, and leaves others as they are.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
             it, all ReLUs of a layer can die when the distribution of the observations shifts.
-        reset_networks_every: Control steps between resets of the networks, while the replay buffer
-            stays; 0 for never. Networks overfit to the first transitions and then learn ever more
-            slowly (the primacy bias, Nikishin et al. 2022).
+        reset_networks_after: Control steps before the first reset of the networks; 0 for never. The
+            replay buffer stays. Each later reset is after twice as many steps as the one before.
+            Networks overfit to the first transitions and then learn ever more slowly (the primacy
+            bias, Nikishin et al. 2022).
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
@@ -92,8 +95,9 @@ class MaddpgSettings:
     smoothing: float = 0.1
     actor_every: int = 2
     regulariser: float = 0.03
+    saturation_penalty: float = 0.0
     actor_norms: bool = False
-    reset_networks_every: int = 0
+    reset_networks_after: int = 0
     share: bool = True
     bc_updates: int = 10_000
     critic_warmup_updates: int = 4_000
@@ -168,12 +172,8 @@ class Maddpg:
             shape = {a: (len(seen), self.shapes.actions[a]) for a, seen in observations.items()}
             return {a: rng.uniform(-1.0, 1.0, n).astype(np.float32) for a, n in shape.items()}
         with torch.no_grad():
-            plain = (
-                self._networks.actors(self._standard.observations(observations))
-                .tanh_()
-                .cpu()
-                .numpy()
-            )
+            raw = self._networks.actors(self._standard.observations(observations))
+            plain = raw.tanh_().cpu().numpy()
         scale = np.linspace(1.0, self.settings.least_noise, len(plain), dtype=np.float32)
         noise = self.noise(progress_fraction) * scale[::-1, None]
         first, actions = self.shapes.layout.actions.start, {}
@@ -231,8 +231,8 @@ class Maddpg:
         settings = self.settings
         if settings.lr_half_life:
             self._networks.set_lr(settings.lr * 0.5 ** (step / settings.lr_half_life))
-        every = settings.reset_networks_every
-        if every and step >= every * (1 + self._renewals):
+        first = settings.reset_networks_after
+        if first and step >= first * 2**self._renewals:
             self._renewals += 1
             self._pretrained = False
             self._networks = self._build(int(rng.integers(2**63)))
@@ -280,6 +280,9 @@ class Maddpg:
         raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
         actions = raw.tanh()
         loss: Tensor = self.settings.regulariser * raw.square().mean()
+        if self.settings.saturation_penalty:
+            beyond = (raw.abs() - 1.0).relu()
+            loss = loss + self.settings.saturation_penalty * beyond.square().mean()
         paid = self.shapes.agents[: self._rewards]
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
         values: Tensor = self._networks.critics(joint, first=self._rewards).flatten(1)
@@ -379,10 +382,10 @@ ALGORITHM = Algorithm(
                 "n_step": 3,
                 "capacity": 100_000,
                 "actor_norms": True,
-                "reset_networks_every": 30_000,
+                "reset_networks_after": 10_000,
                 "update_every": 0.5,
                 "least_noise": 0.1,
-                "regulariser": 0.2,
+                "saturation_penalty": 0.2,
             },
             {"distances": "log"},
         ),
