@@ -49,6 +49,9 @@ SHOWN = {
     "handover": "Handover",
 }
 TRACKS = ("demos", "scratch", "resets")
+TRIALS = ("saturated", "regularised", "brake")
+"""Last words of the names of trials that the page on learning shows with their curves."""
+
 SIZES = ((800, 600), (640, 480))
 """Sizes of a task's picture: the first that is small enough."""
 PICTURE_BYTES = 150_000
@@ -130,9 +133,11 @@ def make_all() -> None:
             if runs:
                 curves = IMAGES / f"{task}-{track}{when}-curves.png"
                 _call("plot", *map(str, runs), "--out", str(curves))
-        for task in SHOWN:
-            runs = sorted((RESULTS / "learning_trials").glob(f"{task}-*-saturated"))
-            _call("plot", *map(str, runs), "--out", str(IMAGES / f"{task}-saturated-curves.png"))
+        for task, trial in product(SHOWN, TRIALS):
+            runs = sorted((RESULTS / "learning_trials").glob(f"{task}-*-{trial}"))
+            if runs:
+                curves = IMAGES / f"{task}-{trial}-curves.png"
+                _call("plot", *map(str, runs), "--out", str(curves))
         for run, title in PAPER.items():
             curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
             _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))

@@ -73,8 +73,8 @@ class Handover(Description):
             + 2.0 * Closeness("stick", "goal", scale=0.5)
             + Closeness("stick", "goal", scale=0.15) * (0.75 + slow),
         ),
-        (at_goal, 10.75 + 0.5 * slow + 2.0 * Fraction(Duration(at_goal), of=1.0)),
-        (success, 14.0),
+        (at_goal, 10.75 + 1.5 * slow + 2.0 * Fraction(Duration(at_goal), of=1.0)),
+        (success, 14.75),
     )
 
     held = taken | Held("stick", by="right")
