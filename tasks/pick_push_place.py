@@ -67,14 +67,14 @@ class PickPushPlace(Description):
             cube_held & tray_held,
             3.0
             + 0.5 * lift
-            + Closeness("tray", "middle", scale=0.7)
-            + Closeness("cube", "above_tray", scale=0.7)
+            + 2.0 * Closeness("tray", "middle", scale=0.7)
+            + 2.0 * Closeness("cube", "above_tray", scale=0.7)
             + lift * Closeness("cube", "above_tray", scale=0.08),
         ),
-        (over_tray | in_tray, 6.5 + GripperOpening("left")),
-        (let_go, 8.5 - Fraction(Height("tray", "table.top"), of=0.1)),
-        (placed, 9.0 + 2.0 * Fraction(Duration(placed), of=1.0)),
-        (success, 12.0),
+        (over_tray | in_tray, 8.5 + GripperOpening("left")),
+        (let_go, 10.5 - Fraction(Height("tray", "table.top"), of=0.1)),
+        (placed, 11.0 + 2.0 * Fraction(Duration(placed), of=1.0)),
+        (success, 14.0),
     )
 
     setback = Then(cube_held, Sustained(~cube_held & ~in_tray & ~Once(success), seconds=0.5))
