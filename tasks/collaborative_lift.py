@@ -58,7 +58,9 @@ class CollaborativeLift(Description):
     grip = 0.5 * Closeness("left.tcp", "tray.left_handle_top", scale=0.06) + 0.5 * Closeness(
         "right.tcp", "tray.right_handle_top", scale=0.06
     )
-    slow = 1.0 - Fraction(Speed("cube"), of=0.3)
+    slow = (
+        1.0 - 0.5 * Fraction(Speed("cube"), of=0.15) - 0.5 * Fraction(Speed("cube"), of=0.6)
+    )  # falls up to the arms' full speed
     progress = Ladder(
         0.5 * Closeness("left.tcp", "tray.left_handle_top")
         + 0.5 * Closeness("right.tcp", "tray.right_handle_top")
