@@ -28,7 +28,7 @@ class CollaborativeLift(Description):
 
     at_goal = Near("cube", "goal", within=0.05)
     lifted = Held("tray.left_handle", by="left") & Held("tray.right_handle", by="right")
-
+    carried = lifted & ~On("tray", "table")
     presented = at_goal & lifted & Level("tray", within_deg=10) & On("cube", "tray")
 
     success = Sustained(presented, seconds=1.0)
@@ -39,7 +39,7 @@ class CollaborativeLift(Description):
     )
     stages = {
         "both held": lifted,
-        "in the air": lifted & ~On("tray", "table"),
+        "in the air": carried,
         "at goal": presented,
         "kept there": success,
     }
@@ -73,10 +73,11 @@ class CollaborativeLift(Description):
             + 0.5 * grip
             + 0.5 * Fraction(lowest - 0.05, of=0.05)
             + 3.0 * (0.4 + 0.6 * grip) * Closeness("cube", "goal", scale=0.2)
-            + Closeness("cube", "goal", scale=0.08) * (0.5 + 1.5 * slow),
+            + Closeness("cube", "goal", scale=0.08) * (0.5 + 1.5 * slow)
+            + 2.0 * Fraction(Duration(carried), of=1.0),
         ),
-        (presented, 9.0 + 1.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
-        (success, 13.5),
+        (presented, 11.0 + 1.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0)),
+        (success, 15.5),
     )
 
-    setback = Then(lifted & ~On("tray", "table"), Sustained(~lifted & ~Once(success), seconds=0.3))
+    setback = Then(carried, Sustained(~lifted & ~Once(success), seconds=0.3))
