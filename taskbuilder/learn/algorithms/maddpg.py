@@ -56,20 +56,19 @@ class MaddpgSettings:
         noise_until: Fraction of the training after which the decay ends.
         least_noise: The noise in the first of several environments, relative to the last, which has
             the full noise; those in between are evenly spaced. Strong noise finds what little noise
-            does not, and with little noise, states are reached that need precise actions (different
-            noise in parallel environments: Horgan et al. 2018, Ape-X).
+            does not; little noise reaches states that need precise actions (Horgan et al. 2018).
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
         actor_every: Critic updates per actor update.
         regulariser: Weight of the mean squared input of the actors' tanh. It keeps actions small
-            where motion earns nothing.
+            where motion earns nothing, but a large weight from the start makes robots slow.
+        regulariser_growth: Control steps in which it grows by its first value; 0: constant.
         saturation_penalty: Weight of the mean squared part of this input beyond ±1. It keeps
             actions out of saturation, where gradients vanish, and leaves others as they are.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
             it, all ReLUs of a layer can die when the distribution of the observations shifts.
-        reset_networks_after: Control steps before the first reset of the networks; 0 for never. The
-            replay buffer stays. Each later reset is after twice as many steps as the one before.
-            Networks overfit to the first transitions and then learn ever more slowly (the primacy
-            bias, Nikishin et al. 2022).
+        reset_networks_after: Control steps before the first reset of the networks, but not of the
+            replay buffer; 0 for never. Each later reset is after twice as many steps. Networks
+            overfit to the first transitions (the primacy bias, Nikishin et al. 2022).
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
@@ -95,6 +94,7 @@ class MaddpgSettings:
     smoothing: float = 0.1
     actor_every: int = 2
     regulariser: float = 0.03
+    regulariser_growth: int = 0
     saturation_penalty: float = 0.0
     actor_norms: bool = False
     reset_networks_after: int = 0
@@ -179,8 +179,8 @@ class Maddpg:
         first, actions = self.shapes.layout.actions.start, {}
         for agent, part in self.shapes.layout.action.items():
             own = plain[:, part.start - first : part.stop - first]
-            own = own + noise * rng.standard_normal(own.shape, dtype=np.float32)
-            actions[agent] = np.clip(own, -1, 1)
+            own += noise * rng.standard_normal(own.shape, dtype=np.float32)
+            actions[agent] = own.clip(-1, 1)
         return actions
 
     # --- learning
@@ -243,7 +243,7 @@ class Maddpg:
         if self._updates % settings.actor_every:
             return {"critic": critic_loss}
         weight = settings.imitation * 0.5 ** (step / settings.imitation_half_life)
-        actor_loss = self._actor_loss(batch, weight)
+        actor_loss = self._actor_loss(batch, weight, step)
         self._networks.update_actors(actor_loss)
         self._networks.follow_critics(settings.tau)
         self._networks.follow_actors(settings.tau)
@@ -275,11 +275,12 @@ class Maddpg:
             target: Tensor = pay + discount * (1.0 - batch[:, layout.ended].T) * values
             return target
 
-    def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
+    def _actor_loss(self, batch: Tensor, weight: float, step: int) -> Tensor:
         """The critics' normalised value of the current policies, and the imitation term."""
         raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
-        actions = raw.tanh()
-        loss: Tensor = self.settings.regulariser * raw.square().mean()
+        actions, growth = raw.tanh(), self.settings.regulariser_growth
+        regulariser = self.settings.regulariser * (1.0 + step / growth if growth else 1.0)
+        loss: Tensor = regulariser * raw.square().mean()
         if self.settings.saturation_penalty:
             beyond = (raw.abs() - 1.0).relu()
             loss = loss + self.settings.saturation_penalty * beyond.square().mean()
@@ -386,6 +387,7 @@ ALGORITHM = Algorithm(
                 "update_every": 0.5,
                 "least_noise": 0.1,
                 "saturation_penalty": 0.2,
+                "regulariser_growth": 30_000,
             },
             {"distances": "log"},
         ),
