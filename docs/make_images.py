@@ -49,7 +49,7 @@ SHOWN = {
     "handover": "Handover",
 }
 TRACKS = ("demos", "scratch", "resets")
-TRIALS = ("saturated", "regularised", "brake")
+TRIALS = ("saturated", "regularised", "brake", "constant")
 """Last words of the names of trials that the page on learning shows with their curves."""
 
 SIZES = ((800, 600), (640, 480))
