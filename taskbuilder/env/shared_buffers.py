@@ -32,7 +32,7 @@ class Signature:
         agents: The robots, in file order.
         observation_spaces: Observation space of every agent.
         action_spaces: Action space of every agent.
-        action_sizes: Size of each agent's action.
+        action_names: Name of each number of each agent's action, such as ``left.dx``.
         state_space: Space of the centralised state.
         info_keys: Keys of every agent's info.
     """
@@ -40,7 +40,7 @@ class Signature:
     agents: tuple[str, ...]
     observation_spaces: Mapping[str, spaces.Space[Any]]
     action_spaces: Mapping[str, spaces.Space[Any]]
-    action_sizes: Mapping[str, int]
+    action_names: Mapping[str, tuple[str, ...]]
     state_space: spaces.Box
     info_keys: tuple[str, ...]
 
@@ -51,7 +51,7 @@ class Signature:
             agents=tuple(env.possible_agents),
             observation_spaces=dict(env.observation_spaces),
             action_spaces=dict(env.action_spaces),
-            action_sizes={agent: mode.size for agent, mode in env.episode.actions.items()},
+            action_names=env.action_names,
             state_space=env.state_space,
             info_keys=env.info_keys,
         )
@@ -135,8 +135,8 @@ class SharedBuffers:
 
     def __init__(self, signature: Signature, num_envs: int, allocator: Allocator) -> None:
         self.actions: dict[str, NDArray[np.float64]] = {
-            agent: allocator.take((num_envs, size), np.float64)
-            for agent, size in signature.action_sizes.items()
+            agent: allocator.take((num_envs, len(names)), np.float64)
+            for agent, names in signature.action_names.items()
         }
         self.begin: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
         self.seeds: NDArray[np.int64] = allocator.take((num_envs,), np.int64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -88,6 +88,11 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     def agents(self) -> tuple[str, ...]:
         """The robots of the scene, in file order."""
         return self._signature.agents
+
+    @property
+    def action_names(self) -> Mapping[str, tuple[str, ...]]:
+        """The name of each number of an agent's action, by agent, such as ``left.dx``."""
+        return self._signature.action_names
 
     @property
     def state_space(self) -> spaces.Box:

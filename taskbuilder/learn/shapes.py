@@ -21,11 +21,13 @@ class Shapes:
         observations: Size of each agent's observation, in the order of the agents.
         actions: Size of each agent's action.
         state: Size of the state that centralised critics observe besides the observations.
+        grippers: Indices of the commands to grippers in the joint action.
     """
 
     observations: Mapping[str, int]
     actions: Mapping[str, int]
     state: int
+    grippers: tuple[int, ...] = ()
 
     @property
     def agents(self) -> tuple[str, ...]:

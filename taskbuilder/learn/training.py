@@ -312,7 +312,7 @@ def _data_set(plan: Plan, task: Task, folder: Path, stack: ExitStack) -> tuple[T
 
 
 def shapes_of(envs: TaskVectorEnv, features: int) -> Shapes:
-    """The sizes of observations, state and actions.
+    """The sizes of observations, state and actions, and which actions command grippers.
 
     Args:
         envs: The environments.
@@ -321,4 +321,6 @@ def shapes_of(envs: TaskVectorEnv, features: int) -> Shapes:
     observed: Any = envs.single_observation_space
     acted: Any = envs.single_action_space
     sizes = [{agent: flatdim(space[agent]) for agent in envs.agents} for space in (observed, acted)]
-    return Shapes(sizes[0], sizes[1], flatdim(envs.state_space) + features)
+    names = [name for agent in envs.agents for name in envs.action_names[agent]]
+    grippers = tuple(i for i, name in enumerate(names) if name.endswith(".gripper"))
+    return Shapes(sizes[0], sizes[1], flatdim(envs.state_space) + features, grippers)

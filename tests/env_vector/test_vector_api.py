@@ -28,6 +28,8 @@ def test_it_is_a_gymnasium_vector_env(vec, workers):
     assert env.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
     assert isinstance(env.single_observation_space, spaces.Dict)
     assert env.single_action_space["left"].shape == (7,)
+    assert len(env.action_names["left"]) == 7
+    assert env.action_names["left"][-1] == "left.gripper"
     observations, infos = env.reset(seed=1)
     assert observations in env.observation_space
     assert infos["step"].tolist() == [0.0] * 3

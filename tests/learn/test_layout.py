@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import closing
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from taskbuilder.env.vector import make_vec
 from taskbuilder.learn.shapes import Layout, Shapes, joined
+from taskbuilder.learn.training import shapes_of
 
 sizes = st.lists(
     st.tuples(st.integers(1, 5), st.integers(1, 4)), min_size=1, max_size=4
@@ -89,6 +93,12 @@ def test_transitions_are_laid_out_where_the_layout_says(demonstrated):
 def test_agents_that_see_and_do_equally_many_numbers_are_alike():
     shapes = made([(2, 1), (3, 1), (2, 1), (2, 2)])
     assert shapes.same_spaces() == (("agent0", "agent2"), ("agent1",), ("agent3",))
+
+
+@pytest.mark.parametrize(("task", "grippers"), [("handover", (4, 9)), ("pusher_and_picker", (8,))])
+def test_actions_that_command_grippers_are_known(task, grippers):
+    with closing(make_vec(task, 1)) as envs:
+        assert shapes_of(envs, 0).grippers == grippers
 
 
 def test_parts_are_joined_in_the_order_asked_for():

@@ -230,12 +230,14 @@ def test_actors_are_held_off_the_ends_of_their_tanh(setting, loss, slopes):
     assert gradient(made, "actor_adam", 0)[0, 1:, 0] == pytest.approx(slopes, rel=1e-5)
 
 
-@pytest.mark.parametrize(("step", "weight"), [(0, 0.1), (500, 0.15), (2_000, 0.3)])
-def test_the_regulariser_grows_with_the_control_steps(step, weight):
-    made = learner(TWO, replace(FIXED, regulariser=0.1, regulariser_growth=1_000))
+def test_commands_to_grippers_are_kept_smaller_than_others():
+    gripping = replace(TWO, grippers=(1,))
+    made = learner(gripping, replace(FIXED, regulariser=0.1, gripper_regulariser=0.3))
     set_to(made, {f"{ACTOR}.weight": [[0.0], [0.5], [-3.0]]})
-    loss = updated(made, row(TWO), step=step)["actor"]
-    assert loss == pytest.approx(weight * (0.5**2 + 3.0**2) / 2)
+    loss = (0.1 * 0.5**2 + 0.4 * 3.0**2) / 2
+    assert updated(made, row(gripping))["actor"] == pytest.approx(loss)
+    slopes = gradient(made, "actor_adam", 0)[0, 1:, 0]
+    assert slopes == pytest.approx([0.1 * 0.5, 0.4 * -3.0], rel=1e-5)
 
 
 def test_actors_and_targets_move_at_every_second_update_of_the_critics_only():

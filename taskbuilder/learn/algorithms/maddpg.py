@@ -59,9 +59,9 @@ class MaddpgSettings:
             does not; little noise reaches states that need precise actions (Horgan et al. 2018).
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
         actor_every: Critic updates per actor update.
-        regulariser: Weight of the mean squared input of the actors' tanh. It keeps actions small
-            where motion earns nothing, but a large weight from the start makes robots slow.
-        regulariser_growth: Control steps in which it grows by its first value; 0: constant.
+        regulariser: Weight of the mean squared input of the actors' tanh; it keeps actions small.
+        gripper_regulariser: Weight of the part of this mean that is due to commands to grippers. A
+            binary gripper that is commanded to close with all force never opens by chance.
         saturation_penalty: Weight of the mean squared part of this input beyond ±1. It keeps
             actions out of saturation, where gradients vanish, and leaves others as they are.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
@@ -94,7 +94,7 @@ class MaddpgSettings:
     smoothing: float = 0.1
     actor_every: int = 2
     regulariser: float = 0.03
-    regulariser_growth: int = 0
+    gripper_regulariser: float = 0.0
     saturation_penalty: float = 0.0
     actor_norms: bool = False
     reset_networks_after: int = 0
@@ -243,7 +243,7 @@ class Maddpg:
         if self._updates % settings.actor_every:
             return {"critic": critic_loss}
         weight = settings.imitation * 0.5 ** (step / settings.imitation_half_life)
-        actor_loss = self._actor_loss(batch, weight, step)
+        actor_loss = self._actor_loss(batch, weight)
         self._networks.update_actors(actor_loss)
         self._networks.follow_critics(settings.tau)
         self._networks.follow_actors(settings.tau)
@@ -275,12 +275,12 @@ class Maddpg:
             target: Tensor = pay + discount * (1.0 - batch[:, layout.ended].T) * values
             return target
 
-    def _actor_loss(self, batch: Tensor, weight: float, step: int) -> Tensor:
+    def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
         """The critics' normalised value of the current policies, and the imitation term."""
         raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
-        actions, growth = raw.tanh(), self.settings.regulariser_growth
-        regulariser = self.settings.regulariser * (1.0 + step / growth if growth else 1.0)
-        loss: Tensor = regulariser * raw.square().mean()
+        actions, weights = raw.tanh(), torch.full_like(raw[0], self.settings.regulariser)
+        weights[[*self.shapes.grippers]] += self.settings.gripper_regulariser
+        loss: Tensor = (weights * raw.square()).mean()
         if self.settings.saturation_penalty:
             beyond = (raw.abs() - 1.0).relu()
             loss = loss + self.settings.saturation_penalty * beyond.square().mean()
@@ -387,7 +387,7 @@ ALGORITHM = Algorithm(
                 "update_every": 0.5,
                 "least_noise": 0.1,
                 "saturation_penalty": 0.2,
-                "regulariser_growth": 30_000,
+                "gripper_regulariser": 0.2,
             },
             {"distances": "log"},
         ),
