@@ -131,6 +131,8 @@ class Maddpg:
         self._groups = groups
         self._rewards = 1 if shared_reward else len(shapes.agents)
         self._standard = Standardizer(shapes.layout, self._device)
+        self._regulariser = torch.full((shapes.joint_action,), settings.regulariser, device=device)
+        self._regulariser[[*shapes.grippers]] += settings.gripper_regulariser
         self._updates = 0
         self._renewals = 0
         self._begun = self._pretrained = False
@@ -278,12 +280,10 @@ class Maddpg:
     def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
         """The critics' normalised value of the current policies, and the imitation term."""
         raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
-        actions, weights = raw.tanh(), torch.full_like(raw[0], self.settings.regulariser)
-        weights[[*self.shapes.grippers]] += self.settings.gripper_regulariser
-        loss: Tensor = (weights * raw.square()).mean()
-        if self.settings.saturation_penalty:
-            beyond = (raw.abs() - 1.0).relu()
-            loss = loss + self.settings.saturation_penalty * beyond.square().mean()
+        actions = raw.tanh()
+        loss: Tensor = (self._regulariser * raw.square()).mean()
+        if penalty := self.settings.saturation_penalty:
+            loss = loss + penalty * (raw.abs() - 1.0).relu().square().mean()
         paid = self.shapes.agents[: self._rewards]
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
         values: Tensor = self._networks.critics(joint, first=self._rewards).flatten(1)
