@@ -28,6 +28,7 @@ class ActorCritic:
     Args:
         shapes: The sizes of observations, actions and state.
         critics: Number of critics.
+        outputs: Outputs of each critic.
         groups: The groups of agents that share an actor.
         hidden: Units of each hidden layer.
         lr: Learning rate of Adam.
@@ -45,6 +46,7 @@ class ActorCritic:
         shapes: Shapes,
         *,
         critics: int,
+        outputs: int,
         groups: Sequence[tuple[str, ...]],
         hidden: Sequence[int],
         lr: float,
@@ -53,7 +55,7 @@ class ActorCritic:
         device: torch.device,
     ) -> None:
         generator = torch.Generator().manual_seed(seed)
-        sizes = (shapes.critic_input + shapes.joint_action, *hidden, 1)
+        sizes = (shapes.critic_input + shapes.joint_action, *hidden, outputs)
         self.critics = Networks(critics, sizes, generator, norms=True)
         self.actors = SharedNetworks(
             groups,

@@ -7,11 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from hand_made import Constant, Given, row, same, set_to
 
 from taskbuilder.learn.algorithms.maddpg import Maddpg, MaddpgSettings
 from taskbuilder.learn.replay import Replay
 from taskbuilder.learn.shapes import Shapes
+from taskbuilder.learn.values import CategoricalValues
 
 LINEAR = MaddpgSettings(
     hidden=(),
@@ -90,6 +92,18 @@ def test_targets_are_the_pay_and_the_lower_discounted_value_unless_the_episode_e
     set_to(made, {f"{TARGET_CRITICS}.bias": pair(5.0, 2.0)})
     loss = updated(made, row(ONE, rewards=0.5, ended=ended, terminated=terminated))["critic"]
     assert loss == pytest.approx(2 * expected**2)  # of two critics that say zero
+
+
+def test_critics_may_learn_distributions_of_returns():
+    settings = replace(FIXED, value_bins=4, value_limit=2.0)
+    made = learner(settings=settings)
+    logits = np.array([[0.1, 0.2, 0.3, 0.4], [1.0, 0.0, 0.0, 2.0]], dtype=np.float32)
+    set_to(made, {"value_range": [2.0, 0.0], f"{TARGET_CRITICS}.bias": logits[:, None]})
+    loss = updated(made, row(ONE, rewards=0.5))["critic"]
+    values = CategoricalValues(4, 2.0, torch.device("cpu"))
+    later = values.mean(torch.from_numpy(logits)).min()
+    entropies = values.errors(torch.zeros(2, 4), 0.5 + 0.97 * later)  # of critics that say zero
+    assert loss == pytest.approx(entropies.sum().item(), rel=1e-5)
 
 
 def test_the_lower_value_is_taken_transition_by_transition():
@@ -230,16 +244,6 @@ def test_actors_are_held_off_the_ends_of_their_tanh(setting, loss, slopes):
     assert gradient(made, "actor_adam", 0)[0, 1:, 0] == pytest.approx(slopes, rel=1e-5)
 
 
-def test_commands_to_grippers_are_kept_smaller_than_others():
-    gripping = replace(TWO, grippers=(1,))
-    made = learner(gripping, replace(FIXED, regulariser=0.1, gripper_regulariser=0.3))
-    set_to(made, {f"{ACTOR}.weight": [[0.0], [0.5], [-3.0]]})
-    loss = (0.1 * 0.5**2 + 0.4 * 3.0**2) / 2
-    assert updated(made, row(gripping))["actor"] == pytest.approx(loss)
-    slopes = gradient(made, "actor_adam", 0)[0, 1:, 0]
-    assert slopes == pytest.approx([0.1 * 0.5, 0.4 * -3.0], rel=1e-5)
-
-
 def test_actors_and_targets_move_at_every_second_update_of_the_critics_only():
     made = learner(TWO, replace(LINEAR, hidden=(8,), actor_every=2))
     start, rows = made.arrays(), random_rows(TWO, 8)
@@ -344,13 +348,6 @@ def test_before_learning_actions_are_drawn_evenly():
         assert numbers.std() == pytest.approx(1.0 / np.sqrt(3.0), rel=0.05)
 
 
-def test_noise_has_fallen_after_its_share_of_the_training():
-    made = learner(TWO, replace(FIXED, noise_until=0.4))
-    assert [made.noise(done) for done in (0.0, 0.2, 0.4, 1.0)] == pytest.approx(
-        [0.25, 0.175, 0.1, 0.1]
-    )
-
-
 @pytest.mark.parametrize(("done", "noise"), [(0.0, 0.25), (0.5, 0.175), (1.0, 0.1)])
 def test_exploration_adds_noise_that_falls_over_the_training(done, noise):
     made = learner(TWO)
@@ -367,6 +364,20 @@ def test_the_noise_differs_between_environments():
     noise = [0.1 * 0.25, 0.55 * 0.25, 0.25]
     assert made.act(seen_by(TWO, 3), Constant(1.0), 0.0)["left"][:, 0] == pytest.approx(noise)
     assert made.act(seen_by(TWO, 1), Constant(1.0), 0.0)["left"] == pytest.approx(0.25)
+
+
+def test_grippers_are_now_and_then_commanded_at_random():
+    gripping = replace(UNLIKE, grippers=(1,))
+    made = learner(gripping, replace(FIXED, noise=0.0, final_noise=0.0, gripper_epsilon=0.1))
+    set_to(made, {"begun": True})
+    rng, taken = np.random.default_rng(0), []
+    for _ in range(50):
+        taken.append(made.act(seen_by(gripping), rng, 0.0)["right"])
+        made, kept = learner(gripping, made.settings), made.arrays()
+        made.load(kept)  # commands in progress go on
+    right = np.array(taken)[:, 0]
+    assert set(right[:, 0]) == {-1.0, 0.0, 1.0}
+    assert not right[:, 1].any()
 
 
 def test_alike_agents_share_an_actor_that_knows_their_roles():
@@ -527,8 +538,10 @@ def test_the_step_size_halves_where_it_is_meant_to():
 
 
 @pytest.mark.parametrize("shared", [True, False])
-def test_a_loaded_learner_goes_on_exactly(shared):
+@pytest.mark.parametrize("critics", [{}, {"value_bins": 8, "value_limit": 0.5}])
+def test_a_loaded_learner_goes_on_exactly(shared, critics):
     settings = MaddpgSettings(hidden=(8, 8), bc_updates=2, critic_warmup_updates=2, batch=16)
+    settings = replace(settings, **critics)
     one, rows = learner(TWO, settings, shared_reward=shared), random_rows(TWO, 16, demonstrated=1.0)
     one.begin(rows, np.random.default_rng(0))
     one.update(Given(rows), np.random.default_rng(1), step=0)

@@ -47,8 +47,8 @@ class TestSuccess:
         won = next(k for k, outcome in enumerate(outcomes) if outcome.success)
         rungs = [outcome.progress for outcome in outcomes[won - KEPT_STEPS : won + 1]]
         rises = np.diff(rungs)
-        assert (rises[:-1] > 0.199).all()  # more than the share while what is carried comes to rest
-        assert rises[-4:-1] == pytest.approx(0.2, abs=0.001)
+        # More than the share while what is carried comes to rest; then the rest hardly moves.
+        assert rises[:-1].min() == pytest.approx(0.2, abs=0.005)
         assert rises[-1] > 0.5
 
     def test_is_paid_for_at_once_and_not_for_lasting(self, tasks, scripts, name):

@@ -20,12 +20,14 @@ from torch import Tensor
 
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.actor_critic import ActorCritic
+from taskbuilder.learn.exploration import Exploration
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
+from taskbuilder.learn.values import make_values
 
 Actions = dict[str, NDArray[np.float32]]
 
@@ -54,21 +56,20 @@ class MaddpgSettings:
         noise: Standard deviation of the Gaussian exploration noise at the start of training.
         final_noise: Its value at the end of a linear decay.
         noise_until: Fraction of the training after which the decay ends.
-        least_noise: The noise in the first of several environments, relative to the last, which has
-            the full noise; those in between are evenly spaced. Strong noise finds what little noise
-            does not; little noise reaches states that need precise actions (Horgan et al. 2018).
+        least_noise: The noise in the first of several environments, relative to the last; between
+            them, it is evenly spaced. Little noise reaches states that need precise actions.
+        gripper_epsilon: Probability, at a control step, that a gripper begins to open or close at
+            random, for some steps; with `least_noise` as for the noise. See `Exploration`.
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
         actor_every: Critic updates per actor update.
         regulariser: Weight of the mean squared input of the actors' tanh; it keeps actions small.
-        gripper_regulariser: Weight of the part of this mean that is due to commands to grippers. A
-            binary gripper that is commanded to close with all force never opens by chance.
-        saturation_penalty: Weight of the mean squared part of this input beyond ±1. It keeps
-            actions out of saturation, where gradients vanish, and leaves others as they are.
+        saturation_penalty: Weight of the mean squared part of this input beyond ±1; see above.
+        value_bins: Bins of the critics' distribution over returns; 0 for a scalar value.
+        value_limit: The bins are from minus this to this; doubled where returns lie beyond.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
             it, all ReLUs of a layer can die when the distribution of the observations shifts.
-        reset_networks_after: Control steps before the first reset of the networks, but not of the
-            replay buffer; 0 for never. Each later reset is after twice as many steps. Networks
-            overfit to the first transitions (the primacy bias, Nikishin et al. 2022).
+        reset_networks_after: Control steps before the networks are first reset, against the primacy
+            bias (Nikishin et al. 2022); 0 for never. Later resets: after twice as many, and so on.
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
@@ -91,11 +92,13 @@ class MaddpgSettings:
     final_noise: float = 0.1
     noise_until: float = 1.0
     least_noise: float = 1.0
+    gripper_epsilon: float = 0.0
     smoothing: float = 0.1
     actor_every: int = 2
     regulariser: float = 0.03
-    gripper_regulariser: float = 0.0
     saturation_penalty: float = 0.0
+    value_bins: int = 0
+    value_limit: float = 50.0
     actor_norms: bool = False
     reset_networks_after: int = 0
     share: bool = True
@@ -131,8 +134,8 @@ class Maddpg:
         self._groups = groups
         self._rewards = 1 if shared_reward else len(shapes.agents)
         self._standard = Standardizer(shapes.layout, self._device)
-        self._regulariser = torch.full((shapes.joint_action,), settings.regulariser, device=device)
-        self._regulariser[[*shapes.grippers]] += settings.gripper_regulariser
+        self._exploration = Exploration(shapes.grippers, settings)
+        self._values = make_values(settings.value_bins, settings.value_limit, self._device)
         self._updates = 0
         self._renewals = 0
         self._begun = self._pretrained = False
@@ -144,6 +147,7 @@ class Maddpg:
         return ActorCritic(
             self.shapes,
             critics=2 * self._rewards,
+            outputs=self._values.outputs,
             groups=self._groups,
             hidden=settings.hidden,
             lr=settings.lr,
@@ -153,12 +157,6 @@ class Maddpg:
         )
 
     # --- acting
-
-    def noise(self, progress_fraction: float) -> float:
-        """Standard deviation of the exploration noise at a fraction of the training, 0 to 1."""
-        settings = self.settings
-        fallen = min(progress_fraction / max(settings.noise_until, 1e-9), 1.0)
-        return settings.noise + (settings.final_noise - settings.noise) * fallen
 
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
@@ -175,15 +173,10 @@ class Maddpg:
             return {a: rng.uniform(-1.0, 1.0, n).astype(np.float32) for a, n in shape.items()}
         with torch.no_grad():
             raw = self._networks.actors(self._standard.observations(observations))
-            plain = raw.tanh_().cpu().numpy()
-        scale = np.linspace(1.0, self.settings.least_noise, len(plain), dtype=np.float32)
-        noise = self.noise(progress_fraction) * scale[::-1, None]
-        first, actions = self.shapes.layout.actions.start, {}
-        for agent, part in self.shapes.layout.action.items():
-            own = plain[:, part.start - first : part.stop - first]
-            own += noise * rng.standard_normal(own.shape, dtype=np.float32)
-            actions[agent] = own.clip(-1, 1)
-        return actions
+            joint = raw.tanh_().cpu().numpy()
+        self._exploration.explore_(joint, rng, progress_fraction)
+        first, parts = self.shapes.layout.actions.start, self.shapes.layout.action
+        return {a: joint[:, p.start - first : p.stop - first].copy() for a, p in parts.items()}
 
     # --- learning
 
@@ -255,9 +248,10 @@ class Maddpg:
         """Update the critics, and return their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
         seen = batch[:, : layout.actions.stop]  # critic inputs, and actions
-        values = self._networks.critics(seen)
-        loss = (values.view(2, self._rewards, -1) - target).square().mean(2).sum()
+        out = self._networks.critics(seen).unflatten(0, (2, self._rewards))
+        loss = self._values.errors(out, target).mean(2).sum()
         self._networks.update_critics(loss)
+        self._values.adapt_(target, (self._networks.critics, self._networks.target_critics))
         return float(loss.detach())
 
     def _target(self, batch: Tensor, rng: np.random.Generator) -> Tensor:
@@ -270,7 +264,8 @@ class Maddpg:
             limit = 2.0 * settings.smoothing
             actions = (plain + self._tensor(noise).clamp_(-limit, limit)).clamp_(-1.0, 1.0)
             inputs = torch.cat([batch[:, layout.next_critic_input], actions], 1)
-            values = self._networks.target_critics(inputs).view(2, self._rewards, -1).amin(0)
+            values = self._values.mean(self._networks.target_critics(inputs))
+            values = values.view(2, self._rewards, -1).amin(0)
             pay = batch[:, layout.rewards].T[: self._rewards]
             discount = settings.discount ** (1.0 + batch[:, layout.extra_steps].T)
             # The time limit may be a terminal state, since the time left is observed.
@@ -281,12 +276,12 @@ class Maddpg:
         """The critics' normalised value of the current policies, and the imitation term."""
         raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
         actions = raw.tanh()
-        loss: Tensor = (self._regulariser * raw.square()).mean()
+        loss: Tensor = self.settings.regulariser * raw.square().mean()
         if penalty := self.settings.saturation_penalty:
             loss = loss + penalty * (raw.abs() - 1.0).relu().square().mean()
         paid = self.shapes.agents[: self._rewards]
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
-        values: Tensor = self._networks.critics(joint, first=self._rewards).flatten(1)
+        values = self._values.mean(self._networks.critics(joint, first=self._rewards))
         size = values.detach().abs().mean(1).clamp(min=1.0)
         loss = loss - (values.mean(1) / size).sum()
         shown = batch[:, self.shapes.layout.demonstrated]
@@ -331,15 +326,15 @@ class Maddpg:
 
     def policy(self, about: Mapping[str, Any]) -> TrainedPolicy:
         """The current policy for evaluation: the target actors."""
-        networks = self._networks.target_actors.policy(*self._standard.by_agent(), squash=True)
-        return TrainedPolicy(networks, about)
+        actors = self._networks.target_actors
+        return TrainedPolicy(actors.policy(*self._standard.by_agent(), squash=True), about)
 
     def arrays(self) -> dict[str, Array]:
         """The complete state of the learner by name: networks, targets, optimisers, statistics."""
         flags = {"updates": self._updates, "begun": self._begun, "renewals": self._renewals}
         flags |= {"pretrained": True} if self._pretrained else {}
         numbers = {name: np.array([value]) for name, value in flags.items()}
-        return {**numbers, **self._networks.arrays(), **self._standard.arrays()}
+        return {**numbers, **{n: a for part in self._parts() for n, a in part.arrays().items()}}
 
     def load(self, arrays: Mapping[str, Array]) -> None:
         """Restore the state that `arrays` returned.
@@ -351,8 +346,11 @@ class Maddpg:
         self._updates, self._begun = int(arrays["updates"][0]), bool(arrays["begun"][0])
         self._renewals = int(arrays["renewals"][0])
         self._pretrained = "pretrained" in arrays
-        self._networks.load(arrays)
-        self._standard.load(arrays)
+        for part in self._parts():
+            part.load(arrays)
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self._networks, self._standard, self._exploration, self._values
 
 
 def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
@@ -386,8 +384,9 @@ ALGORITHM = Algorithm(
                 "reset_networks_after": 10_000,
                 "update_every": 0.5,
                 "least_noise": 0.1,
-                "saturation_penalty": 0.2,
-                "gripper_regulariser": 0.2,
+                "regulariser": 0.2,
+                "gripper_epsilon": 0.01,
+                "value_bins": 100,
             },
             {"distances": "log"},
         ),
