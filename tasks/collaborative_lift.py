@@ -72,7 +72,7 @@ class CollaborativeLift(Description):
             3.0
             + 0.5 * grip
             + 0.5 * Fraction(lowest - 0.05, of=0.05)
-            + 3.0 * (0.4 + 0.6 * grip) * (0.25 + 0.75 * slow) * Closeness("cube", "goal", scale=0.2)
+            + 3.0 * (0.4 + 0.6 * grip) * Closeness("cube", "goal", scale=0.2)
             + Closeness("cube", "goal", scale=0.08) * (0.5 + 1.5 * slow)
             + 2.0 * Fraction(Duration(carried), of=1.0)
             + Ladder(0.0, (presented, 2.5 * slow + 2.0 * Fraction(Duration(presented), of=1.0))),
