@@ -63,7 +63,7 @@ class MaddpgSettings:
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
         actor_every: Critic updates per actor update.
         regulariser: Weight of the mean squared input of the actors' tanh; it keeps actions small.
-        saturation_penalty: Weight of the mean squared part of this input beyond ±1; see above.
+        saturation_penalty: Weight of the mean squared part of this input beyond ±1.
         value_bins: Bins of the critics' distribution over returns; 0 for a scalar value.
         value_limit: The bins are from minus this to this; doubled where returns lie beyond.
         actor_norms: Whether the actors' hidden layers have layer norm, as the critics' do. Without
