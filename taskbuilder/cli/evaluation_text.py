@@ -31,6 +31,9 @@ def print_result(
     """Print what episodes say together, and those that are worth being looked at."""
     print(paint(_verdict(summary), "bold"))
     print(_at_end(summary))
+    if summary.success_held_s is not None:
+        mean, middle = summary.success_held_s
+        print(f"success held {mean:.1f} s in the mean, {middle:.1f} s in the median")
     print(f"return {summary.mean_return:.2f}, interquartile mean {summary.iqm_return:.2f}")
     if summary.peak_robot_force is not None and len(played[0].actions) > 1:
         middle, most = summary.peak_robot_force
@@ -67,14 +70,10 @@ def _verdict(summary: EvaluationSummary) -> str:
 
 def _at_end(summary: EvaluationSummary) -> str:
     low, high = summary.interval_at_end
-    said = (
+    return (
         f"{summary.successes_at_end} of {summary.episodes} at the last step "
         f"({summary.success_at_end_rate:.1%}), 95% interval {low:.1%} to {high:.1%}"
     )
-    if summary.success_held_s is None:
-        return said
-    mean, middle = summary.success_held_s
-    return f"{said} · success held {mean:.1f} s in the mean, {middle:.1f} s in the median"
 
 
 def _print_beside(beside: Comparison) -> None:

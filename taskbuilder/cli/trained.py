@@ -79,23 +79,28 @@ def origin(about: Mapping[str, Any]) -> list[list[str]]:
         helped += ", episodes that may begin in its states"
     step, unit = about.get("step"), "updates" if about.get("data") else "control steps"
     trained = [
-        f"track {track}: {helped}",
         f"{about.get('algorithm')} {_source(about)}",
         f"{step:,} {unit}" if isinstance(step, int) else f"unknown {unit}",
         f"seed {about.get('seed')}",
     ]
-    rows = [["observed", _observed(about.get("env", {}))], ["trained", " · ".join(trained)]]
+    rows = [
+        *_observed(about.get("env", {})),
+        ["track", f"{track}: {helped}"],
+        ["trained", " · ".join(trained)],
+    ]
     return [*rows, ["command", str(about["command"])]] if about.get("command") else rows
 
 
-def _observed(env: Mapping[str, Any]) -> str:
-    """What a policy observes, in words, with the options of its environment."""
+def _observed(env: Mapping[str, Any]) -> list[list[str]]:
+    """What a policy observes, in words, and the options of its environment."""
     if env.get("cameras"):
         width, height = env["camera_size"]
         drawn = f"{width}x{height}, renderer {env.get('renderer')}"
-        return f"pictures of {', '.join(env['cameras'])} ({drawn}), its own robot, the time left"
+        saw = f"pictures of {', '.join(env['cameras'])} ({drawn}), its own robot, the time left"
+        return [["observed", saw]]
     options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
-    return f"{_OBSERVED.get(str(env.get('observe')), 'not known')} ({options})"
+    saw = _OBSERVED.get(str(env.get("observe")), "not known")
+    return [["observed", saw], ["options", options or "not known"]]
 
 
 def _source(about: Mapping[str, Any]) -> str:

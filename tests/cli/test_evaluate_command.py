@@ -27,18 +27,18 @@ def policy(tmp_path) -> Path:
 def test_a_policy_is_measured_and_told_about(run, policy):
     ran = run("evaluate", "pushing.npz", "--episodes", "8", "--seed", "0", *HERE)
     assert (ran.status, ran.err) == (0, "")
-    saw = "what the task file lists for each robot (observe: task, frame: task)"
-    helped = "track scratch: no demonstrations, no special starts"
     assert ran.out.splitlines() == [
         "sideways · pushing.npz",
-        f"  observed  {saw}",
-        f"  trained   {helped} · maddpg with the reward ratchet · 20,000 control steps · seed 3",
+        "  observed  what the task file lists for each robot",
+        "  options   observe: task, frame: task",
+        "  track     scratch: no demonstrations, no special starts",
+        "  trained   maddpg with the reward ratchet · 20,000 control steps · seed 3",
         "  command   taskbuilder train sideways.yaml --steps 20000 --seed 3",
         "  plays     8 episodes from the task's own starts, seeds 0 to 7",
         "",
         "4 of 8 succeeded (50.0%), 95% interval 21.5% to 78.5% · median 1 steps",
-        "0 of 8 at the last step (0.0%), 95% interval 0.0% to 32.4% · success held 0.2 s in the "
-        "mean, 0.2 s in the median",
+        "0 of 8 at the last step (0.0%), 95% interval 0.0% to 32.4%",
+        "success held 0.2 s in the mean, 0.2 s in the median",
         "return -0.84, interquartile mean -1.26",
         "",
         "beside         return  policy's  succeeded  at the end  seeds",
@@ -160,15 +160,13 @@ def test_policies_of_the_whole_scene_are_called_so_and_play_in_it(run, policy):
     save_policy(policy, sideways(seen=24, env=scene, track="demos", starts=0.5, step=None))
     ran = run("evaluate", "pushing.npz", "--episodes", "1", *HERE)
     assert ran.status == 0, ran.err
-    _, saw, trained, *_ = ran.out.splitlines()
-    assert saw == (
-        "  observed  the whole scene, more than the task file lists for each robot "
-        "(observe: scene, frame: base)"
+    _, saw, options, track, trained, *_ = ran.out.splitlines()
+    assert saw == "  observed  the whole scene, more than the task file lists for each robot"
+    assert options == "  options   observe: scene, frame: base"
+    assert track == (
+        "  track     demos: demonstrations of the expert, episodes that may begin in its states"
     )
-    assert trained.startswith(
-        "  trained   track demos: demonstrations of the expert, episodes that may begin in its "
-        "states · maddpg with the reward ratchet · unknown control steps"
-    )
+    assert trained.startswith("  trained   maddpg with the reward ratchet · unknown control steps")
 
 
 def test_the_variation_is_that_of_training_unless_another_is_asked_for(run, policy):
