@@ -1,7 +1,7 @@
 # make check runs all that must be clean before a change lands.
-.PHONY: check format lint types tests docs benchmarks interop data-interop soak
+.PHONY: check format lint types tests slow docs benchmarks interop data-interop soak
 
-check: lint types tests docs
+check: lint types tests slow docs
 
 format:
 	ruff format .
@@ -17,6 +17,9 @@ types:
 
 tests:
 	pytest -n 3 --dist worksteal
+
+slow:
+	pytest -n 3 --dist worksteal --runslow -m slow
 
 docs:
 	cd docs && python -m generators # writes anew what pages show of the library

@@ -197,6 +197,7 @@ def test_a_task_that_has_changed_is_not_gone_on_with(run, tmp_path):
     assert "sideways has changed since this run began; train anew, or put its files back" in ran.err
 
 
+@pytest.mark.slow
 def test_a_run_that_was_ended_from_without_goes_on_to_the_same_weights(run):
     words = (*TRAIN, "--steps", "200", "--checkpoint-every", "40")
     assert run(*words, "--out", "whole").status == 0
@@ -228,6 +229,7 @@ def struck(words: tuple[str, ...], step: int, blow: signal.Signals) -> int:
     return child.returncode
 
 
+@pytest.mark.slow
 def test_a_run_of_several_goes_on_when_its_process_is_killed(run):
     words = (*TRAIN, "--steps", "200", "--checkpoint-every", "40", "--out", "one")
     with subprocess.Popen(

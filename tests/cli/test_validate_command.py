@@ -112,6 +112,7 @@ def test_a_family_that_is_not_there_is_refused_before_anything_runs(words, advic
     assert advice in ran.err
 
 
+@pytest.mark.slow
 def test_all_is_every_task_of_the_catalogue(run):
     ran = run(*STATIC, "--all")
     listed = run("list", "--json").data["tasks"]

@@ -114,6 +114,7 @@ def test_it_follows_a_task_through_mistakes_and_back(watched, good):
     assert (cv2.imread(str(view)) == before).all()
 
 
+@pytest.mark.slow
 def test_a_description_that_hangs_or_crashes_does_no_harm(watched, good):
     watched.until("build")
     description = good.with_suffix(".py")

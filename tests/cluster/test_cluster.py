@@ -106,6 +106,7 @@ def test_many_errors_leave_a_cluster_as_it_was(nodes: Cluster) -> None:
         assert list(spread(double, range(4))) == [0, 2, 4, 6]
 
 
+@pytest.mark.slow
 def test_work_that_nobody_waits_for_ends_with_the_cluster(nodes: Cluster) -> None:
     begun = time.monotonic()
     with cluster(nodes.address) as spread, pytest.raises(UsageError, match="7 is wrong"):
@@ -115,6 +116,7 @@ def test_work_that_nobody_waits_for_ends_with_the_cluster(nodes: Cluster) -> Non
         assert list(spread(double, range(4))) == [0, 2, 4, 6]
 
 
+@pytest.mark.slow
 def test_work_that_ends_its_process_is_given_up(nodes: Cluster) -> None:
     with cluster(nodes.address) as spread, pytest.raises(LostError, match="was lost"):
         list(spread(ends, [0]))
@@ -137,6 +139,7 @@ def test_a_node_of_another_kind_is_told(
     assert caplog.text.count("is another kind of machine; its results may differ in bits") == 1
 
 
+@pytest.mark.slow
 def test_a_node_that_dies_costs_nothing_but_time(nodes: Cluster) -> None:
     third = nodes.add_node(num_cpus=1)
     with cluster(nodes.address) as spread:
@@ -186,6 +189,7 @@ def collected(out: Path, *words: str) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.slow
 def test_a_data_set_has_the_same_bytes_as_on_one_machine(nodes: Cluster, tmp_path: Path) -> None:
     here = collected(tmp_path / "here", "--jobs", "1")
     there = collected(tmp_path / "there", "--ray", nodes.address)
@@ -194,6 +198,7 @@ def test_a_data_set_has_the_same_bytes_as_on_one_machine(nodes: Cluster, tmp_pat
     assert collected(tmp_path / "there", "--ray", nodes.address) == here
 
 
+@pytest.mark.slow
 def test_a_node_that_dies_while_it_collects_costs_its_time_alone(
     nodes: Cluster, tmp_path: Path
 ) -> None:
@@ -216,6 +221,7 @@ def test_a_node_that_dies_while_it_collects_costs_its_time_alone(
     assert len({manifest.read_bytes() for manifest in manifests}) == 1
 
 
+@pytest.mark.slow
 def test_collecting_on_nodes_goes_on_where_it_was(nodes: Cluster, tmp_path: Path) -> None:
     plan = CollectPlan(("reach",), 3)
     collect(plan, tmp_path / "out")
@@ -228,6 +234,7 @@ def test_collecting_on_nodes_goes_on_where_it_was(nodes: Cluster, tmp_path: Path
     assert layout.read_json(tmp_path / "out" / layout.MANIFEST) == before
 
 
+@pytest.mark.slow
 def test_trained_policies_travel_to_the_nodes(
     nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -238,6 +245,7 @@ def test_trained_policies_travel_to_the_nodes(
     assert there == collected(tmp_path / "here", *words, "--jobs", "1")
 
 
+@pytest.mark.slow
 def test_a_hopeless_task_stops_on_nodes_too(
     nodes: Cluster, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -254,6 +262,7 @@ def test_tasks_are_validated_on_nodes(nodes: Cluster, capfd: pytest.CaptureFixtu
     assert told.index("reach · 1 robot") < told.index("handover · 2 robots") < told.index("ok in")
 
 
+@pytest.mark.slow
 def test_a_run_is_trained_on_a_node(
     nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -62,6 +62,7 @@ def test_several_processes_collect_the_same_bytes(whole, tmp_path):
     assert bytes_of(tmp_path / "again") == bytes_of(whole)
 
 
+@pytest.mark.slow
 def test_a_killed_command_goes_on_and_ends_with_the_same_bytes(tmp_path):
     collect(CollectPlan(("reach",), 6), tmp_path / "whole")
     out = tmp_path / "killed"

@@ -82,6 +82,7 @@ def test_episodes_do_not_depend_on_those_before(played, task):
     env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", LIBRARY)
 def test_episodes_rich_in_contacts_do_not_depend_on_those_before(task):
     """Grasps, collisions and things that fall change the order in which Bullet knows its pairs."""

@@ -23,6 +23,7 @@ def strike(env, worker, kind, task_file):
         os.kill(env.worker_pids[worker], getattr(signal, kind))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["SIGKILL", "SIGSEGV", "SIGSTOP", "raise"])
 def test_three_faults_of_a_kind_are_survived(vec, task_file, caplog, kind):
     env = vec(2, 2, timeout_s=TIMEOUT_S)

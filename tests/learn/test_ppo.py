@@ -230,6 +230,7 @@ def test_a_rollout_is_learned_from_when_it_is_whole_and_checkpoints_wait_for_tha
 # --- on real physics
 
 
+@pytest.mark.slow
 def test_it_learns_to_reach(tmp_path):
     reached = []
 

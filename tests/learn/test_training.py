@@ -197,6 +197,7 @@ run(Path(sys.argv[2]))
 """
 
 
+@pytest.mark.slow
 def test_a_kill_in_the_middle_of_a_save_is_survived(whole, tmp_path):
     words = [str(Path(__file__).parent), str(tmp_path), "9"]
     done = subprocess.run([sys.executable, "-c", KILLED, *words], env={**os.environ})
