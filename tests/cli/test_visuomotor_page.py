@@ -39,6 +39,7 @@ def smaller(words: list[str]) -> list[str]:
     return [*words, "--jobs", "1"] if words[0] in ("collect", "evaluate", "demo") else words
 
 
+@pytest.mark.slow
 def test_its_commands_run(run):
     told = commands()
     assert [words[0] for words in told] == [

@@ -47,6 +47,7 @@ def test_the_expert_succeeds_from_every_seed_and_nothing_is_said_against_it(name
     assert values["TB511"] > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WHOLE)
 def test_it_proves_whole(name):
     report = validate_task(HERE / f"{name}.yaml", seeds=1)

@@ -151,6 +151,7 @@ def test_there_is_no_family_of_another_name(file):
         validate_task(file, only=("solvabel",))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", load_suite("seed").tasks)
 def test_a_task_can_be_done_by_all_and_pays(name):
     """Its determinism and interfaces are tested with the environments.
