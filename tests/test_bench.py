@@ -35,6 +35,7 @@ def test_the_physics_alone_goes_through_the_same_states_as_the_episode():
     env.close()
 
 
+@pytest.mark.slow
 def test_json_has_the_documented_keys(capfd):
     assert main(["bench", "handover", "--episodes", "1", "--workers", "0", "--json"]) == 0
     figures = json.loads(capfd.readouterr().out)

@@ -31,6 +31,7 @@ def test_a_new_task_is_sound_without_a_warning(count, run, tmp_path):
     assert f"{count} robot" in report.headline
 
 
+@pytest.mark.slow
 def test_the_test_of_a_new_task_passes(run, tmp_path):
     run("new", "alone", "--robots", "1")
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)]

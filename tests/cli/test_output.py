@@ -74,6 +74,7 @@ def test_a_closed_output_is_no_defect(words, redirected, good, tmp_path):
     assert b"defect" not in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["schön", b"\xff".decode(errors="surrogateescape")])
 @pytest.mark.parametrize("locale", [{}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0"}])
 def test_any_folder_will_do(name, locale, good, tmp_path):

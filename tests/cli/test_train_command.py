@@ -55,6 +55,7 @@ def test_a_run_is_told_about_evaluation_by_evaluation_and_can_be_played(run):
     assert run("evaluate", "first", "--episodes", "1", "--jobs", "1").status == 0
 
 
+@pytest.mark.slow
 def test_evaluations_are_filmed_now_and_then(run, tmp_path):
     task = str(write_task(tmp_path))
     words = ("train", task, "--reward", "team", "--steps", "120", "--evaluate-every", "20")
@@ -122,6 +123,7 @@ def test_settings_by_their_old_names_are_taken_with_a_warning(run):
     assert plan.settings["bc_updates"] == 7
 
 
+@pytest.mark.slow
 def test_several_seeds_are_a_run_each(run, tmp_path):
     write_task(tmp_path)
     words = ("train", "sideways.yaml", "--reward", "team", "--steps", "60", *SHORT, *TINY)

@@ -177,6 +177,7 @@ def copies(good, bad=""):
     return [f"{name}.yaml" for name in names]
 
 
+@pytest.mark.slow
 def test_the_time_of_many_tasks_is_that_of_the_clock(run, good):
     begun = time.perf_counter()
     ran = run("validate", *copies(good), "--level", "build", "--jobs", "2")

@@ -45,6 +45,7 @@ def shadowed(good: Path, tmp_path: Path) -> Path:
     return marks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

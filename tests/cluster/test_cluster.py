@@ -83,6 +83,7 @@ def test_results_come_in_order(nodes: Cluster) -> None:
         assert list(spread(double, range(50))) == [2 * number for number in range(50)]
 
 
+@pytest.mark.slow
 def test_all_nodes_work_in_the_callers_directory(
     nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,6 +123,7 @@ def test_work_that_ends_its_process_is_given_up(nodes: Cluster) -> None:
         list(spread(ends, [0]))
 
 
+@pytest.mark.slow
 def test_a_node_with_another_library_is_refused(
     nodes: Cluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -130,6 +132,7 @@ def test_a_node_with_another_library_is_refused(
         list(spread(double, [1]))
 
 
+@pytest.mark.slow
 def test_a_node_of_another_kind_is_told(
     nodes: Cluster, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -170,6 +173,7 @@ def evaluated(capfd: pytest.CaptureFixture[str], *words: str) -> Any:
     return json.loads(capfd.readouterr().out)
 
 
+@pytest.mark.slow
 def test_an_evaluation_is_the_same_as_on_one_machine(
     nodes: Cluster, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -256,6 +260,7 @@ def test_a_hopeless_task_stops_on_nodes_too(
     assert "Exception ignored" not in said
 
 
+@pytest.mark.slow
 def test_tasks_are_validated_on_nodes(nodes: Cluster, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["validate", "reach", "handover", "--level", "static", "--ray", nodes.address]) == 0
     told = capfd.readouterr().out

@@ -57,6 +57,7 @@ def fails_with(monkeypatch, number, after=3):
 # --- the same bytes
 
 
+@pytest.mark.slow
 def test_several_processes_collect_the_same_bytes(whole, tmp_path):
     collect(REACH, tmp_path / "again", jobs=2)
     assert bytes_of(tmp_path / "again") == bytes_of(whole)

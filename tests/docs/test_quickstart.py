@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 
+import pytest
 from written_pages import written
 
 from taskbuilder import validate_task
@@ -13,6 +14,7 @@ from taskbuilder.cli import main
 PAGE = written("quickstart.md")
 
 
+@pytest.mark.slow
 def test_the_change_that_the_page_proposes_is_sound(tmp_path):
     ((addition, expert), (at_goal, _)) = (
         re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.M | re.S)

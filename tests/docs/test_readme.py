@@ -49,6 +49,7 @@ def test_the_error_output_is_real(task, monkeypatch):
     assert [str(finding) for finding in found] == shown.splitlines()
 
 
+@pytest.mark.slow
 def test_its_lines_of_python_demonstrate_train_and_evaluate(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     _, lines = blocks("python")

@@ -14,6 +14,7 @@ EPISODES = 3
 SAVED_AT = 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", LIBRARY)
 def test_workers_give_what_one_environment_gives(task):
     vec = make_vec(task, len(SEEDS), 2)

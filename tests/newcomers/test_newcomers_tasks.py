@@ -19,6 +19,7 @@ HERE = Path(__file__).parent
 TASKS = sorted(file.stem for file in HERE.glob("*.yaml"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TASKS)
 def test_the_expert_succeeds_and_nothing_is_wrong(name):
     file = HERE / f"{name}.yaml"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 import pickle
 from collections.abc import Iterator, Mapping
@@ -176,6 +177,7 @@ def as_json(value: object) -> object:
     return [as_json(item) for item in value] if isinstance(value, tuple) else value
 
 
+@functools.cache  # checking the schema takes longer than checking a file
 def validator(model: type[BaseModel]) -> jsonschema.Draft202012Validator:
     schema = model.model_json_schema(by_alias=True)
     jsonschema.Draft202012Validator.check_schema(schema)

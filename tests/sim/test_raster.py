@@ -14,6 +14,11 @@ from taskbuilder.world.building import build_world
 
 SIZE = (96, 72)
 KERNEL = np.ones((3, 3), np.uint8)
+ALWAYS = {"handover", "pick_push_place", "collaborative_lift", "lift_triangle"}
+SEEN = [
+    pytest.param(name, marks=() if name in ALWAYS else pytest.mark.slow, id=name)
+    for name in catalogue().tasks
+]
 
 CLOSE_M = 0.004
 """How far decimated meshes and polygons in place of circles may be from Bullet's."""
@@ -40,7 +45,7 @@ def unexplained(one, two):
     return found
 
 
-@pytest.mark.parametrize("name", list(catalogue().tasks))
+@pytest.mark.parametrize("name", SEEN)
 def test_it_sees_the_same_bodies_at_the_same_depths(name):
     task = load_task(name)
     worlds = [build_world(task.file, renderer=renderer) for renderer in ("raster", "tiny")]

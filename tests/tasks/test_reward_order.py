@@ -18,6 +18,7 @@ def report():
     return validate_task(KEPT, seeds=2, only=("pays for success",))
 
 
+@pytest.mark.slow
 def test_a_handover_that_pays_less_than_holding_on_is_found_out(report):
     (finding,) = report.findings
     assert finding.code == "TB552"

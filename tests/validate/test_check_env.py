@@ -121,7 +121,9 @@ class Black(Pictured):
         (UnseededLater, "TB575", "begun without a seed, begins otherwise"),
         (Infinite, "TB576", r"left is paid inf \(seed 0, step 21\)"),
         (Keeping, "TB572", "each reset keeps 1 saved states"),
-        (Hoarding, "TB572", "KB that no other gives back"),
+        pytest.param(
+            Hoarding, "TB572", "KB that no other gives back", marks=pytest.mark.slow, id="Hoarding"
+        ),
         (Endless, "TB573", "goes on after its 24 control steps"),
         (Blind, "TB574", r"left sees nothing \(seed 0, step 0\)"),
         (Pictured, "TB571", "render gives nothing"),

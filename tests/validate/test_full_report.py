@@ -134,6 +134,7 @@ def test_a_way_of_playing_stands_in_the_data_by_its_text_and_by_its_key(report):
     assert {"return", "discounted_return", "successes", "episodes"} < task["probes"][0].keys()
 
 
+@pytest.mark.slow
 def test_two_processes_find_the_same_as_one(file, report):
     other = validate_task(file, seeds=SEEDS, jobs=2, only=SPREAD)
     before = {family.name: family for family in report.families}
