@@ -9,8 +9,9 @@ policy has seen, and 300 more of each variation with Gaussian noise of 5 mm on a
 `handover_randomized` is Handover with quantities that are drawn in every episode, in demonstrations
 and evaluations: the stick's mass, from 30 % below that of the lightest variation to 30 % above that
 of the heaviest; its friction and the motors' gains, from ±30 % and ±20 %; and the delay of each
-robot's actions, none or one control step. Its episodes have 65 control steps, as 50 were enough for
-a quarter of the expert's attempts. Its policies play 300 episodes of each variation so.
+robot's actions, none or one control step. Its episodes have 65 control steps, as the expert, which
+waits after each motion of a delayed robot, is seldom done within 50. Its policies play 300 episodes
+of each variation so.
 
 Writes benchmarks/results/robust_cloning.json, with the commands that make each run again, and every
 episode to robust_cloning.csv. What was stopped goes on; nothing is left out. A run takes about a

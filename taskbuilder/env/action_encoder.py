@@ -17,6 +17,9 @@ Actions = dict[str, NDArray[np.float32]]
 class ActionEncoder:
     """Encodes commands to arms and grippers as an environment's own actions.
 
+    Where a robot carries out its actions with a delay, a command begins where the earlier actions
+    will have led.
+
     Args:
         env: Any environment whose actions are flat.
 
@@ -42,13 +45,14 @@ class ActionEncoder:
 
         Args:
             joints: Commanded joint positions, rad or m, within one control step's reach; other arms
-                stay.
+                stay where they were last told to be.
             openings: Gripper openings, from 0 (closed) to 1 (open); other grippers stay unchanged.
         """
         joints, openings = joints or {}, openings or {}
         found = {}
         for agent, modes in self.env.episode.actions.items():
-            numbers = modes.leading_to(joints.get(agent), openings.get(agent))
+            waiting = self.env.episode.waiting(agent)
+            numbers = modes.leading_to(joints.get(agent), openings.get(agent), waiting)
             if self.env.options.normalize:
                 numbers = modes.normalized(numbers)
             found[agent] = np.array(numbers, dtype=np.float32)

@@ -54,12 +54,18 @@ class GripperMode:
         """Lower and upper bound: -1 (close) to 1 (open), or an opening width in metres."""
         return (-1.0, 1.0) if self.kind == "binary" else (0.0, self.robot.model.stroke)
 
-    def opening_to(self, opening: float | None) -> float:
-        """The number that opens the gripper to a fraction from 0 to 1; None leaves it unchanged."""
-        if self.kind == "continuous":
-            told = self.robot.gripper.told() if opening is None else opening
-            return told * self.robot.model.stroke
-        return 0.0 if opening is None else 1.0 if opening > 0.5 else -1.0
+    def opening_to(self, opening: float | None, waiting: Sequence[float] = ()) -> float:
+        """The number that opens the gripper to a fraction from 0 to 1.
+
+        Args:
+            opening: The fraction; None leaves the gripper unchanged.
+            waiting: Numbers of actions that have yet to be carried out.
+        """
+        if self.kind == "binary":
+            return 0.0 if opening is None else 1.0 if opening > 0.5 else -1.0
+        if opening is None and waiting:
+            return waiting[-1]
+        return (self.robot.gripper.told() if opening is None else opening) * self.robot.model.stroke
 
     def command(self, value: float) -> None:
         """Command the gripper by the last number of an action."""
@@ -120,16 +126,24 @@ class RobotActions:
         ]
 
     def leading_to(
-        self, joints: Sequence[float] | None = None, opening: float | None = None
+        self,
+        joints: Sequence[float] | None = None,
+        opening: float | None = None,
+        waiting: Sequence[Sequence[float]] = (),
     ) -> list[float]:
         """The action, in physical units, for given joint positions and a gripper opening.
 
         Args:
             joints: Positions within a control step's reach, rad or m; None to stay.
             opening: Of the gripper, from 0 (closed) to 1; None to leave it unchanged.
+            waiting: Earlier actions, in physical units, that have yet to be carried out.
         """
-        arm = self._mode.leading_to(self.arm.robot.commanded() if joints is None else joints)
-        gripper = [self._gripper.opening_to(opening)] if self._gripper else []
+        start: Sequence[float] = self.arm.robot.commanded()
+        for values in waiting:
+            start = self._mode.after(start, values[: self.arm_size])
+        arm = self._mode.leading_to(start if joints is None else joints, start)
+        told = [values[-1] for values in waiting]
+        gripper = [self._gripper.opening_to(opening, told)] if self._gripper else []
         return self.clipped([*arm, *gripper])
 
     def joint_targets(self) -> tuple[float, ...]:

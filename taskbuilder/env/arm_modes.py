@@ -109,18 +109,27 @@ class ArmMode(ABC):
         """Lower and upper bound of each number, in physical units."""
 
     @abstractmethod
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The commanded joint positions after an action.
+
+        Args:
+            joints: The ones before it, rad or m.
+            values: The numbers of the action.
+        """
+
     def command(self, values: Sequence[float]) -> Targets:
         """Command the motors by the numbers of an action.
 
         Returns:
             Joint positions for the end of the control step, or None if motors have other commands.
         """
+        return self.after(self.arm.robot.commanded(), values)
 
     @abstractmethod
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions.
 
         Args:
-            joints: Positions within one control step's reach, rad or m; the ones commanded now for
-                an arm that should stay.
+            joints: Positions within one control step's reach of ``start``, rad or m.
+            start: The commanded ones when the action is carried out.
         """

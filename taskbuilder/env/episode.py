@@ -233,10 +233,7 @@ class Episode(Single):
         self.check_usable()
         targets: dict[str, Sequence[float]] = {}
         for agent, values in self._due(actions).items():
-            mode = self.actions[agent]
-            numbers: list[float] = values.tolist()
-            normalized = self.options.normalize
-            target = mode.command(mode.physical(numbers) if normalized else mode.clipped(numbers))
+            target = self.actions[agent].command(self._physical(agent, values))
             if target is not None:
                 targets[agent] = target
         self._previous = dict(actions)
@@ -254,14 +251,26 @@ class Episode(Single):
         self.succeeded = self.succeeded or (self.outcome.success and not self.failed)
         self.over = self.terminated or self.truncated
 
+    def delay(self, agent: str) -> int:
+        """After how many control steps a robot carries out its actions in this episode."""
+        return delay_of(agent, self.world.quantities)
+
+    def waiting(self, agent: str) -> list[list[float]]:
+        """The actions of a delayed robot that it has yet to carry out, in physical units."""
+        return [self._physical(agent, values) for values in self._waiting.get(agent, ())]
+
+    def _physical(self, agent: str, values: NDArray[np.float64]) -> list[float]:
+        mode, numbers = self.actions[agent], values.tolist()
+        return mode.physical(numbers) if self.options.normalize else mode.clipped(numbers)
+
     def _due(self, actions: Actions) -> Actions:
         """The actions to carry out now: those given, or earlier ones where a robot has a delay."""
-        if not any(delay_of(agent, self.world.quantities) for agent in self.agents):
+        if not any(map(self.delay, self.agents)):
             return actions
         due: dict[str, NDArray[np.float64]] = {}
         for agent, values in actions.items():
             waiting = (*self._waiting.get(agent, ()), values)
-            if len(waiting) > delay_of(agent, self.world.quantities):
+            if len(waiting) > self.delay(agent):
                 due[agent], *rest = waiting
                 waiting = tuple(rest)
             self._waiting[agent] = waiting

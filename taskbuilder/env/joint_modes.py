@@ -35,19 +35,17 @@ class JointDeltaMode(ArmMode):
         """Lower and upper bound of each number, in physical units."""
         return tuple((-step, step) for step in self.longest)
 
-    def command(self, values: Sequence[float]) -> Targets:
-        """Command the joints by the numbers of an action."""
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The commanded joint positions after an action."""
         ik = self.arm.ik
         return [
             min(max(joint + value, low), high)
-            for joint, value, low, high in zip(
-                self.arm.robot.commanded(), values, ik.lower, ik.upper, strict=True
-            )
+            for joint, value, low, high in zip(joints, values, ik.lower, ik.upper, strict=True)
         ]
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
-        return [goal - at for goal, at in zip(joints, self.arm.robot.commanded(), strict=True)]
+        return [goal - at for goal, at in zip(joints, start, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,15 @@ class JointPositionMode(ArmMode):
             for low, high in zip(ik.lower, ik.upper, strict=True)
         )
 
-    def command(self, values: Sequence[float]) -> Targets:
-        """Command the joints by the numbers of an action."""
-        return self.arm.approach(self.arm.robot.commanded(), values)
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The commanded joint positions after an action."""
+        return self.arm.approach(joints, values)
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def leading_to(
+        self,
+        joints: Sequence[float],
+        start: Sequence[float],  # noqa: ARG002  # positions lead there from anywhere
+    ) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         return joints
 
@@ -100,12 +102,13 @@ class JointVelocityMode(ArmMode):
         self.arm.robot.arm.velocity(values)
         return None
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The joint positions to which an action would lead."""
+        return [at + value * self.arm.dt for at, value in zip(joints, values, strict=True)]
+
+    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
-        return [
-            (goal - at) / self.arm.dt
-            for goal, at in zip(joints, self.arm.robot.commanded(), strict=True)
-        ]
+        return [(goal - at) / self.arm.dt for goal, at in zip(joints, start, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -129,6 +132,18 @@ class JointTorqueMode(ArmMode):
         self.arm.robot.arm.torque(values)
         return None
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def after(
+        self,
+        joints: Sequence[float],
+        values: Sequence[float],  # noqa: ARG002  # what they do depends on load and contacts
+    ) -> Sequence[float]:
+        """Not supported: the arm counts as standing still."""
+        return joints
+
+    def leading_to(
+        self,
+        joints: Sequence[float],
+        start: Sequence[float],  # noqa: ARG002
+    ) -> Sequence[float]:
         """Not supported: the torques would depend on the load and contacts of the arm."""
         return [0.0] * len(joints)

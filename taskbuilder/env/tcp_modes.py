@@ -58,23 +58,29 @@ class TcpDeltaMode(ArmMode):
         return ((-step, step),) * 3 + ((-turn, turn),) * TURN_NUMBERS[self.arm.spec.turn]
 
     def command(self, values: Sequence[float]) -> Targets:
-        """Command the tool by the numbers of an action."""
-        arm, spec = self.arm, self.arm.spec
-        joints = arm.robot.commanded()
-        tool = arm.ik.forward(joints)
-        shift = _shortened((values[0], values[1], values[2]), spec.max_step)
-        goal = add(tool.position, self._in_base(shift, tool))
+        """Command the tool by the numbers of an action, not too far ahead of the measured one."""
+        arm, joints = self.arm, self.arm.robot.commanded()
+        target, most = self._target(joints, values), LAG_STEPS * arm.spec.max_step
         measured = arm.base_from_world.apply(arm.world.position(arm.tcp_name))
-        ahead = subtract(goal, measured)
-        if norm(ahead) > LAG_STEPS * spec.max_step:
-            goal = add(measured, _shortened(ahead, LAG_STEPS * spec.max_step))
-        target = Pose(goal, self._turned(tool, values[3:]))
+        ahead = subtract(target.position, measured)
+        if norm(ahead) > most:
+            target = Pose(add(measured, _shortened(ahead, most)), target.quaternion)
         return arm.ik.step(joints, target, arm.longest)
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The commanded joint positions after an action of a tool that does not lag behind."""
+        return self.arm.ik.step(joints, self._target(joints, values), self.arm.longest)
+
+    def _target(self, joints: Sequence[float], values: Sequence[float]) -> Pose:
+        tool = self.arm.ik.forward(joints)
+        shift = _shortened((values[0], values[1], values[2]), self.arm.spec.max_step)
+        goal = add(tool.position, self._in_base(shift, tool))
+        return Pose(goal, self._turned(tool, values[3:]))
+
+    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         arm, spec = self.arm, self.arm.spec
-        tool, goal = arm.ik.forward(arm.robot.commanded()), arm.ik.forward(joints)
+        tool, goal = arm.ik.forward(start), arm.ik.forward(joints)
         shift = self._from_base(subtract(goal.position, tool.position), tool)
         if spec.turn == "none":
             return shift
@@ -129,10 +135,9 @@ class TcpPoseMode(ArmMode):
         reach = self.arm.reach
         return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * TURN_NUMBERS[self.arm.spec.turn]
 
-    def command(self, values: Sequence[float]) -> Targets:
-        """Command the tool by the numbers of an action."""
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The commanded joint positions after an action."""
         arm, spec = self.arm, self.arm.spec
-        joints = arm.robot.commanded()
         tool = arm.ik.forward(joints)
         goal = self.goal(values)
         shift = _shortened(subtract(goal.position, tool.position), spec.max_step)
@@ -141,7 +146,11 @@ class TcpPoseMode(ArmMode):
         target = Pose(add(tool.position, shift), multiply(step, tool.quaternion))
         return arm.ik.step(joints, target, arm.longest)
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def leading_to(
+        self,
+        joints: Sequence[float],
+        start: Sequence[float],  # noqa: ARG002  # a pose leads there from anywhere
+    ) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         arm, spec = self.arm, self.arm.spec
         goal = arm.ik.forward(joints)
@@ -195,17 +204,16 @@ class TcpPathMode(ArmMode):
         """Lower and upper bound of each number, in physical units."""
         return TcpPoseMode(self.arm).bounds
 
-    def command(self, values: Sequence[float]) -> Targets:
-        """Command the tool by the numbers of an action."""
+    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+        """The commanded joint positions after an action."""
         arm = self.arm
-        joints = arm.robot.commanded()
         rng = np.random.default_rng(0)  # the same path for the same command
         found = solve(arm.robot.chain, TcpPoseMode(arm).goal(values), start=joints, rng=rng)
         return arm.approach(joints, found.joints)
 
-    def leading_to(self, joints: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
-        return TcpPoseMode(self.arm).leading_to(joints)
+        return TcpPoseMode(self.arm).leading_to(joints, start)
 
 
 def _shortened(vector: Vec3, longest: float) -> Vec3:

@@ -35,6 +35,7 @@ scene:
     spot: {{position: [-0.1, 0.0, 0.6]}}
 {sites}expert:
 {expert}
+{extra}
 """
 
 RIGHT = """\
@@ -66,6 +67,7 @@ def made(
     model: str = "ur5e",
     description: str = DESCRIPTION,
     steps: int = 60,
+    extra: str = "",
     **options: object,
 ) -> TaskEnv:
     """An environment of a task with an arm, a table and a block, and the given stages."""
@@ -79,6 +81,7 @@ def made(
         objects=objects,
         sites=sites,
         expert=listed,
+        extra=extra,
     )
     file = folder / f"{folder.name}.yaml"
     file.write_text(text, encoding="utf-8")
