@@ -24,7 +24,7 @@ from taskbuilder.schema.task import LOOK_PARTS, LookPart
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
 from taskbuilder.world.building import build_world
-from taskbuilder.world.randomness import EpisodeRandomness, delay_of
+from taskbuilder.world.randomness import EpisodeRandomness, delay_of, longest_delay
 from taskbuilder.world.state import WorldState
 from taskbuilder.world.world import World
 
@@ -203,11 +203,7 @@ class Episode(Single):
         self.noise_rng = randomness.noise()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         try:
-            self.world.reset(
-                seed,
-                randomized=self.options.randomize in (True, "all"),
-                looks=self._looks,
-            )
+            self.world.reset(seed, randomized=self._randomized, looks=self._looks)
         except ExplosionError:
             self._give_up()
             raise
@@ -215,6 +211,11 @@ class Episode(Single):
         self.world.set_locks(self.outcome.conditions)
         self.failed = self.outcome.failure
         self.over, self.begun = False, True
+
+    @property
+    def _randomized(self) -> bool:
+        """Whether what the task lists under ``randomize`` is drawn in each episode."""
+        return self.options.randomize in (True, "all")
 
     @property
     def _looks(self) -> tuple[LookPart, ...]:
@@ -254,6 +255,12 @@ class Episode(Single):
     def delay(self, agent: str) -> int:
         """After how many control steps a robot carries out its actions in this episode."""
         return delay_of(agent, self.world.quantities)
+
+    @property
+    def longest_delay(self) -> int:
+        """The longest delay that any robot can have with these options, in control steps."""
+        listed = self.world.spec.randomize if self._randomized else {}
+        return max(longest_delay(agent, listed) for agent in self.agents)
 
     def waiting(self, agent: str) -> list[list[float]]:
         """The actions of a delayed robot that it has yet to carry out, in physical units."""

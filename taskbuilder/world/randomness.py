@@ -109,6 +109,12 @@ def delay_of(robot: str, values: Mapping[str, Any]) -> int:
     return int(values.get(f"{robot}.delay", 0))
 
 
+def longest_delay(robot: str, randomize: Mapping[str, Distribution]) -> int:
+    """The longest delay of a robot that the task can draw, in control steps."""
+    listed = randomize.get(f"{robot}.delay")
+    return int(max(listed.choice or (0,))) if listed else 0
+
+
 def apply(
     robots: Mapping[str, Robot],
     objects: Mapping[str, SceneObject],

@@ -50,6 +50,17 @@ def test_it_takes_the_delay_and_no_more_for_each_motion_and_each_grip(tmp_path):
     assert ends[0] < ends[1] <= ends[0] + 3 * acts
 
 
+def test_how_long_it_waits_depends_on_the_longest_delay_that_may_be_drawn(tmp_path):
+    """Policies that learn from it do not observe the delay of an episode."""
+    env = made(tmp_path, *STAGES, randomize=True, extra="randomize: {arm.delay: {choice: [0, 2]}}")
+    expert, ends = Expert(env), {}
+    for seed in range(6):
+        late = expert.play(seed=seed)
+        ends[env.episode.delay("arm")] = late.stage_ends[-1]
+    env.close()
+    assert 0 <= ends[2] - ends[0] <= 2
+
+
 def test_two_robots_with_different_delays_play_together(tmp_path):
     late = played(
         tmp_path,

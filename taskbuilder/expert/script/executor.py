@@ -202,7 +202,7 @@ class Executor:
         grips = {who: act for who, act in acts.items() if isinstance(act, Grip)}
         if grips:
             yield self.encoder.actions(openings={g.robot: g.opening for g in grips.values()})
-            for _ in range(self._delay):
+            for _ in range(self._env.episode.longest_delay):
                 yield self.encoder.hold()
         if goes:
             yield from self._go(goes, told)
@@ -252,16 +252,13 @@ class Executor:
             joints = {robot: path[step] for robot, path in trajectory.joints.items()}
             yield self.encoder.actions(joints)
             self._check_loads(loads, missed, told)
-        for waited in range(self._delay + self._steps(SETTLE_S)):
-            if waited >= self._delay and all(map(self._arrived, goes.values())):
+        # Not the delay of this episode: what is shown must not depend on what cannot be observed.
+        late = self._env.episode.longest_delay
+        for waited in range(late + self._steps(SETTLE_S)):
+            if waited >= late and all(map(self._arrived, goes.values())):
                 break
             yield self.encoder.hold()
             self._check_loads(loads, missed, told)
-
-    @property
-    def _delay(self) -> int:
-        """Control steps until all robots have carried out what they were told."""
-        return max(map(self._env.episode.delay, self._env.possible_agents))
 
     def _plan(
         self, goes: Mapping[str, Go], told: Mapping[str, str]
