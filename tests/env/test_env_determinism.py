@@ -110,6 +110,7 @@ def lifted(env, grasps) -> dict[str, tuple[float, float, float]]:
     return {agent: (*env.episode.world.position(f"{agent}.tcp")[:2], 0.65) for agent in grasps}
 
 
+@pytest.mark.slow
 def test_a_fresh_process_gives_the_same(played, tmp_path):
     jobs = [[task, {}, seed, EPISODES] for task, seed in played]
     path = write_task(tmp_path, facing(*WATCHED, extra=VARIED))

@@ -46,6 +46,7 @@ def test_workers_give_what_one_environment_gives(task):
             env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", LIBRARY)
 def test_every_episode_goes_on_the_same_after_a_restore(task):
     env = parallel_env(task)

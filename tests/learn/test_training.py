@@ -211,6 +211,7 @@ def expert_episodes():
         return [Expert(env).play(seed) for seed in (1, 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{"demos": 2}, {"starts": 0.5}])
 def test_runs_with_expert_episodes_go_on_exactly_too(change, expert_episodes, tmp_path):
     plan = replace(PLAN, steps=100, **change)

@@ -38,6 +38,7 @@ def playing(name):
     env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TASKS)
 def test_the_expert_succeeds_from_every_seed_and_nothing_is_said_against_it(name):
     report = validate_task(HERE / f"{name}.yaml", seeds=3, only=("reach", "solvable"))

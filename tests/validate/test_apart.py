@@ -135,6 +135,7 @@ def once(how, mark, when="True"):
     return f"if {when} and not os.path.exists('{mark}'): {ONCE.format(mark=mark, how=how)}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGSTOP"])
 def test_a_process_that_is_lost_is_replaced_and_goes_on(how, odd, tmp_path, caplog):
     sound = validate_task(odd(), seeds=2, level="build")
@@ -170,6 +171,7 @@ def odd(world):
 class Pair"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["repeat", "solvable"])
 def test_processes_of_the_process_are_replaced_too(family, write_pair, tmp_path, caplog):
     """Repeated is in fresh processes, and the expert plays in several."""
