@@ -12,8 +12,8 @@ of the heaviest; its friction and the motors' gains, from ±30 % and ±20 %; and
 robot's actions, none or one control step. Its episodes have 65 control steps, as the expert, which
 waits after each motion of a robot that may be delayed, is seldom done within 50. Its actions are
 target poses instead of steps: which step is right depends on the earlier ones that a delayed robot
-has yet to carry out, and policies that learned steps stopped short of their goals. Training has the
-usual noise on observations, as they have none. The policies play 300 episodes of each variation so.
+has yet to carry out, and policies that learned steps stopped short of their goals. Training adds
+the default noise to observations. The policies play 300 episodes of each variation without noise.
 
 Writes benchmarks/results/robust_cloning.json, with the commands that make each run again, and every
 episode to robust_cloning.csv. What was stopped goes on; nothing is left out. A run takes about a

@@ -109,7 +109,7 @@ class ArmMode(ABC):
         """Lower and upper bound of each number, in physical units."""
 
     @abstractmethod
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The commanded joint positions after an action.
 
         Args:
@@ -126,7 +126,7 @@ class ArmMode(ABC):
         return self.after(self.arm.robot.commanded(), values)
 
     @abstractmethod
-    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions.
 
         Args:

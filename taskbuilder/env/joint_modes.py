@@ -35,7 +35,7 @@ class JointDeltaMode(ArmMode):
         """Lower and upper bound of each number, in physical units."""
         return tuple((-step, step) for step in self.longest)
 
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The commanded joint positions after an action."""
         ik = self.arm.ik
         return [
@@ -43,7 +43,7 @@ class JointDeltaMode(ArmMode):
             for joint, value, low, high in zip(joints, values, ik.lower, ik.upper, strict=True)
         ]
 
-    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         return [goal - at for goal, at in zip(joints, start, strict=True)]
 
@@ -68,15 +68,11 @@ class JointPositionMode(ArmMode):
             for low, high in zip(ik.lower, ik.upper, strict=True)
         )
 
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The commanded joint positions after an action."""
         return self.arm.approach(joints, values)
 
-    def leading_to(
-        self,
-        joints: Sequence[float],
-        start: Sequence[float],  # noqa: ARG002  # positions lead there from anywhere
-    ) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], _start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         return joints
 
@@ -102,11 +98,11 @@ class JointVelocityMode(ArmMode):
         self.arm.robot.arm.velocity(values)
         return None
 
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The joint positions to which an action would lead."""
         return [at + value * self.arm.dt for at, value in zip(joints, values, strict=True)]
 
-    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         return [(goal - at) / self.arm.dt for goal, at in zip(joints, start, strict=True)]
 
@@ -132,18 +128,10 @@ class JointTorqueMode(ArmMode):
         self.arm.robot.arm.torque(values)
         return None
 
-    def after(
-        self,
-        joints: Sequence[float],
-        values: Sequence[float],  # noqa: ARG002  # what they do depends on load and contacts
-    ) -> Sequence[float]:
+    def after(self, joints: Sequence[float], _values: Sequence[float], /) -> Sequence[float]:
         """Not supported: the arm counts as standing still."""
         return joints
 
-    def leading_to(
-        self,
-        joints: Sequence[float],
-        start: Sequence[float],  # noqa: ARG002
-    ) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], _start: Sequence[float], /) -> Sequence[float]:
         """Not supported: the torques would depend on the load and contacts of the arm."""
         return [0.0] * len(joints)

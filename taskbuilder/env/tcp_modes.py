@@ -67,7 +67,7 @@ class TcpDeltaMode(ArmMode):
             target = Pose(add(measured, _shortened(ahead, most)), target.quaternion)
         return arm.ik.step(joints, target, arm.longest)
 
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The commanded joint positions after an action of a tool that does not lag behind."""
         return self.arm.ik.step(joints, self._target(joints, values), self.arm.longest)
 
@@ -77,7 +77,7 @@ class TcpDeltaMode(ArmMode):
         goal = add(tool.position, self._in_base(shift, tool))
         return Pose(goal, self._turned(tool, values[3:]))
 
-    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         arm, spec = self.arm, self.arm.spec
         tool, goal = arm.ik.forward(start), arm.ik.forward(joints)
@@ -135,7 +135,7 @@ class TcpPoseMode(ArmMode):
         reach = self.arm.reach
         return ((-reach, reach),) * 3 + ((-math.pi, math.pi),) * TURN_NUMBERS[self.arm.spec.turn]
 
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The commanded joint positions after an action."""
         arm, spec = self.arm, self.arm.spec
         tool = arm.ik.forward(joints)
@@ -146,11 +146,7 @@ class TcpPoseMode(ArmMode):
         target = Pose(add(tool.position, shift), multiply(step, tool.quaternion))
         return arm.ik.step(joints, target, arm.longest)
 
-    def leading_to(
-        self,
-        joints: Sequence[float],
-        start: Sequence[float],  # noqa: ARG002  # a pose leads there from anywhere
-    ) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], _start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         arm, spec = self.arm, self.arm.spec
         goal = arm.ik.forward(joints)
@@ -204,14 +200,14 @@ class TcpPathMode(ArmMode):
         """Lower and upper bound of each number, in physical units."""
         return TcpPoseMode(self.arm).bounds
 
-    def after(self, joints: Sequence[float], values: Sequence[float]) -> Sequence[float]:
+    def after(self, joints: Sequence[float], values: Sequence[float], /) -> Sequence[float]:
         """The commanded joint positions after an action."""
         arm = self.arm
         rng = np.random.default_rng(0)  # the same path for the same command
         found = solve(arm.robot.chain, TcpPoseMode(arm).goal(values), start=joints, rng=rng)
         return arm.approach(joints, found.joints)
 
-    def leading_to(self, joints: Sequence[float], start: Sequence[float]) -> Sequence[float]:
+    def leading_to(self, joints: Sequence[float], start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""
         return TcpPoseMode(self.arm).leading_to(joints, start)
 

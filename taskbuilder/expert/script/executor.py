@@ -252,7 +252,7 @@ class Executor:
             joints = {robot: path[step] for robot, path in trajectory.joints.items()}
             yield self.encoder.actions(joints)
             self._check_loads(loads, missed, told)
-        # Not the delay of this episode: what is shown must not depend on what cannot be observed.
+        # Policies do not observe the delay of an episode, so demonstrations must not depend on it.
         late = self._env.episode.longest_delay
         for waited in range(late + self._steps(SETTLE_S)):
             if waited >= late and all(map(self._arrived, goes.values())):
