@@ -2,9 +2,9 @@
 
     python benchmarks/robust_cloning.py [--only handover] [--seeds 1 2 3] [--jobs 2]
 
-Three tasks, from states, 600 demonstrations that take the variations in turn, with noise on the
-observations in training. Each policy plays 300 episodes that neither training nor the choice of a
-policy has seen, and 300 more of each variation with Gaussian noise of 5 mm on all positions.
+Three tasks, from states, 600 demonstrations of each that take the variations in turn, with noise on
+the observations in training. Each policy plays 300 episodes that neither training nor the choice of
+a policy has seen, and 300 more of each variation with Gaussian noise of 5 mm on all positions.
 
 `handover_randomized` is Handover with quantities that are drawn in every episode, in demonstrations
 and evaluations: the stick's mass, from 30 % below that of the lightest variation to 30 % above that
@@ -13,7 +13,8 @@ robot's actions, none or one control step. Its episodes have 65 control steps, a
 waits after each motion of a robot that may be delayed, is seldom done within 50. Its actions are
 target poses instead of steps: which step is right depends on the earlier ones that a delayed robot
 has yet to carry out, and policies that learned steps stopped short of their goals. Training adds
-the default noise to observations. The policies play 300 episodes of each variation without noise.
+the default noise to observations. There are 1,200 demonstrations. The policies play 300 episodes of
+each variation without noise.
 
 Writes benchmarks/results/robust_cloning.json, with the commands that make each run again, and every
 episode to robust_cloning.csv. What was stopped goes on; nothing is left out. A run takes about a
@@ -45,7 +46,8 @@ TASKS = ("pick_push_place", "collaborative_lift", "handover", RANDOMIZED)
 RESULTS = Path(__file__).parent / "results"
 SUMMARY, ROWS = RESULTS / "robust_cloning.json", RESULTS / "robust_cloning.csv"
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
-DEMOS, UPDATES, EPISODES, NOISE_M = 600, 15_000, 300, 0.005
+UPDATES, EPISODES, NOISE_M = 15_000, 300, 0.005
+DEMOS = dict.fromkeys(TASKS, 600) | {RANDOMIZED: 1_200}
 EVERY = str(UPDATES // 5)
 TRACK = "cloned"
 ACTION = "action: {arm: tcp_pose}"
@@ -90,7 +92,7 @@ def collect(task: str, folder: Path) -> None:
 
 
 def collect_words(task: str, folder: Path) -> list[str]:
-    words = ["collect", named(task, folder), "--episodes", str(DEMOS), "--variation", "all"]
+    words = ["collect", named(task, folder), "--episodes", str(DEMOS[task]), "--variation", "all"]
     words += ["--observe", "scene", "--seed", str(FIRST_DEMO)]
     words += ["--randomize"] if task == RANDOMIZED else []
     return [*words, "--out", str(folder / "data" / task)]
@@ -179,7 +181,7 @@ def write(folder: Path) -> None:
             {
                 "task": task,
                 "seed": int(seed),
-                "demonstrations": DEMOS,
+                "demonstrations": DEMOS[task],
                 "updates": plan["steps"],
                 "minutes": minutes(out),
                 "evaluations": found,
