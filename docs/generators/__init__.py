@@ -22,6 +22,7 @@ from taskbuilder.reference import codes, keys, vocabulary
 DOCS = Path(__file__).resolve().parents[1]
 
 GENERATORS: Mapping[str, Callable[[str], str]] = {
+    "algorithms": training.algorithms,
     "api": api.names,
     "channels": vocabulary.channels,
     "cloning": training.cloning,

@@ -24,6 +24,16 @@ DASH = "A dash means that the policies were not evaluated in this way. "
 RATCHET = ("handover-1-saturated", "handover-2-saturated")
 """Trials with the reward `ratchet` and with the settings of the ablation's other runs."""
 
+ALGORITHMS = {
+    ("maddpg", "scratch"): "MADDPG (`maddpg`)",
+    ("ppo", "mappo"): "MAPPO (`ppo`, preset `mappo`)",
+    ("ppo", "ippo"): "independent PPO (`ppo`, preset `ippo`)",
+}
+"""Algorithms of the comparison, by name and preset."""
+
+COMPARED_SEEDS = 2
+"""Seeds of each task and algorithm in the comparison: the first that are kept."""
+
 WAYS = {
     "team": "team reward",
     "local": "local rewards",
@@ -67,6 +77,32 @@ def learning(which: str) -> str:
     head = ["task", "track", "seed", "policies observe", "control steps", "success (95 % interval)"]
     head += [] if earlier else ["success at the last step"]
     return table([*head, "furthest stage", "minutes"], rows)
+
+
+def algorithms(_: str) -> str:
+    """Runs from scratch that observe the whole scene, by task and algorithm."""
+    kept = read("learning.json")["runs"]
+    kept = [run for run in kept if run["track"] == "scratch" and run["observe"] == "scene"]
+    rows = []
+    for task in sorted({run["task"] for run in kept}):
+        for key, name in ALGORITHMS.items():
+            runs = [run for run in kept if run["task"] == task]
+            runs = [run for run in runs if (run["algorithm"], run["preset"]) == key]
+            rows += [
+                [
+                    task,
+                    name,
+                    str(run["seed"]),
+                    f"{run['steps']:,}",
+                    _success(run),
+                    f"{100.0 * run['success_at_end_rate']:.1f} %",
+                    _stages(run["stages"]),
+                    f"{run['minutes']:.0f}",
+                ]
+                for run in sorted(runs, key=lambda run: run["seed"])[:COMPARED_SEEDS]
+            ]
+    head = ["task", "algorithm", "seed", "control steps", "success (95 % interval)"]
+    return table([*head, "success at the last step", "furthest stage", "minutes"], rows)
 
 
 def deadlock(_: str) -> str:
