@@ -1,13 +1,16 @@
-"""How fast training goes, beside collecting alone: are learning and collection balanced?
+"""Training speed, beside the speed of the simulation alone.
 
     python benchmarks/pace.py [--steps 4000] [--repeats 3] [--workers 1 2]
 
-trains the handover from nothing in three ways: as shipped, that is with the settings of the preset
-`scratch`; with one update a control step, and with critics of one output and actors without layer
-norm, as in earlier versions of the preset; and with updates so rare that none is made, which is
-collecting alone: the policy acts, environments step, rows are kept. Updates take one thread beside
-the workers. Each with as many worker processes as it goes fastest with. All by turns, so that what
-else the machine does meets all alike. Writes benchmarks/results/pace.json.
+Trains Handover from scratch in three ways:
+
+- as shipped: with the settings of the preset `scratch`;
+- one update a step: with scalar critics and actors without layer norm, as in earlier presets;
+- collecting alone: the policy acts and transitions are stored, but no network is updated.
+
+The updates run in one thread, beside the worker processes that simulate. For each way, the result
+is that of the number of workers with which it is fastest. The ways take turns, so that other load
+on the machine affects all of them alike. Writes benchmarks/results/pace.json.
 """
 
 from __future__ import annotations
@@ -38,7 +41,7 @@ WAYS: dict[str, dict[str, Any]] = {
     "one update a step": {"update_every": 1.0, "value_bins": 0, "actor_norms": False},
     "collecting alone": {"update_every": 1e9},
 }
-"""Settings other than those of the preset."""
+"""Changes to the settings of the preset, by way of training."""
 
 
 def main() -> int:
