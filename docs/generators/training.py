@@ -64,11 +64,7 @@ def learning(which: str) -> str:
             run["track"],
             str(run["seed"]),
             {"scene": "the whole scene", "task": "as the task lists"}[run["observe"]],
-            f"{run['steps']:,}",
-            _success(run),
-            *([] if earlier else [f"{100.0 * run['success_at_end_rate']:.1f} %"]),
-            _stages(run["stages"]),
-            f"{run['minutes']:.0f}",
+            *_outcome(run, at_end=not earlier),
         ]
         for run in runs
     ]
@@ -89,16 +85,7 @@ def algorithms(_: str) -> str:
             runs = [run for run in kept if run["task"] == task]
             runs = [run for run in runs if (run["algorithm"], run["preset"]) == key]
             rows += [
-                [
-                    task,
-                    name,
-                    str(run["seed"]),
-                    f"{run['steps']:,}",
-                    _success(run),
-                    f"{100.0 * run['success_at_end_rate']:.1f} %",
-                    _stages(run["stages"]),
-                    f"{run['minutes']:.0f}",
-                ]
+                [task, name, str(run["seed"]), *_outcome(run)]
                 for run in sorted(runs, key=lambda run: run["seed"])[:COMPARED_SEEDS]
             ]
     head = ["task", "algorithm", "seed", "control steps", "success (95 % interval)"]
@@ -140,6 +127,13 @@ def ablation() -> dict[str, list[dict[str, Any]]]:
 def _runs(algorithm: str) -> list[dict[str, Any]]:
     """The kept learning runs of an algorithm."""
     return [run for run in read("learning.json")["runs"] if run["algorithm"] == algorithm]
+
+
+def _outcome(run: Mapping[str, Any], *, at_end: bool = True) -> list[str]:
+    """Control steps, success, success at the last step, furthest stage and minutes of a run."""
+    kept = [f"{100.0 * run['success_at_end_rate']:.1f} %"] if at_end else []
+    steps, minutes = f"{run['steps']:,}", f"{run['minutes']:.0f}"
+    return [steps, _success(run), *kept, _stages(run["stages"]), minutes]
 
 
 def _success(run: Mapping[str, Any]) -> str:
