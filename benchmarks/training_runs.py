@@ -17,6 +17,7 @@ EPISODES, FIRST_EPISODE = 300, 2_000_000
 MEASURED = ("success_rate", "interval", "success_at_end_rate", "peak_robot_force")
 MEASURED += ("return", "stages")
 KEPT = ("run.json", "episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
+"""Runs on a data set have no episodes.csv."""
 
 
 def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
@@ -38,7 +39,7 @@ def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
         found.write_text(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
     kept = results / out.name
     kept.mkdir(parents=True, exist_ok=True)
-    for name in KEPT:
+    for name in (name for name in KEPT if (out / name).exists()):
         shutil.copyfile(out / name, kept / name)
     result: dict[str, Any] = json.loads(found.read_text())
     return result

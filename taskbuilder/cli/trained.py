@@ -25,6 +25,7 @@ _HELPED = {
     "finetuned": "a trained policy to start from",
     "demos": "demonstrations of the expert",
     "cloned": "recorded episodes alone",
+    "distilled": "recorded episodes of a trained policy alone",
 }
 
 
@@ -106,5 +107,8 @@ def _observed(env: Mapping[str, Any]) -> list[list[str]]:
 def _source(about: Mapping[str, Any]) -> str:
     """What a policy was trained by: a data set, or a reward."""
     if about.get("data"):
-        return f"from the data set {about['data']}"
+        teachers = about.get("teachers")
+        return f"from the data set {about['data']}" + (
+            f" of {', '.join(teachers)}" if teachers else ""
+        )
     return f"with the reward {about.get('reward')}"

@@ -26,7 +26,7 @@ RUN_FILE = "run.json"
 
 _LATER = (
     *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
-    *("film_every", "distances"),
+    *("film_every", "distances", "teachers"),
 )
 """Fields of a plan that may be missing in files of earlier versions."""
 
@@ -59,6 +59,7 @@ class Plan:
         starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.
+        teachers: The trained policies that played its episodes; none where experts did.
         cameras: Cameras of the data set whose pictures the policies observe.
         camera_size, renderer: Of these pictures; None and "" without cameras.
         device: Device of the networks: ``cpu`` or ``cuda``.
@@ -85,6 +86,7 @@ class Plan:
     starts: float = 0.0
     init: str = ""
     data: str = ""
+    teachers: tuple[str, ...] = ()
     cameras: tuple[str, ...] = ()
     camera_size: tuple[int, int] | None = None
     renderer: str = ""
@@ -112,8 +114,9 @@ class Plan:
 
     @property
     def track(self) -> str:
-        """The track: ``cloned``, ``demos``, ``resets`` or ``finetuned``; else ``scratch``."""
+        """The kind of help that the run gets; ``scratch`` if none."""
         helped = {
+            "distilled": self.teachers,
             "cloned": self.data,
             "demos": self.demos,
             "resets": self.starts,

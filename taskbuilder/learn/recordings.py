@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, options_of_dataset
+from taskbuilder.data.policies import is_named
 from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UsageError, display_path
@@ -54,7 +55,10 @@ class Demonstrations:
 
 
 def read_demonstrations(
-    folder: str | Path, task: str, cameras: Sequence[str] = ()
+    folder: str | Path,
+    task: str,
+    cameras: Sequence[str] = (),
+    observed: Mapping[str, Sequence[str]] | None = None,
 ) -> Demonstrations:
     """Read the successful episodes of a data set.
 
@@ -62,6 +66,7 @@ def read_demonstrations(
         folder: The data set.
         task: Id of the task; only its episodes are read.
         cameras: Cameras whose pictures are read.
+        observed: Names of the recorded numbers to read, by agent; by default all.
 
     Raises:
         UsageError: There is no such data set, or it has no such episodes.
@@ -75,8 +80,11 @@ def read_demonstrations(
     binary = {agent for agent, robot in robots.items() if _has_binary_gripper(robot)}
     agents = tuple(robots)
     ends = np.cumsum([episode.steps for episode in episodes])
+    names = {agent: robot["observation_names"] for agent, robot in robots.items()}
+    observed = names if observed is None else observed
+    columns = {agent: [names[agent].index(name) for name in observed[agent]] for agent in agents}
     return Demonstrations(
-        {agent: _joined(e.observations[agent][:-1] for e in episodes) for agent in agents},
+        {a: _joined(e.observations[a][:-1, columns[a]] for e in episodes) for a in agents},
         {
             agent: _joined(
                 explicit_gripper(e.actions[agent]) if agent in binary else e.actions[agent]
@@ -85,7 +93,7 @@ def read_demonstrations(
             for agent in agents
         },
         np.repeat(ends, [episode.steps for episode in episodes]),
-        {agent: _own(agent, robots[agent]["observation_names"]) for agent in agents},
+        {agent: _own(agent, observed[agent]) for agent in agents},
         {c: np.concatenate([e.images(c)[:-1] for e in episodes]) for c in cameras},
     )
 
@@ -153,13 +161,17 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
     options = options_of_dataset(dataset.about, cameras=False)
     recorded = {name: options.get(name, getattr(Options, name)) for name in OPTIONS}
     for name, value in recorded.items():
-        if name in asked and asked[name] != value:
+        less = name == "observe" and asked.get(name) == "task"  # a part of what was recorded
+        if name in asked and asked[name] != value and not less:
             raise UsageError(
                 f"{where} was recorded with {name} {value}, not {asked[name]}; leave "
                 f"--{name} out, or collect another data set"
             )
-    variations = dataset.about["collected"]["variations"]
+    collected = dataset.about["collected"]
+    variations = collected["variations"]
     recorded["variation"] = "random" if variations == "all" else variations[0]
+    played = [policy["name"] for policy in collected["policies"]]
+    recorded["teachers"] = tuple(name for name in played if not is_named(name))
     return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
 
 
@@ -211,9 +223,24 @@ def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None
             f"or collect episodes of {task.name}"
         )
     successes(dataset, task.name)
-    with closing(parallel_env(task, **options)) as env:
-        for difference in _differences(dataset.about["tasks"][task.name]["robots"], env):
+    robots = dataset.about["tasks"][task.name]["robots"]
+    recorded = options_of_dataset(dataset.about, cameras=False).get("observe", Options.observe)
+    with closing(parallel_env(task, **{**options, "observe": recorded})) as env:
+        for difference in _differences(robots, env):
             raise UsageError(f"{where} does not fit {task.name} as it is now: {difference}")
+    for agent, names in observed_names(task, options).items():
+        for name in names:
+            if name not in robots[agent]["observation_names"]:
+                raise UsageError(
+                    f"{where} was recorded with observe {recorded}, without {name}, which {agent} "
+                    "observes; collect another data set, with --observe task"
+                )
+
+
+def observed_names(task: Task, options: Mapping[str, Any]) -> dict[str, Sequence[str]]:
+    """Names of the numbers that agents observe with some options of the environment."""
+    with closing(parallel_env(task, **options)) as env:
+        return dict(env.observation_names)
 
 
 def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Iterable[str]:

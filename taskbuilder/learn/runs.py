@@ -302,6 +302,7 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         "demos": plan.demos,
         "starts": plan.starts,
         **({"data": Path(plan.data).name} if plan.data else {}),
+        **({"teachers": list(plan.teachers)} if plan.teachers else {}),
         **({"init": plan.init} if plan.init else {}),
         "env": plan.env,
         "stages": list(task.description.stages),

@@ -72,6 +72,20 @@ def test_a_trained_policy_plays_with_the_options_of_its_training(run):
     assert len(about["collected"]["policy_digests"]["zoo:handover/demos"]) == 64
 
 
+def test_a_trained_policy_is_distilled_into_one_that_observes_less(run):
+    teacher = "zoo:handover/cloned"
+    collected(run, "handover", "--policy", teacher, "--episodes", "1", "--out", "out")
+    short = ("--steps", "2", "--evaluate-every", "2", "--evaluate-episodes", "1")
+    words = ("--algorithm", "bc", "--data", "out", "--observe", "task", *short, "--out", "student")
+    ran = run("train", *words)
+    assert ran.status == 0, ran.err
+    evaluated = run("evaluate", "student", "--episodes", "1", "--controls", "0")
+    assert "track     distilled: recorded episodes of a trained policy alone" in evaluated.out
+    assert f"bc from the data set out of {teacher}" in evaluated.out
+    about = run("evaluate", "student", "--episodes", "1", "--controls", "0", "--json").data["about"]
+    assert (about["env"]["observe"], about["teachers"]) == ("task", [teacher])
+
+
 def test_progress_and_the_time_left_are_told(run, good, monkeypatch):
     monkeypatch.setattr("taskbuilder.cli.output.LINE_EVERY_S", 0.0)
     ran = collected(run, "good.yaml", *RANDOM, "--episodes", "3", "--out", "out")

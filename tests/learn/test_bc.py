@@ -16,6 +16,7 @@ from taskbuilder.data.dataset import load_dataset, make_from
 from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras
+from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, resume, train
 from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
@@ -101,6 +102,33 @@ def test_a_run_takes_task_and_options_from_its_data_set(trained, recorded):
     )
     rows = (trained.folder / "evaluations.csv").read_text().splitlines()
     assert [row.split(",")[0] for row in rows] == ["step", "30", "60"]
+
+
+def test_policies_may_observe_less_than_was_recorded(recorded, tmp_path):
+    run = train(data=recorded, observe="task", out=tmp_path / "run", **BC)
+    with closing(parallel_env("handover", observe="task")) as env:
+        names = env.observation_names
+    with closing(make_from(recorded)) as env:
+        whole = env.observation_names
+    read = read_demonstrations(recorded, "handover", observed=names)
+    everything = read_demonstrations(recorded, "handover")
+    for agent, columns in names.items():
+        places = [whole[agent].index(name) for name in columns]
+        assert (read.observations[agent] == everything.observations[agent][:, places]).all()
+        assert run.policy.networks[agent].layers[0][0].shape[0] == len(columns)
+        assert read.own[agent].sum() == sum(
+            name.startswith(f"{agent}.") or name == "time_left" for name in columns
+        )
+    assert (run.plan.observe, run.plan.track) == ("task", "cloned")
+    assert evaluate(run.policy, 1, jobs=1).episodes == 1
+
+
+def test_what_was_not_recorded_cannot_be_observed(tmp_path):
+    folder = tmp_path / "data"
+    collect(CollectPlan(("handover",), 1), folder)  # what the task file lists
+    options = {"observe": "scene", "out": tmp_path / "run", **BC}
+    with pytest.raises(UsageError, match="was recorded with observe task, not scene"):
+        train(data=folder, **options)
 
 
 def test_it_learns_what_the_expert_did(recorded, tmp_path):
