@@ -107,8 +107,6 @@ def _observed(env: Mapping[str, Any]) -> list[list[str]]:
 def _source(about: Mapping[str, Any]) -> str:
     """What a policy was trained by: a data set, or a reward."""
     if about.get("data"):
-        teachers = about.get("teachers")
-        return f"from the data set {about['data']}" + (
-            f" of {', '.join(teachers)}" if teachers else ""
-        )
+        teachers = ", ".join(about.get("teachers", ()))
+        return f"from the data set {about['data']}" + (f" of {teachers}" if teachers else "")
     return f"with the reward {about.get('reward')}"
