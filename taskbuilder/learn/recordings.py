@@ -31,7 +31,7 @@ SMALLEST_PICTURE = 24
 
 @dataclass(frozen=True)
 class Demonstrations:
-    """The successful episodes of a data set, one after the other: a row for each control step.
+    """Successful episodes of a data set, one after the other: a row for each control step.
 
     Attributes:
         observations: (n, numbers) by agent.
@@ -60,7 +60,7 @@ def read_demonstrations(
     cameras: Sequence[str] = (),
     observed: Mapping[str, Sequence[str]] | None = None,
 ) -> Demonstrations:
-    """Read the successful episodes of a data set.
+    """Read the episodes of a data set in which success holds at the last control step.
 
     Args:
         folder: The data set.
@@ -114,18 +114,19 @@ def _joined(parts: Iterable[NDArray[Any]]) -> Array:
 
 
 def successes(dataset: Dataset, task: str) -> Sequence[RecordedEpisode]:
-    """The successful episodes of a task.
+    """The episodes of a task in which success holds at the last control step.
 
     Raises:
         UsageError: There are none.
     """
-    lines = dataset.contents["episodes"]
-    good = {line["name"] for line in lines if line["success"] and line["task"] == task}
+    lines = [line for line in dataset.contents["episodes"] if line["task"] == task]
+    good = {line["name"] for line in lines if line.get("success_at_end", line["success"])}
     episodes = [episode for episode in dataset if episode.name in good]
     if not episodes:
         raise UsageError(
-            f"{display_path(dataset.folder)} has no successful episode of {task}, and others are "
-            f"not learned from; taskbuilder collect {task} --out DIR collects some of the expert"
+            f"{display_path(dataset.folder)} has no episode of {task} in which success holds at "
+            "the last step, and others are not learned from; taskbuilder collect "
+            f"{task} --out DIR collects some of the expert"
         )
     return episodes
 

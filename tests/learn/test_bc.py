@@ -123,6 +123,15 @@ def test_policies_may_observe_less_than_was_recorded(recorded, tmp_path):
     assert evaluate(run.policy, 1, jobs=1).episodes == 1
 
 
+def test_episodes_whose_success_is_lost_again_are_not_learned_from(tmp_path):
+    shaky = (read_share("noisy:0.06"),)
+    collect(CollectPlan(("reach",), 6, policies=shaky, keep_failures=True), tmp_path / "data")
+    episodes = load_dataset(tmp_path / "data").contents["episodes"]
+    lasting = [each["steps"] for each in episodes if each["success_at_end"]]
+    assert 0 < len(lasting) < sum(each["success"] for each in episodes)
+    assert len(read_demonstrations(tmp_path / "data", "reach").ends) == sum(lasting)
+
+
 def test_what_was_not_recorded_cannot_be_observed(tmp_path):
     folder = tmp_path / "data"
     collect(CollectPlan(("handover",), 1), folder)  # what the task file lists
@@ -328,7 +337,7 @@ def test_what_was_recorded_otherwise_is_refused_and_said(recorded):
 
 def test_there_must_be_a_data_set_with_successes(failed, tmp_path):
     assert "name one by --data DIR" in refused(task="reach")
-    assert "has no successful episode of reach" in refused(data=failed)
+    assert "has no episode of reach in which success holds at the last step" in refused(data=failed)
     assert "is no data set" in refused(data=tmp_path)
     assert "which task?" in refused()
 
