@@ -32,6 +32,7 @@ from pathlib import Path
 from typing import Any
 
 from machine import describe_machine
+from training_runs import copy_plan
 
 TASKS = ("pick_push_place", "collaborative_lift", "handover")
 INPUTS = ("states", "pictures")
@@ -213,9 +214,7 @@ def keep(median: Path, kept: Path) -> None:
     """Copy a policy, its plan and its curve into the zoo."""
     shutil.copyfile(median / "policy.npz", kept.with_suffix(".npz"))
     shutil.copyfile(median / "evaluations.csv", kept.with_suffix(".csv"))
-    plan = json.loads((median / "run.json").read_text())
-    plan["data"] = Path(plan["data"]).name  # not where it was on this machine
-    kept.with_suffix(".json").write_text(json.dumps(plan, indent=1) + "\n")
+    copy_plan(median, kept.with_suffix(".json"))
 
 
 def minutes(out: Path) -> float | None:

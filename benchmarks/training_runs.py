@@ -16,8 +16,8 @@ EPISODES, FIRST_EPISODE = 300, 2_000_000
 
 MEASURED = ("success_rate", "interval", "success_at_end_rate", "peak_robot_force")
 MEASURED += ("return", "stages")
-KEPT = ("run.json", "episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
-"""Runs on a data set have no episodes.csv."""
+KEPT = ("episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
+"""Tables of a run; runs on a data set have no episodes.csv."""
 
 
 def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
@@ -41,8 +41,17 @@ def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
     kept.mkdir(parents=True, exist_ok=True)
     for name in (name for name in KEPT if (out / name).exists()):
         shutil.copyfile(out / name, kept / name)
+    copy_plan(out, kept / "run.json")
     result: dict[str, Any] = json.loads(found.read_text())
     return result
+
+
+def copy_plan(run: Path, to: Path) -> None:
+    """Copy the plan of a run, without where its data set was on this machine."""
+    plan = json.loads((run / "run.json").read_text())
+    if plan.get("data"):
+        plan["data"] = Path(plan["data"]).name
+    to.write_text(json.dumps(plan, indent=1) + "\n")
 
 
 def machine_of(plan: Mapping[str, Any]) -> dict[str, str]:

@@ -31,6 +31,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "colours": keys.colours,
     "commands": commands.helps,
     "deadlock": training.deadlock,
+    "distillation": training.distillation,
     "experts": results.experts,
     "file": tasks.shown_file,
     "fingers": robots.fingers,

@@ -31,6 +31,9 @@ ALGORITHMS = {
 }
 """Algorithms of the comparison, by name and preset."""
 
+OBSERVED = {"scene": "the whole scene", "task": "as the task lists"}
+"""What policies observe, by the option `observe`."""
+
 COMPARED_SEEDS = 2
 """Seeds of each task and algorithm in the comparison: the first that are kept."""
 
@@ -63,7 +66,7 @@ def learning(which: str) -> str:
             run["task"],
             run["track"],
             str(run["seed"]),
-            {"scene": "the whole scene", "task": "as the task lists"}[run["observe"]],
+            OBSERVED[run["observe"]],
             *_outcome(run, at_end=not earlier),
         ]
         for run in runs
@@ -90,6 +93,20 @@ def algorithms(_: str) -> str:
             ]
     head = ["task", "algorithm", "seed", "control steps", "success (95 % interval)"]
     return table([*head, "success at the last step", "furthest stage", "minutes"], rows)
+
+
+def distillation(_: str) -> str:
+    """Students of policies that were learned from scratch, every seed."""
+    rows = []
+    for run in read("distillation.json")["runs"]:
+        (played,) = run["teacher"].values()
+        taught = f"{played['successes']} of {played['attempts']}"
+        rows.append(
+            [run["task"], str(run["seed"]), taught, OBSERVED[run["observe"]], *_outcome(run)]
+        )
+    head = ["task", "seed", "teacher's episodes with success", "student observes", "updates"]
+    head += ["success (95 % interval)", "success at the last step", "furthest stage", "minutes"]
+    return table(head, rows)
 
 
 def deadlock(_: str) -> str:
