@@ -24,12 +24,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 
-from cloning import ZOO, keep, taskbuilder
-from learning import RESULTS, TASKS, WORTH_KEEPING, success
+from cloning import ZOO, taskbuilder
+from learning import RESULTS, TASKS, publish
 from machine import describe_machine
 from training_runs import EPISODES, summary, trained
 
@@ -54,7 +53,10 @@ def main() -> int:
         print(run(name, seed, arguments.folder), flush=True)
         write_summary()
     for name in arguments.only if arguments.publish else ():
-        publish(name, arguments.seeds, arguments.folder)
+        task, observed = name.split("/")
+        if observed == "task":
+            runs = [train_words(name, seed, arguments.folder)[-1] for seed in arguments.seeds]
+            publish([Path(run) for run in runs], ZOO / task / TRACK)
     return 0
 
 
@@ -101,18 +103,6 @@ def write_summary() -> None:
     data = {"command": "python benchmarks/distillation.py", "machine": describe_machine()}
     text = json.dumps({**data, "runs": runs}, indent=2)
     (RESULTS / "distillation.json").write_text(text + "\n")
-
-
-def publish(name: str, seeds: Sequence[int], folder: Path) -> None:
-    """Put the policy of the median seed into the zoo, if it observes what the task file lists."""
-    task, observed = name.split("/")
-    if observed != "task":
-        return
-    runs = [Path(train_words(name, seed, folder)[-1]) for seed in seeds]
-    runs.sort(key=success)
-    median = runs[(len(runs) - 1) // 2]
-    if success(median) >= WORTH_KEEPING:
-        keep(median, ZOO / task / TRACK)
 
 
 if __name__ == "__main__":

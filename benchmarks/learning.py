@@ -76,7 +76,8 @@ def main() -> int:
             print(line, flush=True)
             write_summary()
     for name in asked if arguments.publish else ():
-        publish(name, arguments.seeds, arguments.folder)
+        runs = [Path(command(name, seed, arguments.folder)[-1]) for seed in arguments.seeds]
+        publish(runs, ZOO / name)
     return 0
 
 
@@ -94,15 +95,14 @@ def run(wanted: tuple[str, int], folder: Path) -> str:
     return f"{Path(words[-1]).name}: {result['success_rate']:.1%} of {EPISODES} episodes"
 
 
-def publish(name: str, seeds: Sequence[int], folder: Path) -> None:
-    """Put the policy of the median seed into the zoo, if it does the task."""
-    runs = [Path(command(name, seed, folder)[-1]) for seed in seeds]
-    runs.sort(key=success)
-    median = runs[(len(runs) - 1) // 2]
+def publish(runs: Sequence[Path], kept: Path) -> None:
+    """Put the policy of the median run into the zoo, if it does the task."""
+    ranked = sorted(runs, key=success)
+    median = ranked[(len(ranked) - 1) // 2]
     if success(median) < WORTH_KEEPING:
         return
-    (ZOO / name).parent.mkdir(parents=True, exist_ok=True)
-    keep(median, ZOO / name)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    keep(median, kept)
 
 
 def success(run: Path) -> float:
