@@ -96,19 +96,22 @@ def run(wanted: tuple[str, int], folder: Path) -> str:
 
 
 def publish(runs: Sequence[Path], kept: Path) -> None:
-    """Put the policy of the median run into the zoo, if it does the task."""
-    ranked = sorted(runs, key=success)
-    median = ranked[(len(ranked) - 1) // 2]
-    if success(median) < WORTH_KEEPING:
+    """Put the policy of the median run into the zoo, if it does the task.
+
+    The median is that of success at the last step: what does not last is worth less.
+    """
+    lasting = [found(run)["success_at_end_rate"] for run in runs]
+    median = runs[lasting.index(sorted(lasting)[(len(runs) - 1) // 2])]
+    if found(median)["success_rate"] < WORTH_KEEPING:
         return
     kept.parent.mkdir(parents=True, exist_ok=True)
     keep(median, kept)
 
 
-def success(run: Path) -> float:
-    """The success rate of a run's policy in the episodes of the claim."""
-    found = json.loads((run / "evaluation.json").read_text())
-    return float(found["success_rate"])
+def found(run: Path) -> dict[str, float]:
+    """What a run's policy achieved in the episodes of the claim."""
+    rates: dict[str, float] = json.loads((run / "evaluation.json").read_text())
+    return rates
 
 
 def write_summary() -> None:

@@ -1,10 +1,11 @@
-"""Make the pictures of the documentation: `python docs/make_images.py [TASK | POLICY ...]`.
+"""Make the pictures of the documentation: `make_images.py [TASK | POLICY | curves ...]`.
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
 strip and the chart of its reward, all from the first camera of the task file; the film of each
 policy of the zoo; the curves of each task's training; the stages reached in the ablation of
 Handover; a picture of each robot; and tasks.png, the three tasks of the README side by side. Given
-tasks or policies of the zoo, such as zoo:handover/demos, it makes theirs only.
+tasks or policies of the zoo, such as zoo:handover/demos, it makes theirs only, and given `curves`
+the curves only.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
 from taskbuilder.visual.video import GIF_COLORS
 
+CURVES = "curves"
 IMAGES = Path(__file__).parent / "images"
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
 RUNS = {"": RESULTS / "learning", "-earlier": RESULTS / "learning_earlier"}
@@ -127,26 +129,31 @@ def make_all() -> None:
             make_task(name)
     for policy in zoo_names():
         make_policy(policy)
+    make_curves()
+    make_ablation()
     with tempfile.TemporaryDirectory() as folder:
-        for task, track, (when, kept) in product(SHOWN, TRACKS, RUNS.items()):
-            runs = sorted(kept.glob(f"{task}-{track}-*"))
-            if runs:
-                curves = IMAGES / f"{task}-{track}{when}-curves.png"
-                _call("plot", *map(str, runs), "--out", str(curves))
-        for task, trial in product(SHOWN, TRIALS):
-            runs = sorted((RESULTS / "learning_trials").glob(f"{task}-*-{trial}"))
-            if runs:
-                curves = IMAGES / f"{task}-{trial}-curves.png"
-                _call("plot", *map(str, runs), "--out", str(curves))
-        for run, title in PAPER.items():
-            curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
-            _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))
-        make_ablation()
         for name, entry in catalogue.robots.items():
             if entry.module:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
                 _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
     save_image(IMAGES / "tasks.png", _side_by_side())
+
+
+def make_curves() -> None:
+    """Draw the learning curves of all runs that the pages show."""
+    named = {
+        f"{task}-{track}{when}": sorted(kept.glob(f"{task}-{track}-*"))
+        for task, track, (when, kept) in product(SHOWN, TRACKS, RUNS.items())
+    }
+    trials = RESULTS / "learning_trials"
+    for task, trial in product(SHOWN, TRIALS):
+        named[f"{task}-{trial}"] = sorted(trials.glob(f"{task}-*-{trial}"))
+    for name, runs in named.items():
+        if runs:
+            _call("plot", *map(str, runs), "--out", str(IMAGES / f"{name}-curves.png"))
+    for run, title in PAPER.items():
+        curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
+        _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))
 
 
 def make_ablation() -> None:
@@ -202,7 +209,11 @@ def _side_by_side() -> Pixels:
 
 if __name__ == "__main__":
     for name in sys.argv[1:]:
-        make = make_policy if name.startswith("zoo:") else make_task
-        make(name)
+        if name == CURVES:
+            make_curves()
+        elif name.startswith("zoo:"):
+            make_policy(name)
+        else:
+            make_task(name)
     if not sys.argv[1:]:
         make_all()

@@ -107,6 +107,7 @@ def write_run(
     per_episode: int = 20,
     every: int = 2_000,
     terms: Sequence[str] = ("reach/arm", "there"),
+    lasting: float | None = None,
     **plan: Any,
 ) -> Path:
     """A training run of which success, return and stages rise at a step, noise apart.
@@ -117,6 +118,7 @@ def write_run(
         per_episode: Control steps of an episode.
         every: Steps between evaluations.
         terms: Labels of the reward's.
+        lasting: Fraction of the successes that last; None for a run that does not record it.
         plan: As for `Plan`.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -139,8 +141,11 @@ def write_run(
     rows = []
     for step in range(every, made.steps + 1, every):
         counts = np.bincount(rng.binomial(2, skill(step), size=20), minlength=3).tolist()
-        rows.append([step, step // per_episode, 20, counts[2] / 20, 20 * skill(step), 5, *counts])
-    _write(folder / "evaluations.csv", [*names, "stage/0", "stage/1", "stage/2"], rows)
+        row = [step, step // per_episode, 20, counts[2] / 20, 20 * skill(step), 5, *counts]
+        rows.append(row if lasting is None else [*row, lasting * counts[2] / 20])
+    names = (*names, "stage/0", "stage/1", "stage/2")
+    names = names if lasting is None else (*names, "success_at_end_rate")
+    _write(folder / "evaluations.csv", names, rows)
     names = ("step", "seconds", "steps_per_second", "critic", "actor")
     _write(folder / "updates.csv", names, [[1_000, 2.5, 400.0, 0.25, float("nan")]])
     return folder

@@ -93,6 +93,7 @@ def _drawn(groups: Sequence[RunGroup], names: Sequence[str], runs: Sequence[RunL
             name,
             len(group.runs),
             _curve(group.success()),
+            _curve(at_end) if (at_end := group.success_at_end()) else None,
             _curve(group.smoothed("team_return", longest)),
             {label: _curve(group.smoothed(f"term/{label}", longest)) for label in labels},
             group.stages(),
@@ -108,7 +109,7 @@ def _drawn_other(other: OtherCurves) -> Group:
     success, team_return = (
         _curve(lines) if lines else None for lines in (other.success, other.team_return)
     )
-    return Group(other.name, other.seeds, success, team_return, {}, None)
+    return Group(other.name, other.seeds, success, None, team_return, {}, None)
 
 
 def _curve(lines: Sequence[Line]) -> Curve:

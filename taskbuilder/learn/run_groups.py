@@ -19,6 +19,9 @@ Numbers = NDArray[np.float64]
 Line = tuple[Numbers, Numbers]
 """Environment steps, and the value of a quantity at each."""
 
+AT_END = "success_at_end_rate"
+"""Column of evaluations that the first runs do not have."""
+
 POINTS = 200
 """Points of a smoothed line."""
 
@@ -57,6 +60,11 @@ class RunGroup:
     def success(self) -> list[Line]:
         """Success rate of each run's evaluations."""
         return [(r.evaluations["step"], r.evaluations["success_rate"]) for r in self.runs]
+
+    def success_at_end(self) -> list[Line]:
+        """Rate of success at the last control step, of the runs that record it."""
+        tables = [run.evaluations for run in self.runs if AT_END in run.evaluations]
+        return [(table["step"], table[AT_END]) for table in tables]
 
     def smoothed(self, column: str, longest: float) -> list[Line]:
         """The moving average of a quantity over each run's training episodes.

@@ -55,6 +55,7 @@ class Group:
         label: What sets them off from the others.
         count: How many runs there are.
         success: Success rate of evaluations, 0 to 1; None if it is not known, as for the others.
+        at_end: Rate of success at the last control step of evaluations.
         team_return: Of training episodes.
         terms: Sum of each reward term over a training episode, by label.
         stages: (n,) steps of evaluations, and (stages + 1, n) shares of their episodes by
@@ -64,6 +65,7 @@ class Group:
     label: str
     count: int
     success: Curve | None
+    at_end: Curve | None
     team_return: Curve | None
     terms: Mapping[str, Curve]
     stages: tuple[Numbers, Numbers] | None
@@ -203,7 +205,11 @@ def _draw_large(
     episodes_at: Callable[[Numbers], Numbers],
     longest: float,
 ) -> None:
+    ends = [group.at_end for group in groups]
     _draw_curves(success, "success in evaluations", [g.success for g in groups], longest)
+    if any(ends):
+        success.set_title(f"{success.get_title(loc='left')} (dashed: at the last step)", loc="left")
+        _draw_lines(success, ends, "--")
     success.set_ylim(0.0, 1.0)
     success.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     curves = [group.team_return for group in groups]
@@ -217,6 +223,13 @@ def _draw_large(
 def _draw_curves(axes: Axes, title: str, curves: Sequence[Curve | None], longest: float) -> None:
     """A line for each run, faint where there are several, and in bold what they have in common."""
     _plain(axes, title)
+    _draw_lines(axes, curves, "-")
+    axes.set_xlim(0.0, longest)
+    if axes.dataLim.height == 0.0:  # what never changes is not to be looked at through a lens
+        axes.set_ylim(axes.dataLim.y0 - 1.0, axes.dataLim.y0 + 1.0)
+
+
+def _draw_lines(axes: Axes, curves: Sequence[Curve | None], style: str) -> None:
     for number, curve in enumerate(curves):
         color = _color(number)
         if curve is None:
@@ -228,6 +241,7 @@ def _draw_curves(axes: Axes, title: str, curves: Sequence[Curve | None], longest
             axes.plot(
                 *(steps, values),
                 color=color,
+                linestyle=style,
                 linewidth=width,
                 alpha=strength,
                 marker=marker,
@@ -237,11 +251,9 @@ def _draw_curves(axes: Axes, title: str, curves: Sequence[Curve | None], longest
             )
         if curve.middle is not None:
             steps, middle, low, high = curve.middle
-            axes.fill_between(steps, low, high, color=color, alpha=0.16, linewidth=0)
-            axes.plot(steps, middle, color=color, linewidth=2.2, clip_on=False, zorder=3)
-    axes.set_xlim(0.0, longest)
-    if axes.dataLim.height == 0.0:  # what never changes is not to be looked at through a lens
-        axes.set_ylim(axes.dataLim.y0 - 1.0, axes.dataLim.y0 + 1.0)
+            if style == "-":  # bands on top of each other could not be told apart
+                axes.fill_between(steps, low, high, color=color, alpha=0.16, linewidth=0)
+            axes.plot(steps, middle, style, color=color, linewidth=2.2, clip_on=False, zorder=3)
 
 
 def _draw_stages(

@@ -105,6 +105,15 @@ def test_success_and_stages_rise_where_the_run_learned(run, runs):
     assert count("early.png", rgb(COLORS[0])) > 1000
 
 
+def test_success_at_the_last_step_is_drawn_where_it_is_known(run, runs):
+    title = "success in evaluations (dashed: at the last step)"
+    runs("before")
+    runs("lasting", lasting=0.5)
+    for folder, times in (("before", 0), ("lasting", 1)):
+        assert run("plot", folder, "--out", f"{folder}.svg").status == 0
+        assert words_of(f"{folder}.svg").count(title) == times
+
+
 def test_a_run_named_twice_is_one_and_has_no_band(run, runs):
     runs("a", "b")
     for name, words in (("once", ("a",)), ("twice", ("a", "./a")), ("both", ("a", "b"))):

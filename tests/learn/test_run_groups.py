@@ -136,6 +136,15 @@ def test_smoothed_lines_are_of_the_runs_that_have_the_column(make):
     assert labels_of(group.runs) == ["reach/arm", "there"]
 
 
+def test_success_at_the_last_step_is_of_the_runs_that_record_it(make):
+    (group,) = group_runs([make("a", seed=0), make("b", seed=1, lasting=0.5)])
+    ((steps, rates),) = group.success_at_end()
+    known, succeeded = group.success()[1]
+    assert (steps == known).all()
+    assert rates == pytest.approx(0.5 * succeeded)
+    assert succeeded.max() > 0.0
+
+
 def test_shares_of_stages_are_the_mean_of_the_runs_that_came_so_far(make):
     (group,) = group_runs([make("a", seed=0), make("b", seed=1, steps=600)])
     steps, shares = group.stages()

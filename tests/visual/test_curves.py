@@ -33,10 +33,16 @@ def shares(count, steps=STEPS):
     return steps, rows
 
 
-def made(label="one", ends=(1.0,), terms=("reach",), stages=2, steps=STEPS):
+def made(label="one", ends=(1.0,), terms=("reach",), stages=2, steps=STEPS, at_end=()):
     drawn = curve(*ends, steps=steps)
     return Group(
-        label, len(ends), drawn, drawn, dict.fromkeys(map(str, terms), drawn), shares(stages, steps)
+        label,
+        len(ends),
+        success=drawn,
+        at_end=curve(*at_end, steps=steps) if at_end else None,
+        team_return=drawn,
+        terms=dict.fromkeys(map(str, terms), drawn),
+        stages=shares(stages, steps),
     )
 
 
@@ -76,10 +82,23 @@ def test_several_runs_are_faint_below_what_they_have_in_common(alone):
     assert count(several, BLUE) == pytest.approx(count(alone, BLUE), rel=0.4)
 
 
+def test_success_at_the_last_step_is_dashed_below_success(alone):
+    with_ends = drawn(made(at_end=(0.4,)))
+    rows, columns = (alone != with_ends).any(axis=2).nonzero()
+    assert rows.max() < 0.5 * alone.shape[0]  # in the panel of success, and nowhere else
+    assert columns.max() < 0.5 * alone.shape[1]
+    assert count(with_ends, BLUE) > count(alone, BLUE) + 300
+    titles = [svg_of(group).count("dashed") for group in (made(), made(at_end=(0.2, 0.4)))]
+    assert titles == [0, 1]
+
+
+def svg_of(*groups):
+    return learning_curves("t", [], groups, (), lambda steps: steps, "svg").decode()
+
+
 def height(*groups):
     """Of a picture, in points."""
-    svg = learning_curves("t", [], groups, (), lambda steps: steps, "svg").decode()
-    return float(re.search(r'height="([\d.]+)pt"', svg)[1])
+    return float(re.search(r'height="([\d.]+)pt"', svg_of(*groups))[1])
 
 
 def test_a_long_line_below_the_title_is_wrapped():
@@ -135,13 +154,12 @@ def test_a_run_that_has_just_begun_can_be_drawn():
 
 def test_what_never_changes_is_not_looked_at_through_a_lens():
     still = made(ends=(0.0,), stages=0)
-    svg = learning_curves("t", [], [still], (), lambda steps: steps, "svg").decode()
-    assert svg.count("<!-- 0.8 -->") == 2  # of return and of the term
+    assert svg_of(still).count("<!-- 0.8 -->") == 2  # of return and of the term
 
 
 def test_what_is_missing_is_left_out():
     nothing = (np.zeros(0), np.zeros((3, 0)))
-    other = Group("two", 1, curve(1.0), Curve([]), {}, nothing)
+    other = Group("two", 1, curve(1.0), None, Curve([]), {}, nothing)
     picture = drawn(made("one"), other)
     assert count(picture, RED) > 300
     assert count(picture, GREEN) > 10_000
