@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -47,8 +48,10 @@ def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
 
 
 def copy_plan(run: Path, to: Path) -> None:
-    """Copy the plan of a run, without where its data set was on this machine."""
+    """Copy the plan of a run, without where its task and its data set were on this machine."""
     plan = json.loads((run / "run.json").read_text())
+    if Path(plan["task"]).is_absolute():
+        plan["task"] = os.path.relpath(plan["task"])
     if plan.get("data"):
         plan["data"] = Path(plan["data"]).name
     to.write_text(json.dumps(plan, indent=1) + "\n")
