@@ -15,7 +15,7 @@ Collects, trains and evaluates what is not done yet, goes on with what was stopp
 
 A student takes about a quarter of an hour on one core, half of it for the teacher's episodes.
 `--publish` puts the policies that observe what the task file lists into the zoo, for each task that
-of the median seed (of two, the one that succeeds less), if it succeeds in 95 %. Nothing is left
+of the median seed (of two, the one that lasts less), if it succeeds in 95 %. Nothing is left
 out: a run that failed is there as it is.
 """
 

@@ -1,4 +1,6 @@
-"""Make the pictures of the documentation: `make_images.py [TASK | POLICY | curves ...]`.
+"""Make the pictures of the documentation.
+
+    python docs/make_images.py [TASK | POLICY | curves ...]
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
 strip and the chart of its reward, all from the first camera of the task file; the film of each

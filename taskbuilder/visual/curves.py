@@ -206,10 +206,9 @@ def _draw_large(
     longest: float,
 ) -> None:
     ends = [group.at_end for group in groups]
-    _draw_curves(success, "success in evaluations", [g.success for g in groups], longest)
-    if any(ends):
-        success.set_title(f"{success.get_title(loc='left')} (dashed: at the last step)", loc="left")
-        _draw_lines(success, ends, "--")
+    title = "success in evaluations" + " (dashed: at the last step)" * any(ends)
+    _draw_curves(success, title, [group.success for group in groups], longest)
+    _draw_lines(success, ends, "--")
     success.set_ylim(0.0, 1.0)
     success.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     curves = [group.team_return for group in groups]
@@ -221,7 +220,7 @@ def _draw_large(
 
 
 def _draw_curves(axes: Axes, title: str, curves: Sequence[Curve | None], longest: float) -> None:
-    """A line for each run, faint where there are several, and in bold what they have in common."""
+    """A panel with its title, and the curves of all groups."""
     _plain(axes, title)
     _draw_lines(axes, curves, "-")
     axes.set_xlim(0.0, longest)
@@ -230,6 +229,7 @@ def _draw_curves(axes: Axes, title: str, curves: Sequence[Curve | None], longest
 
 
 def _draw_lines(axes: Axes, curves: Sequence[Curve | None], style: str) -> None:
+    """A line for each run, faint where there are several, and in bold what they have in common."""
     for number, curve in enumerate(curves):
         color = _color(number)
         if curve is None:
