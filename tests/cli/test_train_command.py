@@ -83,8 +83,8 @@ def test_settings_fit_learning_from_nothing_and_with_demonstrations(run):
     quick = ("bc_updates=2", "critic_warmup_updates=2", "regulariser=0.01")
     assert run(*TRAIN, *quick, "--demos", "1", "--steps", "60", "--out", "shown").status == 0
     shown = plan_of("shown")["settings"]
-    assert (shown["noise"], shown["lr_half_life"], shown["regulariser"]) == (0.1, 30_000, 0.01)
-    assert "reset_networks_after" not in shown
+    assert (shown["discount"], shown["n_step"], shown["regulariser"]) == (0.95, 3, 0.01)
+    assert shown["reset_networks_after"] == 0
 
     paper = ("train", "handover", "--algorithm", "maddpg_openai", "--reward", "team")
     reference = ("--set", "hidden=[8]", "batch=16")

@@ -72,6 +72,8 @@ class MaddpgSettings:
             bias (Nikishin et al. 2022); 0 for never. Later resets: after twice as many, and so on.
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
+        bc_noise: Standard deviation of the noise on standardised observations of demonstrations:
+            so the policy also learns what to do a little beside the expert's path.
         critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
             starts from a trained policy. Untrained critics would spoil the actors.
         imitation: Weight of the imitation term, relative to the critics' normalised gradient.
@@ -103,6 +105,7 @@ class MaddpgSettings:
     reset_networks_after: int = 0
     share: bool = True
     bc_updates: int = 10_000
+    bc_noise: float = 0.05
     critic_warmup_updates: int = 4_000
     imitation: float = 10.0
     imitation_half_life: int = 30_000
@@ -199,9 +202,7 @@ class Maddpg:
         known.add(shown if len(shown) else rows)
         if len(shown):
             for _ in range(self.settings.bc_updates):
-                batch = self._drawn(known, rng)
-                actions = self._networks.actors(self.shapes.layout.observed(batch)).tanh()
-                self._networks.update_actors(self._imitation(batch, actions))
+                self._networks.update_actors(self._imitation(self._drawn(known, rng), rng))
             self._networks.follow_actors(1.0)
         for _ in range(self.settings.critic_warmup_updates):
             self._update_critics(self._drawn(known, rng), rng)
@@ -238,7 +239,7 @@ class Maddpg:
         if self._updates % settings.actor_every:
             return {"critic": critic_loss}
         weight = settings.imitation * 0.5 ** (step / settings.imitation_half_life)
-        actor_loss = self._actor_loss(batch, weight)
+        actor_loss = self._actor_loss(batch, weight, rng)
         self._networks.update_actors(actor_loss)
         self._networks.follow_critics(settings.tau)
         self._networks.follow_actors(settings.tau)
@@ -272,7 +273,7 @@ class Maddpg:
             target: Tensor = pay + discount * (1.0 - batch[:, layout.ended].T) * values
             return target
 
-    def _actor_loss(self, batch: Tensor, weight: float) -> Tensor:
+    def _actor_loss(self, batch: Tensor, weight: float, rng: np.random.Generator) -> Tensor:
         """The critics' normalised value of the current policies, and the imitation term."""
         raw: Tensor = self._networks.actors(self.shapes.layout.observed(batch))
         actions = raw.tanh()
@@ -284,9 +285,9 @@ class Maddpg:
         values = self._values.mean(self._networks.critics(joint, first=self._rewards))
         size = values.detach().abs().mean(1).clamp(min=1.0)
         loss = loss - (values.mean(1) / size).sum()
-        shown = batch[:, self.shapes.layout.demonstrated]
+        shown = batch[:, self.shapes.layout.demonstrated.start] > 0.0
         if weight > LEAST_IMITATION and shown.any():
-            loss = loss + weight * self._imitation(batch, actions)
+            loss = loss + weight * self._imitation(batch[shown], rng)
         return loss
 
     def _joint(self, batch: Tensor, actions: Tensor, agent: str) -> Tensor:
@@ -299,12 +300,13 @@ class Maddpg:
             actions[:, first:last] = moved[:, first:last]
         return torch.cat([batch[:, layout.critic_input], actions], 1)
 
-    def _imitation(self, batch: Tensor, actions: Tensor) -> Tensor:
-        """Mean squared difference from the expert's actions, over the demonstrated transitions."""
-        layout = self.shapes.layout
-        shown = batch[:, layout.demonstrated]
-        apart = actions - batch[:, layout.actions]
-        return (shown * apart.square()).sum() / (shown.sum() * apart.shape[1]).clamp(min=1.0)
+    def _imitation(self, shown: Tensor, rng: np.random.Generator) -> Tensor:
+        """Mean absolute difference from the expert's actions, seen with noise."""
+        width, observed = self.settings.bc_noise, self.shapes.layout.observed(shown)
+        for seen in observed.values() if width else ():
+            seen += width * self._tensor(rng.standard_normal(seen.shape, dtype=np.float32))
+        actions: Tensor = self._networks.actors(observed).tanh()
+        return (actions - shown[:, self.shapes.layout.actions]).abs().mean()
 
     # --- starting from a policy
 
@@ -362,34 +364,32 @@ def _settings_of(policy: TrainedPolicy) -> dict[str, Any]:
     return {"hidden": hidden, "actor_norms": network.norms, "share": False}
 
 
+# Early transitions differ from late ones. Saturated actions neither brake nor explore.
+_SCRATCH: dict[str, Any] = {
+    "discount": 0.95,
+    "n_step": 3,
+    "capacity": 100_000,
+    "actor_norms": True,
+    "reset_networks_after": 10_000,
+    "update_every": 0.5,
+    "least_noise": 0.1,
+    "regulariser": 0.2,
+    "gripper_epsilon": 0.01,
+    "value_bins": 100,
+}
+
 ALGORITHM = Algorithm(
     summary="MADDPG with clipped double critics, shared actors and demonstrations",
     settings=MaddpgSettings,
     learner=Maddpg,
     collection=OffPolicy,
     presets={
-        # The first policy is almost right, and as fast as the expert: strong noise would hide that.
         "demos": Preset(
             "learning with demonstrations",
-            {"noise": 0.1, "final_noise": 0.05, "lr_half_life": 30_000, "regulariser": 0.005},
-        ),
-        # Early transitions differ from late ones. Saturated actions neither brake nor explore.
-        "scratch": Preset(
-            "learning without demonstrations",
-            {
-                "discount": 0.95,
-                "n_step": 3,
-                "capacity": 100_000,
-                "actor_norms": True,
-                "reset_networks_after": 10_000,
-                "update_every": 0.5,
-                "least_noise": 0.1,
-                "regulariser": 0.2,
-                "gripper_epsilon": 0.01,
-                "value_bins": 100,
-            },
+            {**_SCRATCH, "reset_networks_after": 0},
             {"distances": "log"},
         ),
+        "scratch": Preset("learning without demonstrations", _SCRATCH, {"distances": "log"}),
         "finetune": Preset("going on from a trained policy", {"noise": 0.1, "final_noise": 0.05}),
     },
     default_preset=lambda given: (
