@@ -250,6 +250,11 @@ def set_lr(optimizer: torch.optim.Optimizer, lr: float) -> None:
         group["lr"] = lr
 
 
+def half_cosine(fraction: float) -> float:
+    """A factor on a learning rate that falls from 1 to 0 along half a cosine."""
+    return 0.5 * (1.0 + math.cos(math.pi * fraction))
+
+
 def minimize(optimizer: torch.optim.Optimizer, loss: Tensor) -> None:
     """Take a gradient step on the optimiser's parameters only."""
     parameters = parameters_of(optimizer)

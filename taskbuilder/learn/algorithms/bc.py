@@ -7,7 +7,6 @@ a network for each robot, or one that robots of the same spaces share.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +23,7 @@ from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.networks import (
     Linears,
     SharedNetworks,
+    half_cosine,
     load_state,
     minimize,
     set_lr,
@@ -130,7 +130,7 @@ class BehaviourCloning:
             progress_fraction: The fraction of the training that is done.
         """
         settings, data = self._settings, self._data
-        set_lr(self._adam, settings.lr * 0.5 * (1.0 + math.cos(math.pi * progress_fraction)))
+        set_lr(self._adam, settings.lr * half_cosine(progress_fraction))
         rows = data.draw(settings.batch, rng)
         observed = data.observations(rows, settings.noise, rng)
         losses: dict[str, Tensor] = {}

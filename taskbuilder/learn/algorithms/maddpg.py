@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.actor_critic import ActorCritic
 from taskbuilder.learn.exploration import Exploration
 from taskbuilder.learn.learner import Algorithm, Preset
+from taskbuilder.learn.networks import half_cosine
 from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
@@ -29,13 +29,8 @@ from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
 from taskbuilder.learn.values import make_values
 
-Actions = dict[str, NDArray[np.float32]]
-
 MEASURED = 20_000
 """Sampled transitions that set the standardisation of inputs when networks are reset."""
-
-LEAST_IMITATION = 1e-3
-"""The imitation term is skipped when its weight is below this."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +51,8 @@ class MaddpgSettings:
         noise: Standard deviation of the Gaussian exploration noise at the start of training.
         final_noise: Its value at the end of a linear decay.
         noise_until: Fraction of the training after which the decay ends.
-        least_noise: The noise in the first of several environments, relative to the last; between
-            them, it is evenly spaced. Little noise reaches states that need precise actions.
+        least_noise: The noise in the first of several environments, relative to the last, and
+            evenly spaced between. Little noise reaches states that need precise actions.
         gripper_epsilon: Probability, at a control step, that a gripper begins to open or close at
             random, for some steps; with `least_noise` as for the noise. See `Exploration`.
         smoothing: Standard deviation of the noise on target actions, clipped at twice this.
@@ -74,8 +69,8 @@ class MaddpgSettings:
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         bc_noise: Standard deviation of the noise on standardised observations of demonstrations:
             so the policy also learns what to do a little beside the expert's path.
-        critic_warmup_updates: Updates of the critics only, after behaviour cloning or when a run
-            starts from a trained policy. Untrained critics would spoil the actors.
+        critic_warmup_updates: Updates of the critics alone, when a run starts from a policy or
+            from demonstrations. Untrained critics would spoil the actors.
         imitation: Weight of the imitation term, relative to the critics' normalised gradient.
         imitation_half_life: Control steps in which this weight halves.
     """
@@ -139,8 +134,7 @@ class Maddpg:
         self._standard = Standardizer(shapes.layout, self._device)
         self._exploration = Exploration(shapes.grippers, settings)
         self._values = make_values(settings.value_bins, settings.value_limit, self._device)
-        self._updates = 0
-        self._renewals = 0
+        self._updates = self._renewals = 0
         self._begun = self._pretrained = False
         self._networks = self._build(seed)
 
@@ -163,7 +157,7 @@ class Maddpg:
 
     def act(
         self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
-    ) -> Actions:
+    ) -> dict[str, Array]:
         """Exploratory actions: (num_envs, n) each, from -1 to 1; random before learning begins.
 
         Args:
@@ -201,19 +195,25 @@ class Maddpg:
         known = Replay(rows.shape[1], len(rows))
         known.add(shown if len(shown) else rows)
         if len(shown):
-            for _ in range(self.settings.bc_updates):
-                self._networks.update_actors(self._imitation(self._drawn(known, rng), rng))
-            self._networks.follow_actors(1.0)
+            self._clone(known, rng)
         for _ in range(self.settings.critic_warmup_updates):
             self._update_critics(self._drawn(known, rng), rng)
             self._networks.follow_critics(self.settings.tau)
 
+    def _clone(self, known: Memory, rng: np.random.Generator) -> None:
+        """Clone demonstrations, with a learning rate that falls to zero."""
+        lr, updates = self.settings.lr, self.settings.bc_updates
+        for done in range(updates):
+            self._networks.set_lr(lr * half_cosine(done / updates))
+            self._networks.update_actors(self._imitation(self._drawn(known, rng), rng))
+        self._networks.set_lr(lr)
+        self._networks.follow_actors(1.0)
+
     def _drawn(self, memory: Memory, rng: np.random.Generator) -> Tensor:
         """A batch with standardised observations and state."""
-        rows = self._tensor(memory.sample(self.settings.batch, rng))
-        return self._standard.apply_(rows)
+        return self._standard.apply_(self._tensor(memory.sample(self.settings.batch, rng)))
 
-    def _tensor(self, array: NDArray[np.float32]) -> Tensor:
+    def _tensor(self, array: Array) -> Tensor:
         return torch.from_numpy(array).to(self._device)
 
     def update(self, memory: Memory, rng: np.random.Generator, step: int) -> dict[str, float]:
@@ -286,7 +286,7 @@ class Maddpg:
         size = values.detach().abs().mean(1).clamp(min=1.0)
         loss = loss - (values.mean(1) / size).sum()
         shown = batch[:, self.shapes.layout.demonstrated.start] > 0.0
-        if weight > LEAST_IMITATION and shown.any():
+        if weight > 1e-3 and shown.any():  # a smaller weight is not worth the time
             loss = loss + weight * self._imitation(batch[shown], rng)
         return loss
 
@@ -386,7 +386,7 @@ ALGORITHM = Algorithm(
     presets={
         "demos": Preset(
             "learning with demonstrations",
-            {**_SCRATCH, "reset_networks_after": 0},
+            {**_SCRATCH, "reset_networks_after": 0, "imitation": 100.0},
             {"distances": "log"},
         ),
         "scratch": Preset("learning without demonstrations", _SCRATCH, {"distances": "log"}),
