@@ -289,6 +289,13 @@ def test_actors_are_held_to_what_experts_did_by_a_weight_that_halves(step, weigh
     assert loss == pytest.approx(weight * apart, rel=1e-5)
 
 
+def test_a_half_life_of_zero_keeps_the_weight_of_imitation():
+    made = learner(TWO, replace(FIXED, imitation=8.0, imitation_half_life=0))
+    set_to(made, {f"{ACTOR}.weight": 0.0})
+    shown = row(TWO, actions={"left": 0.5, "right": -0.2}, demonstrated=1.0)
+    assert updated(made, shown, step=10**6)["actor"] == pytest.approx(8.0 * 0.35, rel=1e-5)
+
+
 def test_there_is_no_imitation_where_nothing_was_shown():
     made = learner(TWO, replace(FIXED, imitation=8.0))
     set_to(made, {f"{ACTOR}.weight": 1.0})

@@ -72,7 +72,7 @@ class MaddpgSettings:
         critic_warmup_updates: Updates of the critics alone, when a run starts from a policy or
             from demonstrations. Untrained critics would spoil the actors.
         imitation: Weight of the imitation term, relative to the critics' normalised gradient.
-        imitation_half_life: Control steps in which this weight halves.
+        imitation_half_life: Control steps in which this weight halves; 0 for a constant weight.
     """
 
     hidden: tuple[int, ...] = (128, 128)
@@ -238,7 +238,8 @@ class Maddpg:
         self._updates += 1
         if self._updates % settings.actor_every:
             return {"critic": critic_loss}
-        weight = settings.imitation * 0.5 ** (step / settings.imitation_half_life)
+        half_life = settings.imitation_half_life
+        weight = settings.imitation * (0.5 ** (step / half_life) if half_life else 1.0)
         actor_loss = self._actor_loss(batch, weight, rng)
         self._networks.update_actors(actor_loss)
         self._networks.follow_critics(settings.tau)
@@ -377,6 +378,8 @@ _SCRATCH: dict[str, Any] = {
     "gripper_epsilon": 0.01,
     "value_bins": 100,
 }
+# Critics err, and the expert does not. Where imitation is weak or fades, the task is unlearned.
+_DEMOS = {**_SCRATCH, "reset_networks_after": 0, "imitation": 100.0, "imitation_half_life": 0}
 
 ALGORITHM = Algorithm(
     summary="MADDPG with clipped double critics, shared actors and demonstrations",
@@ -384,11 +387,7 @@ ALGORITHM = Algorithm(
     learner=Maddpg,
     collection=OffPolicy,
     presets={
-        "demos": Preset(
-            "learning with demonstrations",
-            {**_SCRATCH, "reset_networks_after": 0, "imitation": 100.0},
-            {"distances": "log"},
-        ),
+        "demos": Preset("learning with demonstrations", _DEMOS, {"distances": "log"}),
         "scratch": Preset("learning without demonstrations", _SCRATCH, {"distances": "log"}),
         "finetune": Preset("going on from a trained policy", {"noise": 0.1, "final_noise": 0.05}),
     },
