@@ -380,6 +380,7 @@ _SCRATCH: dict[str, Any] = {
 }
 # Critics err, and the expert does not. Where imitation is weak or fades, the task is unlearned.
 _DEMOS = {**_SCRATCH, "reset_networks_after": 0, "imitation": 100.0, "imitation_half_life": 0}
+_DEMOS |= {"lr_half_life": 10_000}
 
 ALGORITHM = Algorithm(
     summary="MADDPG with clipped double critics, shared actors and demonstrations",
