@@ -255,6 +255,11 @@ def half_cosine(fraction: float) -> float:
     return 0.5 * (1.0 + math.cos(math.pi * fraction))
 
 
+def halved(step: int, half_life: int) -> float:
+    """A factor that halves every ``half_life`` steps; with 0, it is always 1."""
+    return 0.5 ** (step / half_life) if half_life else 1.0
+
+
 def minimize(optimizer: torch.optim.Optimizer, loss: Tensor) -> None:
     """Take a gradient step on the optimiser's parameters only."""
     parameters = parameters_of(optimizer)

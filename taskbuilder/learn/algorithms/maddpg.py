@@ -21,7 +21,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.learn.actor_critic import ActorCritic
 from taskbuilder.learn.exploration import Exploration
 from taskbuilder.learn.learner import Algorithm, Preset
-from taskbuilder.learn.networks import half_cosine
+from taskbuilder.learn.networks import half_cosine, halved
 from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
@@ -67,8 +67,7 @@ class MaddpgSettings:
             bias (Nikishin et al. 2022); 0 for never. Later resets: after twice as many, and so on.
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
-        bc_noise: Standard deviation of the noise on standardised observations of demonstrations:
-            so the policy also learns what to do a little beside the expert's path.
+        bc_noise: Standard deviation of noise on the standardised observations of demonstrations.
         critic_warmup_updates: Updates of the critics alone, when a run starts from a policy or
             from demonstrations. Untrained critics would spoil the actors.
         imitation: Weight of the imitation term, relative to the critics' normalised gradient.
@@ -225,8 +224,7 @@ class Maddpg:
             step: Control steps so far.
         """
         settings = self.settings
-        if settings.lr_half_life:
-            self._networks.set_lr(settings.lr * 0.5 ** (step / settings.lr_half_life))
+        self._networks.set_lr(settings.lr * halved(step, settings.lr_half_life))
         first = settings.reset_networks_after
         if first and step >= first * 2**self._renewals:
             self._renewals += 1
@@ -238,8 +236,7 @@ class Maddpg:
         self._updates += 1
         if self._updates % settings.actor_every:
             return {"critic": critic_loss}
-        half_life = settings.imitation_half_life
-        weight = settings.imitation * (0.5 ** (step / half_life) if half_life else 1.0)
+        weight = settings.imitation * halved(step, settings.imitation_half_life)
         actor_loss = self._actor_loss(batch, weight, rng)
         self._networks.update_actors(actor_loss)
         self._networks.follow_critics(settings.tau)
@@ -304,7 +301,7 @@ class Maddpg:
     def _imitation(self, shown: Tensor, rng: np.random.Generator) -> Tensor:
         """Mean absolute difference from the expert's actions, seen with noise."""
         width, observed = self.settings.bc_noise, self.shapes.layout.observed(shown)
-        for seen in observed.values() if width else ():
+        for seen in observed.values():
             seen += width * self._tensor(rng.standard_normal(seen.shape, dtype=np.float32))
         actions: Tensor = self._networks.actors(observed).tanh()
         return (actions - shown[:, self.shapes.layout.actions]).abs().mean()
@@ -379,8 +376,12 @@ _SCRATCH: dict[str, Any] = {
     "value_bins": 100,
 }
 # Critics err, and the expert does not. Where imitation is weak or fades, the task is unlearned.
-_DEMOS = {**_SCRATCH, "reset_networks_after": 0, "imitation": 100.0, "imitation_half_life": 0}
-_DEMOS |= {"lr_half_life": 10_000}
+_DEMOS = _SCRATCH | {
+    "reset_networks_after": 0,
+    "lr_half_life": 10_000,
+    "imitation": 100.0,
+    "imitation_half_life": 0,
+}
 
 ALGORITHM = Algorithm(
     summary="MADDPG with clipped double critics, shared actors and demonstrations",
