@@ -145,7 +145,7 @@ def add_train(adder: CommandAdder) -> None:
         "--distances",
         metavar="D",
         help="format of positions in the frame of a tool: metres, or log, which is finer near the "
-        "tool (default metres; log with maddpg's preset scratch)",
+        "tool (default metres; log with maddpg's presets demos and scratch)",
     )
     parser.add_argument(
         "--variation",
