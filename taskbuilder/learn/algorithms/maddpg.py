@@ -281,8 +281,7 @@ class Maddpg:
         paid = self.shapes.agents[: self._rewards]
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
         values = self._values.mean(self._networks.critics(joint, first=self._rewards))
-        size = values.detach().abs().mean(1).clamp(min=1.0)
-        loss = loss - (values.mean(1) / size).sum()
+        loss = loss - (values.mean(1) / values.detach().abs().mean(1).clamp(min=1.0)).sum()
         shown = batch[:, self.shapes.layout.demonstrated.start] > 0.0
         if weight > 1e-3 and shown.any():  # a smaller weight is not worth the time
             loss = loss + weight * self._imitation(batch[shown], rng)
@@ -375,8 +374,9 @@ _SCRATCH: dict[str, Any] = {
     "gripper_epsilon": 0.01,
     "value_bins": 100,
 }
-# Critics err, and the expert does not. Where imitation is weak or fades, the task is unlearned.
+# Critics err, and the expert does not. Weak imitation, or smaller actions, unlearn the task.
 _DEMOS = _SCRATCH | {
+    "regulariser": 0.005,
     "reset_networks_after": 0,
     "lr_half_life": 10_000,
     "imitation": 100.0,
