@@ -5,7 +5,10 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
+import shutil
 import sys
+import textwrap
 import time
 from collections.abc import Iterable, Iterator, Sequence, Sized
 from contextlib import contextmanager
@@ -16,7 +19,10 @@ from taskbuilder.errors import Finding
 Item = TypeVar("Item")
 
 _CODES = {"red": "31", "green": "32", "yellow": "33", "dim": "2", "bold": "1"}
+_COLORED = re.compile(r"\x1b\[\d+m")
 
+NARROWEST = 20
+"""Columns below which the last column of a table is not wrapped."""
 
 LINE_EVERY_S = 30.0
 """Seconds between lines that report progress where standard error is no terminal."""
@@ -83,11 +89,25 @@ def ready_streams() -> None:
 
 
 def print_table(rows: Sequence[Sequence[str]], indent: str = "") -> None:
-    """Rows with aligned columns; the last column is left as it is."""
+    """Rows with aligned columns; on a terminal, the last column is wrapped to its width."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)] if rows else []
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
-        print(indent + "  ".join([*cells, row[-1]]).rstrip())
+        start = indent + "".join(f"{cell}  " for cell in cells)
+        print((start + _wrapped(row[-1], _visible(start))).rstrip())
+
+
+def _wrapped(text: str, column: int) -> str:
+    """A text that begins in a column, within the width of the terminal if there is one."""
+    room = shutil.get_terminal_size().columns - column
+    if not sys.stdout.isatty() or room < NARROWEST or _visible(text) <= room:
+        return text
+    return f"\n{' ' * column}".join(textwrap.wrap(text, room, break_long_words=False))
+
+
+def _visible(text: str) -> int:
+    """The number of columns that a text takes on a terminal."""
+    return len(_COLORED.sub("", text))
 
 
 def show_finding(finding: Finding) -> str:

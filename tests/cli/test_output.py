@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
+import pty
+import re
+import struct
 import subprocess
 import sys
+import termios
 
 import pytest
 
@@ -41,6 +46,41 @@ def ran(words, cwd, **environment):
     """A command as a process of its own, in bytes."""
     env = {**os.environ, **environment}
     return subprocess.run([*MODULE, *words], capture_output=True, cwd=cwd, env=env, check=False)
+
+
+def shown(words, cwd, columns):
+    """The lines of a command on a terminal of this width."""
+    main, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    env = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    with subprocess.Popen([*MODULE, *words], stdout=terminal, cwd=cwd, env=env) as process:
+        os.close(terminal)
+        text = b""
+        while more := read(main):
+            text += more
+    os.close(main)
+    assert process.returncode == 0
+    return re.sub(r"\x1b\[\d+m", "", text.decode()).splitlines()
+
+
+def read(main):
+    """What a terminal shows next; nothing once the command has ended."""
+    try:
+        return os.read(main, 4096)
+    except OSError:
+        return b""
+
+
+@pytest.mark.parametrize("columns", [60, 80, 200])
+def test_tables_fit_the_terminal(columns, tmp_path):
+    lines = shown(("robots",), tmp_path, columns)
+    assert max(map(len, lines)) <= columns
+    piped = ran(("robots",), tmp_path).stdout.decode().splitlines()
+    assert " ".join(lines).split() == " ".join(piped).split()
+    begin = piped[0].index("summary")
+    starts = [line[:begin] for line in lines]
+    assert [start for start in starts if start.strip()] == [line[:begin] for line in piped]
+    assert (len(lines) == len(piped)) == (columns == 200)
 
 
 @pytest.mark.parametrize("words", PLAYED.values(), ids=PLAYED)
