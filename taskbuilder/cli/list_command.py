@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
         robots = " + ".join(task["robots"].values()) if task["robots"] else "-"
         steps = str(task["episode_steps"] or "-")
         rows.append([task["name"], robots, steps, _proved(task["proof"]), task["summary"]])
-    print_table(rows)
+    print_table(rows, prose=True)
     broken = [task["name"] for task in tasks if not task["robots"]]
     if broken:
         print(paint(f"\nto see what is wrong: taskbuilder validate {' '.join(broken)}", "dim"))

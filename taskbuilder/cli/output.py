@@ -12,6 +12,7 @@ import textwrap
 import time
 from collections.abc import Iterable, Iterator, Sequence, Sized
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, TextIO, TypeVar
 
 from taskbuilder.errors import Finding
@@ -22,7 +23,7 @@ _CODES = {"red": "31", "green": "32", "yellow": "33", "dim": "2", "bold": "1"}
 _COLORED = re.compile(r"\x1b\[\d+m")
 
 NARROWEST = 20
-"""Columns below which the last column of a table is not wrapped."""
+"""Columns that a wrapped text gets at least."""
 
 LINE_EVERY_S = 30.0
 """Seconds between lines that report progress where standard error is no terminal."""
@@ -88,21 +89,35 @@ def ready_streams() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def print_table(rows: Sequence[Sequence[str]], indent: str = "") -> None:
-    """Rows with aligned columns; on a terminal, the last column is wrapped to its width."""
+def print_table(rows: Sequence[Sequence[str]], indent: str = "", *, prose: bool = False) -> None:
+    """Rows with aligned columns.
+
+    Args:
+        rows: A text for each column.
+        indent: What each line begins with.
+        prose: Whether the last column is prose, to be wrapped where the terminal is too narrow.
+            Commands and paths are not: they are to be copied from one line.
+    """
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)] if rows else []
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
         start = indent + "".join(f"{cell}  " for cell in cells)
-        print((start + _wrapped(row[-1], _visible(start))).rstrip())
+        line = _wrapped(start, row[-1], f"{indent}    ") if prose else start + row[-1]
+        print(line.rstrip())
 
 
-def _wrapped(text: str, column: int) -> str:
-    """A text that begins in a column, within the width of the terminal if there is one."""
-    room = shutil.get_terminal_size().columns - column
-    if not sys.stdout.isatty() or room < NARROWEST or _visible(text) <= room:
-        return text
-    return f"\n{' ' * column}".join(textwrap.wrap(text, room, break_long_words=False))
+def _wrapped(start: str, text: str, below: str) -> str:
+    """A row and its last column, within the width of the terminal if there is one.
+
+    Where too little room is left beside the row, the text goes on lines of its own.
+    """
+    columns, begin = shutil.get_terminal_size().columns, _visible(start)
+    if not sys.stdout.isatty() or begin + _visible(text) <= columns:
+        return start + text
+    lines = partial(textwrap.wrap, text, break_long_words=False)
+    if columns - begin >= NARROWEST:
+        return start + f"\n{' ' * begin}".join(lines(columns - begin))
+    return f"\n{below}".join([start.rstrip(), *lines(max(columns - len(below), NARROWEST))])
 
 
 def _visible(text: str) -> int:

@@ -57,7 +57,7 @@ def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         [robot["name"], str(robot["joints"] or "-"), robot["gripper"] or "-", robot["summary"]]
         for robot in robots
     ]
-    print_table(rows)
+    print_table(rows, prose=True)
     for robot in robots:
         if not robot["joints"]:
             hint = f"to see what is wrong: taskbuilder robots check {robot['path']}"

@@ -146,7 +146,7 @@ def _print_task(report: TaskReport, form: str) -> None:
         print()
         why = why_skipped(report)
         skipped = [[name, paint("skip", "yellow"), "", why] for name in report.skipped]
-        print_table([*map(_row, report.families), *skipped], indent="  ")
+        print_table([*map(_row, report.families), *skipped], indent="  ", prose=True)
         print()
         for finding in report.findings:
             print(show_finding(finding))

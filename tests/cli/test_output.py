@@ -71,15 +71,15 @@ def read(main):
         return b""
 
 
-@pytest.mark.parametrize("columns", [60, 80, 200])
+@pytest.mark.parametrize("columns", [40, 80, 200])
 def test_tables_fit_the_terminal(columns, tmp_path):
     lines = shown(("robots",), tmp_path, columns)
     assert max(map(len, lines)) <= columns
     piped = ran(("robots",), tmp_path).stdout.decode().splitlines()
     assert " ".join(lines).split() == " ".join(piped).split()
     begin = piped[0].index("summary")
-    starts = [line[:begin] for line in lines]
-    assert [start for start in starts if start.strip()] == [line[:begin] for line in piped]
+    starts = {line[:begin].rstrip() for line in lines}
+    assert {line[:begin].rstrip() for line in piped} <= starts
     assert (len(lines) == len(piped)) == (columns == 200)
 
 
