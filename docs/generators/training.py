@@ -138,6 +138,9 @@ def ablation() -> dict[str, list[dict[str, Any]]]:
     for run in read("learning_trials.json")["runs"]:
         if run["run"] in RATCHET:
             found["ratchet"].append(run)
+    for run in read("learning.json")["runs"]:
+        if run["run"].startswith("handover-own-"):
+            found["own"].append(run)
     return {way: runs for way, runs in found.items() if runs}
 
 
