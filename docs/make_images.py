@@ -52,7 +52,7 @@ SHOWN = {
     "collaborative_lift": "Collaborative Lift",
     "handover": "Handover",
 }
-TRACKS = ("demos", "scratch", "resets")
+TRACKS = ("demos", "scratch", "own", "resets")
 TRIALS = ("saturated", "regularised", "brake", "constant")
 """Last words of the names of trials that the page on learning shows with their curves."""
 
