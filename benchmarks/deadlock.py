@@ -1,9 +1,9 @@
-"""An ablation of Handover with `maddpg`: four rewards, and demonstrations; two seeds each.
+"""An ablation of Handover with `maddpg`: rewards, demonstrations, observations; two seeds each.
 
     python benchmarks/deadlock.py [--only team local] [--seeds 1 2] [--jobs 1] [--folder runs/here]
 
-Two more ways of training belong to it, progress only and progress only on the task's own
-observations: they are handover/scratch and handover/own of learning.py, with the same options.
+One more way of training belongs to it, progress only: it is handover/scratch of learning.py, with
+the same options.
 
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
 that training has not seen, and writes
@@ -39,6 +39,7 @@ WAYS = {
     "shaped": ("handover", "--reward", "shaped"),
     "wrong_order": (WRONG_ORDER, "--reward", "team"),
     "demos": ("handover", "--reward", "team", "--demos", "200"),
+    "own": ("handover", "--reward", "ratchet", "--observe", "task"),
 }
 """The task and what is particular to each way of training."""
 
@@ -71,7 +72,7 @@ def run(wanted: tuple[int, str], folder: Path) -> str:
 def command(way: str, seed: int, folder: Path) -> list[str]:
     """What trains a run from the beginning."""
     task, *options = WAYS[way]
-    words = ["train", task, *options, *COMMON, "--seed", str(seed)]
+    words = ["train", task, *COMMON, *options, "--seed", str(seed)]
     return [*words, "--out", str(folder / f"{way}-{seed}")]
 
 

@@ -13,7 +13,7 @@ that neither training nor the choice of a policy has seen, and writes
 - with `--publish`, taskbuilder/learn/models/TASK/TRACK.npz: the policy of the median seed, with its
   plan and its curve beside it, if it succeeds in 95 % of the episodes.
 
-A run is minutes to an hour on one core. Nothing is left out: a run that failed is there as it is.
+A run is minutes to two hours on one core. Nothing is left out: a run that failed is there as it is.
 """
 
 from __future__ import annotations
@@ -39,12 +39,13 @@ SEEDS = (1, 2, 3)
 
 COMMON = ("--evaluate-episodes", "100", "--stop-at", "0.99")
 SCENE = ("--observe", "scene")
-STEPS = ("--steps", "150000", "--evaluate-every", "10000")
+EVERY = ("--evaluate-every", "10000")
+STEPS = ("--steps", "150000", *EVERY)
 PPO = ("--algorithm", "ppo", "--envs", "8")
 TRACKS = {
     "demos": (*SCENE, "--demos", "200", "--steps", "50000", "--evaluate-every", "5000"),
     "scratch": (*SCENE, *STEPS),
-    "own": ("--observe", "task", *STEPS),
+    "own": ("--observe", "task", "--steps", "300000", *EVERY),
     "mappo": (*SCENE, *STEPS, *PPO, "--preset", "mappo"),
     "ippo": (*SCENE, *STEPS, *PPO, "--preset", "ippo"),
 }

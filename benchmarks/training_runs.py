@@ -61,8 +61,13 @@ def machine_of(plan: Mapping[str, Any]) -> dict[str, str]:
     """Processor and C library of a run; earlier runs did not record them."""
     if "processor" not in plan:
         return {}
-    name = plan["processor"].get("name", plan["processor"]["architecture"])
-    return {"processor": name, "c_library": plan["system"]["c library"]}
+    found = plan["processor"]
+    name = found.get("name", found["architecture"])
+    exact = ", ".join(f"{key} {found[key]}" for key in ("family", "model") if key in found)
+    return {
+        "processor": f"{name} ({exact})" if exact else name,
+        "c_library": plan["system"]["c library"],
+    }
 
 
 def summary(folder: Path) -> dict[str, Any]:

@@ -24,6 +24,9 @@ DASH = "A dash means that the policies were not evaluated in this way. "
 RATCHET = ("handover-1-saturated", "handover-2-saturated")
 """Trials with the reward `ratchet` and with the settings of the ablation's other runs."""
 
+PAPER = ("collaborative_lift", "handover", "pick_push_place")
+"""The tasks of the paper."""
+
 ALGORITHMS = {
     ("maddpg", "scratch"): "MADDPG (`maddpg`)",
     ("ppo", "mappo"): "MAPPO (`ppo`, preset `mappo`)",
@@ -50,15 +53,19 @@ WAYS = {
 
 
 def learning(which: str) -> str:
-    """The runs of `maddpg`, the trials whose names end in a word, or the earlier runs.
+    """Runs of `maddpg`, by whether the paper has their tasks, or trials and earlier runs.
 
     Args:
-        which: "", the last word of the trials' names, or "earlier": those under the earlier
-            definition of success.
+        which: "" for the tasks of the paper, "library" for the other tasks, "earlier" for the runs
+            under the earlier definition of success, or the last word of the trials' names.
     """
     earlier = which == "earlier"
-    runs = read("learning_earlier.json")["runs"] if earlier else _runs("maddpg")
-    if which and not earlier:
+    if earlier:
+        runs = read("learning_earlier.json")["runs"]
+    elif which in ("", "library"):
+        kept = [run for run in read("learning.json")["runs"] if run["algorithm"] == "maddpg"]
+        runs = [run for run in kept if (run["task"] in PAPER) == (which == "")]
+    else:
         trials = read("learning_trials.json")["runs"]
         runs = [run for run in trials if run["run"].endswith(f"-{which}")]
     rows = [
@@ -83,7 +90,7 @@ def algorithms(_: str) -> str:
     kept = read("learning.json")["runs"]
     kept = [run for run in kept if run["track"] == "scratch" and run["observe"] == "scene"]
     rows = []
-    for task in sorted({run["task"] for run in kept}):
+    for task in PAPER:
         for key, name in ALGORITHMS.items():
             runs = [run for run in kept if run["task"] == task]
             runs = [run for run in runs if (run["algorithm"], run["preset"]) == key]
@@ -138,15 +145,7 @@ def ablation() -> dict[str, list[dict[str, Any]]]:
     for run in read("learning_trials.json")["runs"]:
         if run["run"] in RATCHET:
             found["ratchet"].append(run)
-    for run in read("learning.json")["runs"]:
-        if run["run"].startswith("handover-own-"):
-            found["own"].append(run)
     return {way: runs for way, runs in found.items() if runs}
-
-
-def _runs(algorithm: str) -> list[dict[str, Any]]:
-    """The kept learning runs of an algorithm."""
-    return [run for run in read("learning.json")["runs"] if run["algorithm"] == algorithm]
 
 
 def _outcome(run: Mapping[str, Any], *, at_end: bool = True) -> list[str]:
