@@ -52,6 +52,9 @@ SHOWN = {
     "collaborative_lift": "Collaborative Lift",
     "handover": "Handover",
 }
+LIBRARY = ("two_buttons", "lift_pot", "open_lid", "stack_together", "lift_triangle")
+"""Tasks that the paper does not have and that were trained too."""
+
 TRACKS = ("demos", "scratch", "own", "resets")
 TRIALS = ("saturated", "regularised", "brake", "constant")
 """Last words of the names of trials that the page on learning shows with their curves."""
@@ -145,7 +148,7 @@ def make_curves() -> None:
     """Draw the learning curves of all runs that the pages show."""
     named = {
         f"{task}-{track}{when}": sorted(kept.glob(f"{task}-{track}-*"))
-        for task, track, (when, kept) in product(SHOWN, TRACKS, RUNS.items())
+        for task, track, (when, kept) in product((*SHOWN, *LIBRARY), TRACKS, RUNS.items())
     }
     trials = RESULTS / "learning_trials"
     for task, trial in product(SHOWN, TRIALS):
