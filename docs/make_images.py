@@ -22,6 +22,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from generators.results import read
 from generators.training import WAYS, ablation
 from stage_bars import stage_bars
 
@@ -52,9 +53,6 @@ SHOWN = {
     "collaborative_lift": "Collaborative Lift",
     "handover": "Handover",
 }
-LIBRARY = ("two_buttons", "lift_pot", "open_lid", "stack_together", "lift_triangle")
-"""Tasks that the paper does not have and that were trained too."""
-
 TRACKS = ("demos", "scratch", "own", "resets")
 TRIALS = ("saturated", "regularised", "brake", "constant")
 """Last words of the names of trials that the page on learning shows with their curves."""
@@ -146,9 +144,10 @@ def make_all() -> None:
 
 def make_curves() -> None:
     """Draw the learning curves of all runs that the pages show."""
+    trained = sorted({run["task"] for run in read("learning.json")["runs"]})
     named = {
         f"{task}-{track}{when}": sorted(kept.glob(f"{task}-{track}-*"))
-        for task, track, (when, kept) in product((*SHOWN, *LIBRARY), TRACKS, RUNS.items())
+        for task, track, (when, kept) in product(trained, TRACKS, RUNS.items())
     }
     trials = RESULTS / "learning_trials"
     for task, trial in product(SHOWN, TRIALS):

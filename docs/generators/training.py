@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from generators.results import RESULTS, read, signed
+from taskbuilder import load_suite
 from taskbuilder.learn.logs import read_run
 from taskbuilder.learn.zoo import load_policy, zoo_names
 from taskbuilder.reference.markdown import table
@@ -24,7 +25,7 @@ DASH = "A dash means that the policies were not evaluated in this way. "
 RATCHET = ("handover-1-saturated", "handover-2-saturated")
 """Trials with the reward `ratchet` and with the settings of the ablation's other runs."""
 
-PAPER = ("collaborative_lift", "handover", "pick_push_place")
+PAPER = sorted(load_suite("seed").tasks)
 """The tasks of the paper."""
 
 ALGORITHMS = {
