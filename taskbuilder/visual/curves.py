@@ -15,6 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.textpath import TextPath
 from matplotlib.ticker import FuncFormatter, MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
@@ -28,7 +29,8 @@ _GAP = 0.62  # between columns
 _COLUMNS = 4  # of small panels
 _LINE = 0.24  # of text
 _SUBTITLE_LETTERS = 130  # that fit on a line
-_NAMES = 1.05  # room for the names of stages
+_NAMES, _MARGIN = 1.05, 0.2  # least room for the names of stages, and beside the longest
+_NAME_SIZE, _NAME_LETTERS = 8.5, 30  # of a name, in points, and how many letters are shown
 _ROUND = [1, 2, 2.5, 5, 10]  # what ticks are multiples of
 _BOLD: Mapping[str, Any] = {"color": INK, "fontsize": 10.5, "fontweight": "bold"}
 _GRID, _NONE, _PALE, _DEEP = "#E7E3DE", "#DDD8D2", "#CBE0EF", "#0072B2"
@@ -105,7 +107,8 @@ def learning_curves(
     subtitle = [part for line in subtitle for part in wrap(line, _SUBTITLE_LETTERS)]
     labels = list(dict.fromkeys(label for group in groups for label in group.terms))
     staged = [group for group in groups if group.stages is not None]
-    rows = [_Row(2.75, 0.95, _even(2)), *_small_rows(len(labels)), *_stage_rows(len(staged))]
+    rows = [_Row(2.75, 0.95, _even(2)), *_small_rows(len(labels))]
+    rows += _stage_rows(len(staged), stages)
     header = _LINE * (2.6 + len(subtitle) + (len(groups) if len(groups) > 1 else 0))
     height = header + sum(row.above + row.height for row in rows) + 0.6
     figure = Figure(figsize=(_WIDTH, height), dpi=_DPI, facecolor=PAPER)
@@ -154,11 +157,22 @@ def _small_rows(count: int) -> Iterator[_Row]:
         yield _Row(1.25, 0.62 if first else 1.25, _even(_COLUMNS)[: count - first], heading)
 
 
-def _stage_rows(count: int) -> Iterator[_Row]:
+def _stage_rows(count: int, stages: Sequence[str]) -> Iterator[_Row]:
+    room = max([_NAMES, *(_MARGIN + _width(_in_letters(name)) for name in stages)])
     for first in range(0, count, 2):
-        places = _even(min(count, 2), _NAMES)[: count - first]
+        places = _even(min(count, 2), room)[: count - first]
         heading = "" if first else "furthest stage in evaluations"
         yield _Row(1.7, 0.8 if first else 1.0 + 0.25 * (count > 1), places, heading)
+
+
+def _in_letters(name: str) -> str:
+    """A name of a stage that is not too long to stand beside a panel."""
+    return name if len(name) <= _NAME_LETTERS else f"{name[: _NAME_LETTERS - 1]}…"
+
+
+def _width(name: str) -> float:
+    """Inches that the name of a stage takes."""
+    return float(TextPath((0.0, 0.0), name, size=_NAME_SIZE).get_extents().width) / 72.0
 
 
 def _panels(figure: Figure, rows: Sequence[_Row], top: float) -> Iterator[Axes]:
@@ -297,7 +311,14 @@ def _name_stages(axes: Axes, names: Sequence[str], colors: Sequence[str]) -> Non
         )
         axes.add_line(square)
         place = (1.0 + 0.3 * inch, height)
-        axes.text(*place, name, transform=axes.transAxes, color=INK, fontsize=8.5, va="center")
+        axes.text(
+            *place,
+            _in_letters(name),
+            transform=axes.transAxes,
+            color=INK,
+            fontsize=_NAME_SIZE,
+            va="center",
+        )
 
 
 def _plain(axes: Axes, title: str) -> None:

@@ -124,6 +124,16 @@ def test_the_last_stage_is_green_and_lies_at_the_bottom():
     assert green.mean() > none.mean()
 
 
+@pytest.mark.parametrize("groups", [1, 2])
+@pytest.mark.parametrize(
+    "name", ["lower cube on the mark", "a name that is far too long for it " * 3]
+)
+def test_a_long_name_of_a_stage_ends_before_the_edge(name, groups):
+    picture = drawn(*(made(str(number)) for number in range(groups)), stages=("begun", name))
+    paper = picture[0, 0]
+    assert (picture[:, -10:] == paper).all()
+
+
 def test_the_upper_axis_says_how_many_episodes_there_were(alone):
     others = drawn(made(), at=lambda steps: steps / 40)
     differ = (alone != others).any(axis=2).nonzero()
