@@ -39,6 +39,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "holding": results.holding,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
+    "lasting": training.lasting,
     "leaderboard": leaderboard.rows,
     "learning": training.learning,
     "manners": keys.manners,
@@ -60,8 +61,9 @@ _BLOCK = re.compile(
 
 
 def pages() -> list[Path]:
-    """Every page of the documentation."""
-    return sorted(page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
+    """The README and every page of the documentation."""
+    docs = sorted(page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
+    return [DOCS.parent / "README.md", *docs]
 
 
 def fill(text: str) -> str:

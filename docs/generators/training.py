@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from generators.results import RESULTS, read, signed
+from generators.tasks import title
 from taskbuilder import load_suite
 from taskbuilder.learn.logs import read_run
 from taskbuilder.learn.zoo import load_policy, zoo_names
@@ -41,6 +42,16 @@ OBSERVED = {"scene": "the whole scene", "task": "as the task lists"}
 COMPARED_SEEDS = 2
 """Seeds of each task and algorithm in the comparison: the first that are kept."""
 
+TRAINED = (
+    ("MADDPG, 200 demonstrations", "scene", "learning.json", {"preset": "demos"}),
+    ("MADDPG, from scratch", "scene", "learning.json", {"preset": "scratch"}),
+    ("MAPPO, from scratch", "scene", "learning.json", {"preset": "mappo"}),
+    ("independent PPO, from scratch", "scene", "learning.json", {"preset": "ippo"}),
+    ("distilled from MADDPG, from scratch", "task", "distillation.json", {}),
+    ("MADDPG, from scratch", "task", "learning.json", {"preset": "scratch"}),
+)
+"""Ways of training: what policies observe, the file of the runs, and what they have in common."""
+
 WAYS = {
     "team": "team reward",
     "local": "local rewards",
@@ -51,6 +62,29 @@ WAYS = {
     "own": "progress only, own observations",
 }
 """Ways of training in the ablation of Handover."""
+
+
+def lasting(_: str) -> str:
+    """Success at the last step of the tasks of the paper, every seed, by way of training."""
+    cloned: dict[str, list[Mapping[str, Any]]] = {task: [] for task in PAPER}
+    for run in read("robust_cloning.json")["runs"]:
+        if run["task"] in PAPER:
+            (played,) = run["evaluations"]["fresh"]
+            cloned[run["task"]].append(played)
+    rows = [["behaviour cloning, 600 demonstrations", OBSERVED["scene"], *_each_seed(cloned)]]
+    for way, observe, file, common in TRAINED:
+        same = {**common, "observe": observe}.items()
+        runs = [run for run in read(file)["runs"] if same <= run.items()]
+        by_task = {task: [run for run in runs if run["task"] == task] for task in PAPER}
+        rows.append([way, OBSERVED[observe], *_each_seed(by_task)])
+    return table(["learned by", "policies observe", *map(title, PAPER)], rows)
+
+
+def _each_seed(runs: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """Success at the last step in percent, every seed, one task after the other."""
+    rates = [[100.0 * run["success_at_end_rate"] for run in runs[task]] for task in PAPER]
+    said = [[f"{rate:.1f}".removesuffix(".0") for rate in of_task] for of_task in rates]
+    return [" · ".join(of_task) or NONE for of_task in said]
 
 
 def learning(which: str) -> str:

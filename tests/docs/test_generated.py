@@ -15,7 +15,9 @@ from generators import GENERATORS, fill, pages  # noqa: E402  # found by the lin
 
 from taskbuilder.validate.runner import validate_task  # noqa: E402
 
-PAGES = {page.relative_to(DOCS).as_posix(): page.read_text(encoding="utf-8") for page in pages()}
+PAGES = {
+    page.relative_to(DOCS.parent).as_posix(): page.read_text(encoding="utf-8") for page in pages()
+}
 
 
 @pytest.mark.parametrize("name", PAGES)
