@@ -10,7 +10,7 @@ that neither training nor the choice of a policy has seen, and writes
 
 - benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run,
 - benchmarks/results/learning.json: what came of each, with the command that makes it again, and
-- with `--publish`, taskbuilder/learn/models/TASK/TRACK.npz: the policy of the median seed, with its
+- with `--publish`, taskbuilder/learn/models/TASK/NAME.npz: the policy of the median seed, with its
   plan and its curve beside it, if it succeeds in 95 % of the episodes.
 
 A run is minutes to two hours on one core. Nothing is left out: a run that failed is there as it is.
@@ -57,6 +57,9 @@ RUNS = (
 )
 """By TASK/TRACK."""
 
+ZOO_NAMES = {"own": "scratch-own"}
+"""Names of policies in the zoo, where they are not those of the tracks here."""
+
 WORTH_KEEPING = 0.95
 """Success rate of the median seed from which on its policy is one for the zoo."""
 
@@ -78,7 +81,8 @@ def main() -> int:
             write_summary()
     for name in asked if arguments.publish else ():
         runs = [Path(command(name, seed, arguments.folder)[-1]) for seed in arguments.seeds]
-        publish(runs, ZOO / name)
+        task, track = name.split("/")
+        publish(runs, ZOO / task / ZOO_NAMES.get(track, track))
     return 0
 
 

@@ -64,7 +64,10 @@ def test_a_policy_is_small_and_has_its_plan_and_its_curve_beside_it(name):
     plan = json.loads(beside(name, ".json").read_text(encoding="utf-8"))
     learns = "--algorithm bc" if about["algorithm"] == "bc" else about["task"]
     assert plan["command"].startswith(f"taskbuilder train {learns} ")
-    assert (plan["task"], plan["track"]) == tuple(name.removeprefix("zoo:").split("/"))
+    task, kept_as = name.removeprefix("zoo:").split("/")
+    track, _, own = kept_as.partition("-")  # scratch-own: of the track scratch, with less to see
+    assert (plan["task"], plan["track"]) == (task, track)
+    assert plan["observe"] == ("task" if own or track == "distilled" else "scene")
     with beside(name, ".csv").open(newline="", encoding="utf-8") as lines:
         rows = {int(row["step"]): row for row in csv.DictReader(lines)}
     chosen_by = (
