@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -66,25 +66,24 @@ WAYS = {
 
 def lasting(_: str) -> str:
     """Success at the last step of the tasks of the paper, every seed, by way of training."""
-    cloned: dict[str, list[Mapping[str, Any]]] = {task: [] for task in PAPER}
-    for run in read("robust_cloning.json")["runs"]:
-        if run["task"] in PAPER:
-            (played,) = run["evaluations"]["fresh"]
-            cloned[run["task"]].append(played)
+    cloned = [
+        {"task": run["task"], **played}
+        for run in read("robust_cloning.json")["runs"]
+        for played in run["evaluations"].get("fresh", ())
+    ]
     rows = [["behaviour cloning, 600 demonstrations", OBSERVED["scene"], *_each_seed(cloned)]]
     for way, observe, file, common in TRAINED:
         same = {**common, "observe": observe}.items()
         runs = [run for run in read(file)["runs"] if same <= run.items()]
-        by_task = {task: [run for run in runs if run["task"] == task] for task in PAPER}
-        rows.append([way, OBSERVED[observe], *_each_seed(by_task)])
+        rows.append([way, OBSERVED[observe], *_each_seed(runs)])
     return table(["learned by", "policies observe", *map(title, PAPER)], rows)
 
 
-def _each_seed(runs: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+def _each_seed(runs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Success at the last step in percent, every seed, one task after the other."""
-    rates = [[100.0 * run["success_at_end_rate"] for run in runs[task]] for task in PAPER]
-    said = [[f"{rate:.1f}".removesuffix(".0") for rate in of_task] for of_task in rates]
-    return [" · ".join(of_task) or NONE for of_task in said]
+    for task in PAPER:
+        rates = [100.0 * run["success_at_end_rate"] for run in runs if run["task"] == task]
+        yield " · ".join(f"{rate:.1f}".removesuffix(".0") for rate in rates) or NONE
 
 
 def learning(which: str) -> str:
