@@ -8,6 +8,7 @@ benchmarks/results/zoo.json.
 
 from __future__ import annotations
 
+import argparse
 import json
 import subprocess
 import sys
@@ -23,8 +24,13 @@ KEPT += ("peak_robot_force", "return", "normalized_return", "stages")
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="zoo:TASK/TRACK")
+    names = parser.parse_args().names or zoo_names()
+    if unknown := set(names).difference(zoo_names()):
+        parser.error(f"not in the zoo: {', '.join(sorted(unknown))}")
     known = json.loads(RESULTS.read_text())["policies"] if RESULTS.exists() else {}
-    for name in sys.argv[1:] or zoo_names():
+    for name in names:
         known[name] = measured(name)
         told = {"command": COMMAND, "policies": dict(sorted(known.items()))}
         RESULTS.write_text(json.dumps(told, indent=1) + "\n")
