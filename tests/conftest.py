@@ -6,6 +6,7 @@ import os
 import signal
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from taskbuilder.validate.html.page import make_page
 from taskbuilder.validate.runner import validate_task
@@ -13,6 +14,10 @@ from taskbuilder.validate.runner import validate_task
 # Tests are shared out over the cores already; with threads besides, they would wait for each other.
 for library in ("OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+# No test fails for being slow: what else the machine does would decide.
+settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("untimed")
 
 # A shell ignores Ctrl-C for what it starts in the background, and children inherit that; the tests
 # that interrupt their children would fail there.

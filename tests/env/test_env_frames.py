@@ -451,7 +451,7 @@ def _closed():
         _ENVS.popitem()[1].close()
 
 
-@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=4, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2**31 - 1), scale=st.sampled_from([0.2, 1.0, 50.0]))
 @pytest.mark.parametrize("task", LIBRARY)
 def test_observations_are_in_their_spaces_in_own_frames_too(task, seed, scale):

@@ -402,7 +402,7 @@ def test_a_joint_of_an_articulated_object_is_a_channel(make):
 # --- form
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=12, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2**31 - 1), scale=st.sampled_from([0.2, 1.0, 50.0]))
 @pytest.mark.parametrize("task", LIBRARY)
 def test_observations_are_in_their_spaces_whatever_is_done(task, seed, scale):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from taskbuilder.intervals import wilson
 from taskbuilder.learn.statistics import bootstrap_band, iqm, normalised
 
-unhurried = settings(deadline=None)
 scores = arrays(
     np.float64, st.integers(1, 30), elements=st.floats(-1e3, 1e3, allow_subnormal=False)
 )
@@ -39,7 +38,6 @@ def test_the_wilson_interval_at_another_level():
     assert wilson(1, 4, level=0.682689492) == pytest.approx((0.1, 0.5))
 
 
-@unhurried
 @given(st.integers(1, 2000).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
 def test_the_wilson_interval_holds_the_share_and_mirrors_failures(case):
     successes, trials = case
@@ -79,7 +77,6 @@ def test_the_interquartile_mean_is_taken_along_its_axis():
         iqm([])
 
 
-@unhurried
 @given(scores, st.randoms(use_true_random=False))
 def test_the_interquartile_mean_knows_no_order_and_lies_between_the_quartiles(values, random):
     shuffled = values.tolist()
@@ -90,7 +87,6 @@ def test_the_interquartile_mean_knows_no_order_and_lies_between_the_quartiles(va
     assert ordered[cut] - 1e-9 <= mean <= ordered[len(values) - 1 - cut] + 1e-9
 
 
-@unhurried
 @given(scores, st.floats(0.1, 10.0), st.floats(-100.0, 100.0))
 def test_the_interquartile_mean_moves_with_its_scores(values, scale, shift):
     assert iqm(scale * values + shift) == pytest.approx(scale * iqm(values) + shift, abs=1e-6)
@@ -141,7 +137,6 @@ def test_a_run_is_drawn_whole():
     assert drawn[0].shape == (2000, 3)
 
 
-@unhurried
 @given(scores)
 def test_a_band_holds_the_scores_own_range(values):
     low, high = bootstrap_band([values], np.random.default_rng(0), resamples=50)

@@ -38,7 +38,7 @@ def outward(mesh: TriangleMesh) -> bool:
 
 
 @given(SIZES, SIZES)
-@settings(deadline=None, max_examples=30)  # the first compiles
+@settings(max_examples=30)
 def test_primitives_have_their_volume_from_within_and_normals_of_length_one(radius, length):
     ball = 4 / 3 * np.pi * radius**3
     for mesh, expected in (
@@ -98,7 +98,7 @@ def test_parts_of_a_mesh_are_smooth_where_they_meet():
         np.testing.assert_allclose(part.normals, outward_normals, atol=0.05)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 60))
 def test_the_nearest_point_is_the_first_of_those_that_are(seed, count, others):
     rng = np.random.default_rng(seed)

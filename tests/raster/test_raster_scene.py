@@ -46,7 +46,7 @@ def test_a_box_covers_the_pixels_whose_centres_it_covers():
 
 
 @given(st.floats(-0.3, 0.3), st.floats(-0.2, 0.2), st.floats(0.4, 5.0), st.floats(0.02, 0.15))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_a_ball_is_seen_where_the_rays_meet_it(x, y, z, radius):
     seen = drawn([MeshInstance(sphere(radius), 0, IN_LINK, RED)], [at(x, y, z)])
     rows, columns = np.mgrid[0:60, 0:80]

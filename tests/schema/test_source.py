@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from taskbuilder.errors import FileError, Location
 from taskbuilder.schema.source import MAX_BYTES, dotted, read_source
 
-any_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+any_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def refused(source, text) -> str:

@@ -71,7 +71,7 @@ def arranged(request, tmp_path_factory):
     world.close()
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 2**31))
 def test_members_never_overlap_at_reset_and_stay_in_their_place(arranged, seed):
     arranged.reset(seed)
@@ -95,7 +95,7 @@ def test_a_reset_repeats_to_the_bit_and_differs_from_seed_to_seed(arranged):
     assert poses(5) == first
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     kind=st.sampled_from(["line", "grid", "ring"]),
     count=st.integers(1, 12),

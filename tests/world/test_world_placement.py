@@ -217,9 +217,7 @@ item = st.tuples(
 )
 
 
-@settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(items=st.lists(item, min_size=1, max_size=5), seed=st.integers(0, 2**31))
 def test_whatever_is_asked_for_is_placed_apart_or_refused(tmp_path, items, seed):
     text = ROOM
