@@ -12,8 +12,9 @@ that training has not seen, and writes
 - benchmarks/results/deadlock.json: what came of each, with the command that makes it again.
 
 All runs have the same learner (`maddpg`) and at most 150,000 control steps, which take half an hour
-of one core. Their settings are the same, except for the preset `demos` with demonstrations. All but
-`own` observe the whole scene. Nothing is left out: a run that failed is there as it is.
+of one core; `team_long` and `starts_long` have at most 500,000, one seed each. Their settings are
+the same, except for the preset `demos` with demonstrations. All but `own` observe the whole scene.
+Nothing is left out: a run that failed is there as it is.
 """
 
 from __future__ import annotations
@@ -40,11 +41,15 @@ WAYS = {
     "wrong_order": (WRONG_ORDER, "--reward", "team"),
     "demos": ("handover", "--reward", "team", "--demos", "200"),
     "own": ("handover", "--reward", "ratchet", "--observe", "task"),
+    "team_long": ("handover", "--reward", "team"),
+    "starts_long": ("handover", "--reward", "team", "--starts", "0.5"),
 }
 """The task and what is particular to each way of training."""
 
-COMMON = ("--observe", "scene", "--steps", "150000", "--evaluate-every", "10000")
-COMMON += ("--evaluate-episodes", "100", "--stop-at", "0.99")
+STEPS = {"team_long": 500_000, "starts_long": 500_000}
+"""Control steps, where they are not 150,000."""
+
+COMMON = ("--evaluate-every", "10000", "--evaluate-episodes", "100", "--stop-at", "0.99")
 
 
 def main() -> int:
@@ -72,7 +77,8 @@ def run(wanted: tuple[int, str], folder: Path) -> str:
 def command(way: str, seed: int, folder: Path) -> list[str]:
     """What trains a run from the beginning."""
     task, *options = WAYS[way]
-    words = ["train", task, *COMMON, *options, "--seed", str(seed)]
+    length = ["--observe", "scene", "--steps", str(STEPS.get(way, 150_000))]
+    words = ["train", task, *length, *COMMON, *options, "--seed", str(seed)]
     return [*words, "--out", str(folder / f"{way}-{seed}")]
 
 

@@ -23,7 +23,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from generators.results import read
-from generators.training import WAYS, ablation
+from generators.training import LONGER, WAYS, ablation
 from stage_bars import stage_bars
 
 from taskbuilder import load_task, parallel_env
@@ -152,6 +152,7 @@ def make_curves() -> None:
     trials = RESULTS / "learning_trials"
     for task, trial in product(SHOWN, TRIALS):
         named[f"{task}-{trial}"] = sorted(trials.glob(f"{task}-*-{trial}"))
+    named["handover-longer"] = [RESULTS / "deadlock" / f"{way}-1" for way in LONGER]
     for name, runs in named.items():
         if runs:
             _call("plot", *map(str, runs), "--out", str(IMAGES / f"{name}-curves.png"))

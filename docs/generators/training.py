@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,6 +62,12 @@ WAYS = {
     "own": "progress only, own observations",
 }
 """Ways of training in the ablation of Handover."""
+
+LONGER = {
+    "team_long": "from the task's own initial states",
+    "starts_long": "half of the training episodes from states of the expert",
+}
+"""Longer runs with the team reward, by where training episodes start."""
 
 
 def lasting(_: str) -> str:
@@ -150,35 +156,36 @@ def distillation(_: str) -> str:
     return table(head, rows)
 
 
-def deadlock(_: str) -> str:
-    """The ablation of Handover: what each way of training came to."""
+def deadlock(which: str) -> str:
+    """What each way of training Handover came to: in the ablation, or in the `longer` runs."""
+    tables = {"": (WAYS, "way of training"), "longer": (LONGER, "training episodes start")}
+    names, first = tables[which]
     rows = [
         [
-            WAYS[way],
+            names[way],
             str(run["seed"]),
             f"{run['steps']:,}",
             _success(run),
             f"{100.0 * _handed_over(run):.1f} %",
             _stages(run["stages"]),
         ]
-        for way, runs in ablation().items()
+        for way, runs in ablation(names).items()
         for run in runs
     ]
-    head = ["way of training", "seed", "control steps", "success (95 % interval)"]
+    head = [first, "seed", "control steps", "success (95 % interval)"]
     return table([*head, "handed over", "furthest stage"], rows)
 
 
-def ablation() -> dict[str, list[dict[str, Any]]]:
-    """The runs of the ablation of Handover by way of training, in the order of `WAYS`.
+def ablation(ways: Iterable[str] = WAYS) -> dict[str, list[dict[str, Any]]]:
+    """The runs of Handover by way of training, in the order of `ways`.
 
     Ways without a run are left out.
     """
-    found: dict[str, list[dict[str, Any]]] = {way: [] for way in WAYS}
-    for run in read("deadlock.json")["runs"]:
-        found[run["run"].rpartition("-")[0]].append(run)
-    for run in read("learning_trials.json")["runs"]:
-        if run["run"] in RATCHET:
-            found["ratchet"].append(run)
+    kept = {"ratchet": ("learning_trials.json", RATCHET)}
+    found = {}
+    for way in ways:
+        file, names = kept.get(way, ("deadlock.json", (f"{way}-1", f"{way}-2")))
+        found[way] = [run for run in read(file)["runs"] if run["run"] in names]
     return {way: runs for way, runs in found.items() if runs}
 
 
