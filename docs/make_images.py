@@ -7,7 +7,7 @@ strip and the chart of its reward, all from the first camera of the task file; t
 policy of the zoo; the curves of each task's training; the stages reached in the ablation of
 Handover; a picture of each robot; and tasks.png, the three tasks of the README side by side. Given
 tasks or policies of the zoo, such as zoo:handover/demos, it makes theirs only, and given `curves`
-the curves only.
+the curves and the chart of the ablation only.
 """
 
 from __future__ import annotations
@@ -216,6 +216,7 @@ if __name__ == "__main__":
     for name in sys.argv[1:]:
         if name == CURVES:
             make_curves()
+            make_ablation()
         elif name.startswith("zoo:"):
             make_policy(name)
         else:
