@@ -12,9 +12,9 @@ that training has not seen, and writes
 - benchmarks/results/deadlock.json: what came of each, with the command that makes it again.
 
 All runs have the same learner (`maddpg`) and at most 150,000 control steps, which take half an hour
-of one core; `team_long` and `starts_long` have at most 500,000, one seed each. Their settings are
-the same, except for the preset `demos` with demonstrations. All but `own` observe the whole scene.
-Nothing is left out: a run that failed is there as it is.
+of one core; `team_long` and `starts_long` have at most 500,000, and of them only seed 1 was run.
+Their settings are the same, except for the preset `demos` with demonstrations. All but `own`
+observe the whole scene. Nothing is left out: a run that failed is there as it is.
 """
 
 from __future__ import annotations
