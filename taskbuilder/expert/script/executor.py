@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import product
 
@@ -13,10 +13,22 @@ import numpy as np
 
 from taskbuilder.env.action_encoder import ActionEncoder, Actions
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.errors import TaskbuilderError
 from taskbuilder.expert.planning.planner import Move, Planner, PlanningError, Trajectory
 from taskbuilder.expert.script.orders import bring, phases
-from taskbuilder.expert.script.situation import Foreseen, Go, Grip, NotHeldError, Phase
+from taskbuilder.expert.script.situation import (
+    Foreseen,
+    Go,
+    Grip,
+    NotHeldError,
+    Phase,
+    Situation,
+)
+from taskbuilder.expert.script.troubles import (
+    StageError,
+    grip_missed,
+    lost_on_the_way,
+    not_arrived,
+)
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.expert import ExpertStage, Repeat, Together, Wait, listed
 from taskbuilder.schema.order import Order
@@ -44,20 +56,6 @@ CORRECTIONS = 2
 
 Step = tuple[Order | Together, Phase]
 """A phase, and the order that it is of."""
-
-
-class StageError(TaskbuilderError):
-    """A stage cannot be done.
-
-    Attributes:
-        order: The order.
-        robot: The robot that could not do it, or "".
-        cause: One of `rollout.record.CAUSES`.
-    """
-
-    def __init__(self, order: str, robot: str, cause: str, message: str) -> None:
-        super().__init__(message)
-        self.order, self.robot, self.cause = order, robot, cause
 
 
 class Executor:
@@ -227,12 +225,8 @@ class Executor:
         for who, queue in queues.items():
             act = None
             while queue and act is None:
-                order, phase = steps[who] = queue.popleft()
-                try:
-                    act = phase(Foreseen(self, moved))
-                except NotHeldError as error:
-                    cause, said = "lost on the way", str(error)
-                    raise StageError(f"{who}: {order}", error.robot, cause, said) from None
+                steps[who] = queue.popleft()
+                act = _computed(who, steps[who], Foreseen(self, moved))
             if act is not None:
                 acts[who] = act
             if isinstance(act, Go) and act.brings:
@@ -246,19 +240,20 @@ class Executor:
         """Play motions in parallel, until all have arrived or have failed to."""
         moves, trajectory = self._plan(goes, told)
         loads = {r: load for move in moves for r in move.carriers if (load := self.load(r))}
-        loads |= {r: go.holds for go in goes.values() for r in go.choices[0].carriers if go.holds}
+        handles = {r: go for go in goes.values() for r in go.choices[0].carriers if go.holds}
+        loads |= {robot: go.holds for robot, go in handles.items()}
         missed = dict.fromkeys(loads, 0)
         for step in range(trajectory.steps):
             joints = {robot: path[step] for robot, path in trajectory.joints.items()}
             yield self.encoder.actions(joints)
-            self._check_loads(loads, missed, told)
+            self._check_loads(loads, handles, missed, told)
         # Policies do not observe the delay of an episode, so demonstrations must not depend on it.
         late = self._env.episode.longest_delay
         for waited in range(late + self._steps(SETTLE_S)):
             if waited >= late and all(map(self._arrived, goes.values())):
                 break
             yield self.encoder.hold()
-            self._check_loads(loads, missed, told)
+            self._check_loads(loads, handles, missed, told)
 
     def _plan(
         self, goes: Mapping[str, Go], told: Mapping[str, str]
@@ -284,14 +279,17 @@ class Executor:
     # --- checks during and after motions
 
     def _check_loads(
-        self, loads: Mapping[str, str], missed: dict[str, int], told: Mapping[str, str]
+        self,
+        loads: Mapping[str, str],
+        handles: Mapping[str, Go],
+        missed: dict[str, int],
+        told: Mapping[str, str],
     ) -> None:
         world = self._env.episode.world
         for robot, load in loads.items():
             missed[robot] = 0 if world.held(load, robot) else missed[robot] + 1
             if missed[robot] > LOST_STEPS:
-                message = f"{robot} has lost {load} on the way, at {_place(world.position(load))}"
-                message += self._locks({load.partition(".")[0]})
+                message = lost_on_the_way(world, robot, load, handles.get(robot))
                 raise StageError(_whose(robot, told), robot, "lost on the way", message)
 
     def _shifted(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
@@ -299,7 +297,7 @@ class Executor:
         late = [who for who, go in goes.items() if go.subject and not self._arrived(go)]
         found = {}
         for who in late:
-            act = steps[who][1](self)
+            act = _computed(who, steps[who], self)
             if isinstance(act, Go):
                 found[who] = act
         return found
@@ -323,33 +321,12 @@ class Executor:
         for who, go in goes.items():
             if not self._arrived(go):
                 robot = next(iter(go.choices[0].carriers))
-                what = go.subject or f"{robot}.tcp"
-                gap = self._gap(go)
-                far = (
-                    f"ended up {gap * 100:.1f} cm from" if math.isfinite(gap) else "was lost before"
-                )
-                touched = ", ".join(self._touched(robot))
-                by = f"; {robot} touches {touched}" if touched else ""
-                by += self._locks(self._touched(robot))
-                message = f"{what} {far} its goal{by}"
+                message = not_arrived(self.world, robot, go, self._gap(go))
                 raise StageError(told[who], robot, "not arrived", message)
-
-    def _touched(self, robot: str) -> list[str]:
-        world = self._env.episode.world
-        others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
-        return [n for n in others if world.touching(robot, n)]
-
-    def _locks(self, objects: Collection[str]) -> str:
-        """What is locked of some objects."""
-        shut = [
-            f'{joint} is locked unless "{condition}" holds'
-            for joint, condition in self._env.episode.world.locked.items()
-            if joint.partition(".")[0] in objects
-        ]
-        return "".join(f"; {each}" for each in shut)
 
     def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:
         """Wait until grippers hold or have released their objects."""
+        world = self._env.episode.world
         for waited in range(self._steps(GRIP_S)):
             late = waited >= self._steps(PART_S)
             if all(self._gripped(grip) and (late or self._parted(grip)) for grip in grips.values()):
@@ -358,7 +335,7 @@ class Executor:
         for who, grip in grips.items():
             if not self._gripped(grip):
                 cause = "still held" if grip.opening else "grasp missed"
-                raise StageError(told[who], grip.robot, cause, self._missed(grip))
+                raise StageError(told[who], grip.robot, cause, grip_missed(world, grip))
 
     def _gripped(self, grip: Grip) -> bool:
         world = self._env.episode.world
@@ -375,23 +352,22 @@ class Executor:
         opens = grip.opening and grip.thing
         return not opens or not world.fingers_touch(grip.thing, grip.robot)
 
-    def _missed(self, grip: Grip) -> str:
-        world = self._env.episode.world
-        state = world.robots[grip.robot].gripper.words()
-        touched = ", ".join(self._touched(grip.robot))
-        state += f" and touches {touched}" if touched else ""
-        if grip.opening:
-            return f"{grip.robot} does not let go of {grip.thing or 'what it touches'}: {state}"
-        forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
-        felt = f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
-        return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
+
+def _computed(who: str, step: Step, now: Situation) -> Go | Grip | None:
+    """The motion or grip of a phase.
+
+    Raises:
+        StageError: A robot does not hold what its order takes.
+    """
+    order, phase = step
+    try:
+        return phase(now)
+    except NotHeldError as error:
+        cause, message = "lost on the way", str(error)
+        raise StageError(f"{who}: {order}", error.robot, cause, message) from None
 
 
 def _whose(robot: str, told: Mapping[str, str]) -> str:
     """The order of a robot."""
     mine = [text for who, text in told.items() if robot in who.split(" and ")]
     return mine[0] if mine else ", ".join(told.values())
-
-
-def _place(position: Sequence[float]) -> str:
-    return f"({', '.join(f'{value:.2f}' for value in position)})"

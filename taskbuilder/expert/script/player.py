@@ -9,7 +9,8 @@ from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.planner import Planner
-from taskbuilder.expert.script.executor import Executor, StageError
+from taskbuilder.expert.script.executor import Executor
+from taskbuilder.expert.script.troubles import StageError
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.schema.expert import ExpertStage, in_words

@@ -1,0 +1,113 @@
+"""Why a stage could not be done, with what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+from taskbuilder.errors import TaskbuilderError
+from taskbuilder.expert.script.joints import Joint
+from taskbuilder.expert.script.situation import Go, Grip
+from taskbuilder.geometry import Vec3
+from taskbuilder.world.world import World
+
+
+class StageError(TaskbuilderError):
+    """A stage cannot be done.
+
+    Attributes:
+        order: The order.
+        robot: The robot that could not do it, or "".
+        cause: One of `rollout.record.CAUSES`.
+    """
+
+    def __init__(self, order: str, robot: str, cause: str, message: str) -> None:
+        super().__init__(message)
+        self.order, self.robot, self.cause = order, robot, cause
+
+
+def lost_on_the_way(world: World, robot: str, load: str, go: Go | None) -> str:
+    """A robot no longer holds its load: an object, or a link such as ``chest.lid``.
+
+    Args:
+        world: The world.
+        robot: The robot.
+        load: The object or link.
+        go: The motion during which the robot was to hold the link; None for an object.
+    """
+    frame = _grasped(world, robot, load)
+    at = f"at {_place(world.position(frame))}"
+    if frame == f"{robot}.tcp":
+        frame, at = load, f"its tool {at}"
+    text = f"{robot} has lost {frame} on the way, {at}"
+    if go is not None and go.joint is not None:
+        text += f", with {_position(world, *go.joint)}"
+    return text + locks(world, {load.partition(".")[0]})
+
+
+def _grasped(world: World, robot: str, load: str) -> str:
+    """The frame that says where a load was held: of a link, the nearest grasp point, or the tool.
+
+    The frame of a link is at its joint, which may be far from its handle.
+    """
+    owner, _, link = load.partition(".")
+    if not link:
+        return load
+    grasps = world.objects[owner].spec.grasps
+    on_link = [f"{owner}.{name}" for name, grasp in grasps.items() if grasp.link == link]
+    tcp = f"{robot}.tcp"
+    tool = world.position(tcp)
+    return min(on_link, key=lambda name: math.dist(world.position(name), tool), default=tcp)
+
+
+def _position(world: World, name: str, target: float) -> str:
+    """The position of a joint, and the one that it was to be moved to."""
+    position = world.joint(name)
+    if Joint(world, name).slides:
+        return f"{name} at {position * 100:.1f} of {target * 100:.1f} cm"
+    return f"{name} at {math.degrees(position):.0f}° of {math.degrees(target):.0f}°"
+
+
+def not_arrived(world: World, robot: str, go: Go, gap: float) -> str:
+    """A motion has ended too far from its goal; the gap is in metres."""
+    subject = go.subject or f"{robot}.tcp"
+    far = f"ended up {gap * 100:.1f} cm from" if math.isfinite(gap) else "was lost before"
+    text = f"{subject} {far} its goal"
+    if go.joint is not None:
+        text += f", with {_position(world, *go.joint)}"
+    names = touched(world, robot)
+    if names:
+        text += f"; {robot} touches {', '.join(names)}"
+    return text + locks(world, names)
+
+
+def grip_missed(world: World, grip: Grip) -> str:
+    """A gripper does not hold its object, or does not let go of it."""
+    state = world.robots[grip.robot].gripper.words()
+    names = ", ".join(touched(world, grip.robot))
+    state += f" and touches {names}" if names else ""
+    if grip.opening:
+        return f"{grip.robot} does not let go of {grip.thing or 'what it touches'}: {state}"
+    forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
+    felt = f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
+    return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
+
+
+def touched(world: World, robot: str) -> list[str]:
+    """The objects and other robots that a robot touches."""
+    others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
+    return [n for n in others if world.touching(robot, n)]
+
+
+def locks(world: World, objects: Collection[str]) -> str:
+    """What is locked of some objects, as the end of a sentence; "" if nothing is."""
+    shut = [
+        f'{joint} is locked unless "{condition}" holds'
+        for joint, condition in world.locked.items()
+        if joint.partition(".")[0] in objects
+    ]
+    return "".join(f"; {each}" for each in shut)
+
+
+def _place(position: Vec3) -> str:
+    return f"({', '.join(f'{value:.2f}' for value in position)})"
