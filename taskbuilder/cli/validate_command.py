@@ -22,7 +22,7 @@ from taskbuilder.jobs import cores, workers
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import OtherRobots
-from taskbuilder.validate.formats import document
+from taskbuilder.validate.formats import DOCUMENTS, document
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
@@ -48,15 +48,24 @@ def run(arguments: argparse.Namespace) -> int:
     started = time.perf_counter()
     pages = _Pages(arguments.report, catalogue, asked_robots(arguments))
     reports: list[TaskReport] = []
-    with ending(_validated(names, catalogue, arguments)) as validated:
-        for name, found in zip(names, validated, strict=True):
-            report = _with_command(found, name, arguments)
-            reports.append(report)
-            _print_task(report, arguments.format)
-            pages.add(name, report)
+    try:
+        with ending(_validated(names, catalogue, arguments)) as validated:
+            for name, found in zip(names, validated, strict=True):
+                report = _with_command(found, name, arguments)
+                reports.append(report)
+                _print_task(report, arguments.format)
+                if arguments.debug:
+                    _print_traces(report)
+                pages.add(name, report)
+    except BrokenPipeError:  # nobody reads any more
+        raise
+    except BaseException:  # what has been measured by now is not given up
+        _print_some(reports, arguments.format)
+        raise
     alone = len(reports) == 1  # then its page shows the same time
     seconds = reports[0].seconds if alone else time.perf_counter() - started
     _print_end(reports, arguments.format, seconds, pages.finish())
+    pages.check()
     return 0 if all(report.ok for report in reports) else 1
 
 
@@ -115,28 +124,44 @@ class _Pages:
     def __init__(self, folder: Path | None, catalogue: Catalogue, robots: OtherRobots) -> None:
         self._folder, self._catalogue, self._robots = folder, catalogue, robots
         self._written: list[tuple[str, Page]] = []
+        self._error: Exception | None = None
         if folder:
             make_folder(folder)
 
     def add(self, name: str, report: TaskReport) -> None:
         """Write the page of a task at once: it is there even if a later one is interrupted."""
         if self._folder:
-            from taskbuilder.validate.html.files import INDEX, write_page
-            from taskbuilder.validate.html.page import make_page
+            try:
+                self._written.append(self._page(self._folder, name, report))
+            except Exception as error:  # raised by `check`, once the results are printed
+                self._error = self._error or error
 
-            taken = [INDEX, *(file for file, _ in self._written)]
-            page = make_page(name, report, self._catalogue, robots=self._robots)
-            self._written.append((write_page(self._folder, page, taken).name, page))
+    def _page(self, folder: Path, name: str, report: TaskReport) -> tuple[str, Page]:
+        from taskbuilder.validate.html.files import INDEX, write_page
+        from taskbuilder.validate.html.page import make_page
+
+        taken = [INDEX, *(file for file, _ in self._written)]
+        page = make_page(name, report, self._catalogue, robots=self._robots)
+        return write_page(folder, page, taken).name, page
 
     def finish(self) -> str:
         """Write the page that leads to the others; name the one to begin with, or ""."""
-        if not self._folder:
+        if not self._folder or not self._written:
             return ""
         from taskbuilder.validate.html.files import write_index
 
-        index = write_index(self._folder, self._written)
         (first, _), *others = self._written
+        try:
+            index = write_index(self._folder, self._written)
+        except OSError as error:  # the same
+            self._error = self._error or error
+            return ""
         return display_path(index if others else self._folder / first)
+
+    def check(self) -> None:
+        """Raise the first error that kept a page from being written, if there was one."""
+        if self._error:
+            raise self._error
 
 
 def _print_task(report: TaskReport, form: str) -> None:
@@ -158,9 +183,24 @@ def _print_task(report: TaskReport, form: str) -> None:
     sys.stdout.flush()
 
 
+def _print_traces(report: TaskReport) -> None:
+    """The tracebacks of families that an unexpected error ended, on standard error."""
+    for family in report.families:
+        if family.trace:
+            print(f"{report.task}: {family.name}:\n{family.trace}\n", file=sys.stderr, flush=True)
+
+
 def _row(family: FamilyResult) -> list[str]:
     mark = paint("ok  ", "green") if family.ok else paint("FAIL", "red")
     return [family.name, mark, f"{family.seconds:5.1f} s", family.summary]
+
+
+def _print_some(reports: Sequence[TaskReport], form: str) -> None:
+    """The reports on the tasks that are done, where the others will not be."""
+    if reports and form == "json":
+        print_json(as_data(reports, complete=False))
+    elif reports and form in DOCUMENTS:
+        emit(document(form, reports))
 
 
 def _print_end(reports: Sequence[TaskReport], form: str, seconds: float, page: str) -> None:

@@ -158,6 +158,14 @@ ENTRIES = {
             "grasps: {knob: {at: [0, -0.07, 0], link: drawer}}",
         ),
     ),
+    "TB317": Code(
+        "The check itself failed",
+        "A family of checks could not be finished: taskbuilder has a defect, a file has changed "
+        "since it was read, or the machine ran out of memory or disk space. The other families "
+        "are run and reported all the same, except those that build on this one. For a defect, "
+        "please report the message and the traceback. `validate --debug` prints the traceback; "
+        "the formats `json` and `junit` and the pages of `--report` always have it.",
+    ),
     "TB400": Code(
         "Assets",
         "Summary of TB401 to TB421, which check meshes and URDFs.",

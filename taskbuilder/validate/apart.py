@@ -12,13 +12,14 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
-from taskbuilder.errors import FileError, Finding
+from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.jobs import DONE, RAISED, TRIES, LostError, Worker, packed, say, tell_of_loss
 from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
 from taskbuilder.schema.other_robots import OtherRobots
+from taskbuilder.validate.broken import broken_family
 from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
@@ -240,7 +241,7 @@ class _Watch:
             try:
                 for kind, value in self._heard():
                     if kind == RAISED:
-                        raise value
+                        return self._broken(value)
                     if kind == DONE:
                         found: TaskReport = value
                         return found
@@ -274,6 +275,26 @@ class _Watch:
             self._orders = replace(self._orders, kept=said)
         elif said.one_more:
             next(self._shown, None)
+
+    def _broken(self, error: Exception) -> TaskReport:
+        """The report if the validation raised an error: the families so far, and one that failed.
+
+        Raises:
+            Exception: The same error, before the first family has begun.
+        """
+        kept = self._orders.kept
+        if kept is None:
+            raise error
+        place = Location(self._orders.catalogue.task(self._orders.reference).file, 1, 1)
+        seconds = time.perf_counter() - self._started
+        return replace(
+            kept.report,
+            families=(
+                *kept.report.families,
+                broken_family(self._begun.part, error, place, seconds),
+            ),
+            skipped=(*kept.report.skipped, *self._begun.rest),
+        )
 
     def _without(self, lost: LostError) -> TaskReport:
         """The report if the process was lost repeatedly."""

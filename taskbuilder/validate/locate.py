@@ -58,7 +58,7 @@ def failure_of_description(error: BaseException, entry: CatalogueEntry) -> Findi
     Raises:
         BaseException: The same error, if it did not arise in the description.
     """
-    finding = _explained(error, entry)
+    finding = in_description(error, entry)
     if finding is None:
         raise error
     return finding
@@ -66,10 +66,11 @@ def failure_of_description(error: BaseException, entry: CatalogueEntry) -> Findi
 
 def arose_in_description(error: BaseException, entry: CatalogueEntry) -> bool:
     """Whether an error arose in a description."""
-    return _explained(error, entry) is not None
+    return in_description(error, entry) is not None
 
 
-def _explained(error: BaseException, entry: CatalogueEntry) -> Finding | None:
+def in_description(error: BaseException, entry: CatalogueEntry) -> Finding | None:
+    """A finding for an error that a description raised; None for any other error."""
     what = "fails when it is asked"
     finding = explain(error, entry.description_file, "TB314", what)
     frames = extract_tb(error.__traceback__)

@@ -71,6 +71,7 @@ class FamilyResult:
         seconds: Duration in seconds.
         probes: The returns of the expert and the probes.
         rollouts: Episodes to show: a successful one, and those that failed.
+        trace: Traceback of an unexpected error that ended the family, or "".
     """
 
     name: str
@@ -80,6 +81,7 @@ class FamilyResult:
     seconds: float = 0.0
     probes: tuple[Probe, ...] = ()
     rollouts: tuple[Rollout, ...] = ()
+    trace: str = ""
 
     @property
     def ok(self) -> bool:
@@ -151,14 +153,20 @@ class TaskReport:
         return in_reading_order(finding for family in self.families for finding in family.findings)
 
 
-def as_data(reports: Iterable[TaskReport]) -> dict[str, Any]:
-    """The reports as plain data for ``--format json``, with a stable structure."""
+def as_data(reports: Iterable[TaskReport], *, complete: bool = True) -> dict[str, Any]:
+    """The reports as plain data for ``--format json``, with a stable structure.
+
+    Args:
+        reports: The reports.
+        complete: Whether these are all reports that were asked for.
+    """
     from taskbuilder import __version__
 
     listed = list(reports)
     return {
         "version": __version__,
-        "ok": all(report.ok for report in listed),
+        "ok": complete and all(report.ok for report in listed),
+        "complete": complete,
         "tasks": [_task_data(report) for report in listed],
     }
 
@@ -183,6 +191,7 @@ def _task_data(report: TaskReport) -> dict[str, Any]:
             for check in family.checks
         ],
         "measures": dict(report.measures),
+        "tracebacks": {family.name: family.trace for family in report.families if family.trace},
         "probes": [_probe_data(probe) for family in report.families for probe in family.probes],
     }
 

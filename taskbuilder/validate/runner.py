@@ -14,7 +14,9 @@ from taskbuilder.description.load import is_interrupt, load_description
 from taskbuilder.errors import (
     ExplosionError,
     FileError,
+    Location,
     PlacementError,
+    TaskbuilderError,
     UsageError,
     display_path,
 )
@@ -35,6 +37,7 @@ from taskbuilder.validate.apart import (
     ValidationConfig,
     watch,
 )
+from taskbuilder.validate.broken import broken_family
 from taskbuilder.validate.checks.static import static_failure, static_family
 from taskbuilder.validate.losses import finding_of_loss, lost_family
 from taskbuilder.validate.making import Stopwatch
@@ -163,6 +166,12 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
     except FileError as error:
         failure = _timed(static_failure(error.findings), started)
         return TaskReport(config.reference, config.reference, (failure,))
+    except TaskbuilderError:  # a wrong name or argument
+        raise
+    except Exception as error:  # a defect of taskbuilder; other tasks are validated all the same
+        place = Location(config.catalogue.task(config.reference).file, 1, 1)
+        failure = _timed(broken_family("static", error, place), started)
+        return TaskReport(config.reference, config.reference, (failure,))
     static = _timed(static_family(task), started)
     if config.level == "static":
         return TaskReport(task.name, headline(task, config.robots), (static,))
@@ -262,9 +271,9 @@ def _with(report: TaskReport, context: Context, family: Family) -> TaskReport:
 
 
 def _checked(context: Context, family: Family) -> FamilyResult:
-    """Run a family; an error of the description becomes a finding."""
+    """Run a family; an error of the description, or of the check itself, becomes a finding."""
     from taskbuilder.validate.env_cache import DescriptionError
-    from taskbuilder.validate.locate import failure_of_description, finding_at, finding_of_scene
+    from taskbuilder.validate.locate import finding_at, finding_of_scene, in_description
 
     try:
         return family.check(context)
@@ -284,7 +293,11 @@ def _checked(context: Context, family: Family) -> FamilyResult:
     except BaseException as error:
         if is_interrupt(error):
             raise
-        finding = failure_of_description(error, context.task.file.entry)
+        explained = in_description(error, context.task.file.entry)
+        if explained is None:
+            location = context.task.file.source.locate(("task",), key=True)
+            return broken_family(family.name, error, location)
+        finding = explained
     check = Check("TB314", "the description can be asked", False, 1, 0, "things")
     return FamilyResult(family.name, (check,), (finding,), "the description fails")
 

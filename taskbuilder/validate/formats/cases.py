@@ -22,6 +22,7 @@ class Case:
         figure: What was measured, and its limit, in words.
         seconds: Its share of the family's time.
         skipped: Why nothing was looked at, or None.
+        trace: Traceback of an error that ended the family, or "".
     """
 
     family: str
@@ -32,6 +33,7 @@ class Case:
     figure: str
     seconds: float
     skipped: str | None = None
+    trace: str = ""
 
 
 def why_skipped(report: TaskReport) -> str:
@@ -73,7 +75,8 @@ def _case(
     seconds: float,
 ) -> Case:
     sound = ok and not any(finding.severity == "error" for finding in findings)
-    return Case(family.name, code, name, sound, tuple(findings), measured, seconds)
+    trace = "" if sound else family.trace
+    return Case(family.name, code, name, sound, tuple(findings), measured, seconds, trace=trace)
 
 
 def _owner(finding: Finding, checks: tuple[Check, ...]) -> Check | None:

@@ -16,7 +16,8 @@ def junit_xml(reports: Iterable[TaskReport]) -> str:
 
     There is nothing in it that Jenkins' schema of 2019 (junit-10) does not have. Classes are named
     after task and family: GitLab knows cases by class and name alone, and drops those that it has
-    already seen. A family's time is shared by its checks.
+    already seen. A family's time is shared by its checks. A family that an unexpected error ended
+    is a case with an ``error`` in place of a ``failure``, which has the traceback.
     """
     top = ElementTree.Element("testsuites", name="taskbuilder validate")
     reports = list(reports)
@@ -41,8 +42,8 @@ def _add_suite(top: ElementTree.Element, report: TaskReport) -> list[Case]:
 
 def _count(suite: ElementTree.Element, cases: Sequence[Case]) -> None:
     suite.set("tests", str(len(cases)))
-    suite.set("failures", str(sum(not case.ok for case in cases)))
-    suite.set("errors", "0")
+    suite.set("failures", str(sum(not case.ok and not case.trace for case in cases)))
+    suite.set("errors", str(sum(bool(case.trace) for case in cases)))
 
 
 def _add_case(suite: ElementTree.Element, report: TaskReport, case: Case) -> None:
@@ -58,10 +59,9 @@ def _add_case(suite: ElementTree.Element, report: TaskReport, case: Case) -> Non
     errors = [finding for finding in case.findings if finding.severity == "error"]
     if not case.ok:
         message = errors[0].message if errors else case.figure
-        failure = ElementTree.SubElement(
-            made, "failure", message=printable(message), type=case.code
-        )
-        failure.text = _listed(errors) or printable(case.figure)
+        kind = "error" if case.trace else "failure"
+        failure = ElementTree.SubElement(made, kind, message=printable(message), type=case.code)
+        failure.text = printable(case.trace) or _listed(errors) or printable(case.figure)
     warnings = [finding for finding in case.findings if finding.severity == "warning"]
     if warnings:
         ElementTree.SubElement(made, "system-out").text = _listed(warnings)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -74,6 +75,9 @@ def make_page(
     except LostError as error:
         lost = f"The process that takes them {error.fault.cause}."
         return Page(report, pictures=Pictures(trouble=lost))
+    except Exception as error:  # a page without pictures is better than no page
+        said = traceback.format_exception_only(error)[-1].strip()
+        return Page(report, pictures=Pictures(trouble=f"Taking them failed: {said}"))
     found: Page = page
     return found
 

@@ -13,7 +13,7 @@ from taskbuilder.errors import TaskbuilderError
 from taskbuilder.rollout.play import replay
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
-from taskbuilder.validate.locate import failure_of_description
+from taskbuilder.validate.locate import in_description
 from taskbuilder.validate.report import TaskReport
 from taskbuilder.visual.capture import take_picture
 from taskbuilder.visual.still import Pixels, take_still
@@ -110,15 +110,19 @@ def take_pictures(task: Task, report: TaskReport) -> Pictures:
     """Take the pictures of a report. What cannot be shown is left out, and it is said why."""
     try:
         scene = _scene(task)
-    except TaskbuilderError as error:
-        return Pictures(trouble=f"The scene cannot be shown: {error}")
+    except Exception as error:  # a picture more or less must not cost the report
+        return Pictures(trouble=f"The scene cannot be shown: {_why(error, task)}")
     try:
         return _episodes(task, report, scene)
-    except TaskbuilderError as error:
-        return Pictures(scene, trouble=f"Episodes cannot be shown: {error}")
-    except (Exception, SystemExit) as error:
-        finding = failure_of_description(error, task.file.entry)
-        return Pictures(scene, trouble=f"Episodes cannot be shown: {finding}")
+    except (Exception, SystemExit) as error:  # the same
+        return Pictures(scene, trouble=f"Episodes cannot be shown: {_why(error, task)}")
+
+
+def _why(error: BaseException, task: Task) -> str:
+    if isinstance(error, TaskbuilderError):
+        return str(error)
+    finding = in_description(error, task.file.entry)
+    return str(finding) if finding else f"a defect of taskbuilder, {type(error).__name__}: {error}"
 
 
 def _scene(task: Task) -> tuple[Picture, ...]:
