@@ -84,3 +84,29 @@ def test_what_a_library_refuses_is_a_finding(code, write_pair, monkeypatch):
     assert not check.ok
     assert finding.code == code
     assert "refuses the environment: " in finding.message
+
+
+ONE_CAMERA = ("left: [self.tcp,", "left: [front.rgb, self.tcp,")
+
+
+def test_only_the_first_agent_may_observe_a_camera(write_pair, monkeypatch):
+    monkeypatch.setattr("taskbuilder.task.try_import", lambda _: None)
+    task = load_task(write_pair(ONE_CAMERA))
+    for code in SUITES:
+        assert check_suite(task, code)[1] == [], code
+
+
+@pytest.mark.parametrize("agent", ["left", "right"])
+def test_what_is_wrong_beside_a_camera_is_found_for_each_agent(agent, write_pair, monkeypatch):
+    monkeypatch.setattr("taskbuilder.task.try_import", lambda _: None)
+    task = load_task(write_pair(ONE_CAMERA))
+
+    def wide(self, episode):
+        seen = observe(self, episode)
+        if isinstance(seen[agent], dict):
+            return seen | {agent: {key: part * 1e9 for key, part in seen[agent].items()}}
+        return seen | {agent: seen[agent] * 1e9}
+
+    monkeypatch.setattr(Observer, "observe", wide)
+    (finding,) = check_suite(task, "TB522")[1]
+    assert "AssertionError: Out of bounds observation" in finding.message

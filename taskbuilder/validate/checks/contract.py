@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Dict
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import api_test, parallel_api_test, seed_test
 from pettingzoo.utils.conversions import parallel_to_aec
@@ -140,6 +141,9 @@ def _parallel(task: Task) -> None:
 
 def _turn_based(task: Task) -> None:
     with _made(task) as env:
+        # api_test reads the shape of the first agent's observation wherever another agent observes
+        # an array. A dictionary has no shape, so agents that observe images come last.
+        env.possible_agents.sort(key=lambda agent: isinstance(env.observation_space(agent), Dict))
         api_test(parallel_to_aec(env), num_cycles=_cycles(env))
     seed_test(lambda: parallel_to_aec(_env(task)), num_cycles=SEED_CYCLES)
 
