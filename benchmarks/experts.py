@@ -22,7 +22,8 @@ from machine import describe_machine
 from taskbuilder import catalogue, load_task, parallel_env
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.script.player import Expert
-from taskbuilder.jobs import cores, workers
+from taskbuilder.jobs import workers
+from taskbuilder.processes import cores
 from taskbuilder.validate.proportion import Proportion
 
 RESULTS = Path(__file__).parent / "results"

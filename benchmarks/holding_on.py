@@ -29,7 +29,8 @@ from taskbuilder import parallel_env, play
 from taskbuilder.expert import Expert, stall_after_stages
 from taskbuilder.expert.ways import EXPERT, NOTHING, Way
 from taskbuilder.intervals import PairedDifference
-from taskbuilder.jobs import cores, workers
+from taskbuilder.jobs import workers
+from taskbuilder.processes import cores
 from taskbuilder.rollout import HoldStill, Rollout
 
 RESULTS = Path(__file__).parent / "results"

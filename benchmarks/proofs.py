@@ -26,7 +26,7 @@ import taskbuilder
 from taskbuilder import parallel_env
 from taskbuilder._library import folder
 from taskbuilder.expert import Expert
-from taskbuilder.jobs import cores
+from taskbuilder.processes import cores
 from taskbuilder.rollout.coordination import CoordinationMeter
 from taskbuilder.schema.proofs import PROOFS, checksum, proof_of
 from taskbuilder.validate.report import Progress, as_data

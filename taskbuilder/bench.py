@@ -7,7 +7,7 @@ motion: what is beyond it is ours, and the price of moving.
 
 from __future__ import annotations
 
-import resource
+import math
 import statistics
 import sys
 import time
@@ -126,7 +126,11 @@ def renderers() -> tuple[Renderer, ...]:
 
 
 def peak_memory_mb() -> float:
-    """The most memory that this process has held, in megabytes."""
+    """The most memory that this process has held, in megabytes; NaN where it is not counted."""
+    try:
+        import resource  # POSIX only
+    except ImportError:
+        return math.nan
     unit = 1024.0 if sys.platform != "darwin" else 1.0  # macOS counts bytes, others kilobytes
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 Severity = Literal["error", "warning"]
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class Location:
     """A place in a file. Lines and columns count from 1; 0 stands for the whole file or line."""
 
@@ -75,9 +75,14 @@ class Finding:
 
 def in_reading_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Findings sorted by file and line, without repetitions."""
-    nowhere = Location(Path())
-    unique = dict.fromkeys(findings)
-    return tuple(sorted(unique, key=lambda f: (f.location or nowhere, f.code, f.path, f.message)))
+    return tuple(sorted(dict.fromkeys(findings), key=_reading_order))
+
+
+def _reading_order(finding: Finding) -> tuple[Any, ...]:
+    """Those without a location first; paths by their parts, whose order no Python changes."""
+    at = finding.location
+    place = (at.file.parts, at.line, at.column) if at else ()
+    return (place, finding.code, finding.path, finding.message)
 
 
 def display_path(path: Path) -> str:
@@ -124,6 +129,10 @@ class ExplosionError(SimulationError):
 
     The world can no longer be used; build a new one.
     """
+
+
+class EngineError(TaskbuilderError):
+    """The physics engine cannot be imported: it is missing, or two packages provide it."""
 
 
 class DivergenceError(TaskbuilderError):

@@ -6,10 +6,11 @@ import errno
 import os
 import re
 import secrets
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 
 def write_whole(path: Path, content: bytes, *, sync: bool = False) -> None:
@@ -53,9 +54,12 @@ def kept_aside(path: Path, stem: str, suffix: str = "") -> Iterator[Path]:
     aside = path.with_name(f"{stem}.{secrets.token_hex(4)}{suffix}")
     try:
         with aside.open("xb") as file:
-            _claim(file)
+            claim(file)
             yield aside
             aside.chmod(0o644)
+            if os.name == "posix":  # elsewhere, an open file cannot be renamed
+                aside.replace(path)
+        if os.name != "posix":
             aside.replace(path)
     except BaseException:
         aside.unlink(missing_ok=True)
@@ -67,23 +71,31 @@ def _sweep(folder: Path, name: re.Pattern[str]) -> None:
     with suppress(OSError):  # what cannot be swept is no reason not to write
         for left in [file for file in folder.iterdir() if name.fullmatch(file.name)]:
             with left.open("rb") as file:
-                if _claim(file):
+                if claim(file):
                     left.unlink(missing_ok=True)
 
 
-def _claim(file: IO[bytes]) -> bool:
-    """Lock a file for as long as it is open, unless another process has."""
+def claim(file: IO[Any] | int) -> bool:
+    """Lock a file for as long as it is open; False if another process has locked it."""
     try:
-        import fcntl
+        if sys.platform == "win32":
+            import msvcrt
 
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (ImportError, OSError):
+            number = file if isinstance(file, int) else file.fileno()
+            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
         return False
     return True
 
 
 def _sync_folder(folder: Path) -> None:
-    """Have the disk know of a rename within a folder."""
+    """Have the disk know of a rename within a folder, where folders can be opened."""
+    if os.name != "posix":
+        return
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)

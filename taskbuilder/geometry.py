@@ -8,8 +8,10 @@ of what numpy's dispatch does, which matters in a control loop.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import operator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import reduce
 from itertools import product
 
 Vec3 = tuple[float, float, float]
@@ -17,6 +19,15 @@ Quat = tuple[float, float, float, float]
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 NO_TURN: Quat = (0.0, 0.0, 0.0, 1.0)
+
+
+def total(values: Iterable[float]) -> float:
+    """Sum, added from left to right.
+
+    The built-in ``sum`` compensates rounding from Python 3.12 on, so its last digit would depend on
+    the version of Python.
+    """
+    return reduce(operator.add, values, 0.0)
 
 
 def add(a: Vec3, b: Vec3) -> Vec3:

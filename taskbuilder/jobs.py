@@ -64,11 +64,6 @@ class LostError(TaskbuilderError):
         return f"a process {self.fault.cause}{again}\n{self.fault.words}".rstrip()
 
 
-def cores() -> int:
-    """The cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextmanager
 def workers(
     count: int,

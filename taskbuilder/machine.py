@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from taskbuilder.digests import digest
+from taskbuilder.engine import PACKAGES as ENGINES
+from taskbuilder.engine import engine_file
 
 PACKAGES = (
-    *("taskbuilder", "pybullet", "numpy", "gymnasium", "pettingzoo"),
+    *("taskbuilder", *ENGINES, "numpy", "gymnasium", "pettingzoo"),
     *("pydantic", "PyYAML", "torch"),
 )
 """Optional packages, whose versions are listed if they are installed."""
@@ -33,10 +34,8 @@ def versions() -> dict[str, str]:
 
 def _engine() -> dict[str, str]:
     """The physics engine as it was built: wheels of one version may be compiled differently."""
-    spec = find_spec("pybullet")
-    if spec is None or spec.origin is None:
-        return {}
-    return {"pybullet build": digest(Path(spec.origin).read_bytes())[:16]}
+    file = engine_file()
+    return {"pybullet build": digest(file.read_bytes())[:16]} if file else {}
 
 
 def _algebra() -> dict[str, str]:

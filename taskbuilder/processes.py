@@ -7,10 +7,8 @@ words, such as the line at which it hung or crashed, in a file that the owner re
 from __future__ import annotations
 
 import faulthandler
-import fcntl
 import logging
 import os
-import resource
 import signal
 import socket
 import subprocess
@@ -23,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, BinaryIO, NoReturn
 
+from taskbuilder.errors import TaskbuilderError
 from taskbuilder.interpreters import interpreter
 from taskbuilder.quiet import HINTS
 
@@ -31,7 +30,10 @@ _LONGEST = 20_000  # bytes of last words
 
 _THREADS = ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")
 
-_CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL}
+_CRASHES = ("SIGSEGV", "SIGABRT", "SIGBUS", "SIGFPE", "SIGILL")
+
+CHILDREN = os.name == "posix"
+"""Whether child processes can be started: they inherit descriptors, which takes a POSIX system."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,15 @@ class ChildProcess:
             passed: Descriptors that it inherits.
             silent: What it prints is kept with its last words; else it goes to standard error.
             environment: Variables besides those of this process.
+
+        Raises:
+            TaskbuilderError: This system has no child processes of this kind.
         """
+        if not CHILDREN:
+            raise TaskbuilderError(
+                "child processes take a POSIX system such as Linux or macOS; "
+                "do without workers, and play in one process"
+            )
         self.end()
         self._words = tempfile.TemporaryFile()  # noqa: SIM115  # closed by end
         self.connection, far = socket.socketpair()
@@ -164,6 +174,13 @@ class ChildProcess:
         return Fault(cause, words, outside)
 
 
+def cores() -> int:
+    """The cores that this process may use; 1 where it can start no child processes."""
+    if not CHILDREN:
+        return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def delayed_s(pid: int) -> float:
     """How long a process has waited for a core, in seconds; 0 where the system does not tell."""
     try:
@@ -215,7 +232,7 @@ def _end_of(status: int | None, words: str) -> str:
 
 def _by_others(status: int | None) -> bool:
     """Whether it takes another process to end one so, as far as can be told."""
-    return status is not None and status < 0 and -status not in _CRASHES
+    return status is not None and status < 0 and signal.Signals(-status).name not in _CRASHES
 
 
 # --- in the child
@@ -230,6 +247,8 @@ def owned() -> bool:
 
 def become_child(lifeline: int, last_words: BinaryIO) -> None:
     """Do as a child does: end with the owner, leave Ctrl-C to it, and leave last words."""
+    import resource  # POSIX only, as child processes are
+
     global _last_words
     _last_words = last_words
     _die_with_owner(lifeline)
@@ -261,6 +280,8 @@ def _die_with_owner(lifeline: int) -> None:
 
     On Linux the kernel sees to it, even while this process is stopped or hangs in C code.
     """
+    import fcntl  # POSIX only, as child processes are
+
     if hasattr(fcntl, "F_SETSIG"):
         fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
         fcntl.fcntl(lifeline, fcntl.F_SETSIG, signal.SIGKILL)

@@ -14,7 +14,16 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-FOUNDATION = ("_lazy", "errors", "geometry", "intervals", "interpreters", "quiet", "wording")
+FOUNDATION = (
+    "_lazy",
+    "engine",
+    "errors",
+    "geometry",
+    "intervals",
+    "interpreters",
+    "quiet",
+    "wording",
+)
 
 FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
@@ -36,6 +45,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "diagnostics",
             "cluster",
             "jobs",
+            "processes",
             "arrays",
             "files",
             *SIMULATED,
@@ -51,7 +61,8 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *SIMULATED,
     ),
     "learn": (
-        *("data", "visual", "expert", "rollout", "env", "jobs", "machine", "arrays", "files"),
+        *("data", "visual", "expert", "rollout", "env", "jobs", "processes", "machine", "arrays"),
+        "files",
         *SIMULATED,
     ),
     "data": (
@@ -73,12 +84,13 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "assets": FOUNDATION,
     "cluster": ("jobs", "processes", "machine", "digests", "_library", "errors"),
     "jobs": ("processes", "errors"),
-    "processes": ("interpreters", "quiet"),
-    "machine": ("digests",),
+    "processes": ("errors", "interpreters", "quiet"),
+    "machine": ("digests", "engine"),
     "digests": (),
     "arrays": ("files", *FOUNDATION),
     "files": (),
     "diagnostics": (),
+    "engine": ("errors",),
     "geometry": (),
     "errors": (),
     "wording": (),

@@ -14,7 +14,8 @@ import pytest
 import work_elsewhere as work
 
 from taskbuilder import jobs
-from taskbuilder.jobs import LostError, cores, workers
+from taskbuilder.jobs import LostError, workers
+from taskbuilder.processes import cores
 
 LIMIT_S = 3.0
 

@@ -15,6 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from taskbuilder.assets import codes
+from taskbuilder.engine import DATA_MODULE, PACKAGES
 from taskbuilder.errors import Finding, Location, Severity, TaskbuilderError
 from taskbuilder.wording import quoted, suggestion
 
@@ -47,7 +48,7 @@ class AssetError(TaskbuilderError):
 @cache
 def pybullet_data_folder() -> Path | None:
     """Where pybullet's own assets are, found without importing them; None if not installed."""
-    spec = find_spec("pybullet_data")
+    spec = find_spec(DATA_MODULE)
     if spec is None or spec.origin is None:
         return None
     return Path(spec.origin).resolve().parent
@@ -153,13 +154,13 @@ def _package(name: str, reference: str, folder: Path, allowed: Sequence[Path]) -
         raise AssetError(
             codes.MISSING, f"{quoted(reference)} names no package; write package://NAME/path"
         )
-    if name == "pybullet_data":
+    if name == DATA_MODULE:
         packaged = pybullet_data_folder()
         if packaged is None:
             raise AssetError(
                 codes.MISSING,
-                f"{quoted(reference)} needs the package pybullet_data; "
-                "install pybullet, which has it",
+                f"{quoted(reference)} needs the package {DATA_MODULE}; "
+                f"install {' or '.join(PACKAGES)}, which have it",
             )
         return packaged
     for candidate in _package_candidates(name, folder.resolve(), allowed):

@@ -30,10 +30,11 @@ from taskbuilder.digests import digest
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
-from taskbuilder.jobs import Map, cores
+from taskbuilder.jobs import Map
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
+from taskbuilder.processes import cores
 from taskbuilder.rollout.play import Policy
 from taskbuilder.schema.catalogue import Catalogue
 

@@ -21,9 +21,10 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.files import write_whole
-from taskbuilder.jobs import cores, workers
+from taskbuilder.jobs import workers
 from taskbuilder.learn.evaluation import check_fits, options_of
 from taskbuilder.learn.zoo import load_policy
+from taskbuilder.processes import cores
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue

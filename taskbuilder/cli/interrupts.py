@@ -22,9 +22,7 @@ def interrupts_heeded() -> Iterator[None]:
 
     def report(unraisable: sys.UnraisableHookArgs) -> None:
         if issubclass(unraisable.exc_type, KeyboardInterrupt):
-            # To the thread itself, so that it wakes if it waits for something.
-            told = (threading.get_ident(), signal.SIGINT)
-            again = threading.Timer(_AGAIN, signal.pthread_kill, told)
+            again = threading.Timer(_AGAIN, _interrupt, (threading.get_ident(),))
             again.daemon = True
             again.start()
         else:
@@ -35,6 +33,14 @@ def interrupts_heeded() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = before
+
+
+def _interrupt(thread: int) -> None:
+    """Interrupt the thread itself, where one can, so that it wakes if it waits for something."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(thread, signal.SIGINT)
+    else:
+        signal.raise_signal(signal.SIGINT)
 
 
 def forget_interrupt() -> None:

@@ -7,7 +7,8 @@ from contextlib import AbstractContextManager
 
 from taskbuilder.cluster import cluster
 from taskbuilder.errors import UsageError
-from taskbuilder.jobs import Map, cores, workers
+from taskbuilder.jobs import Map, workers
+from taskbuilder.processes import cores
 
 
 def check_spread(arguments: argparse.Namespace) -> None:

@@ -18,7 +18,8 @@ from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
 from taskbuilder.errors import display_path
-from taskbuilder.jobs import cores, workers
+from taskbuilder.jobs import workers
+from taskbuilder.processes import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import OtherRobots

@@ -16,7 +16,7 @@ from taskbuilder.data.recording import EpisodeData
 from taskbuilder.data.videos import DEPTH, VIDEO, encoded, encoded_depth
 from taskbuilder.digests import digest, digest_of
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.files import write_whole
+from taskbuilder.files import claim, write_whole
 
 FORMAT = 1
 """Version of the format; others are refused."""
@@ -92,15 +92,10 @@ def locked(folder: Path) -> Iterator[None]:
     Raises:
         UsageError: Another process holds it.
     """
-    import fcntl
-
     handle = os.open(folder, os.O_RDONLY)
     try:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            where = display_path(folder)
-            raise UsageError(f"another process collects into {where} now") from None
+        if not claim(handle):
+            raise UsageError(f"another process collects into {display_path(folder)} now")
         yield
     finally:
         os.close(handle)

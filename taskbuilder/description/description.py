@@ -24,6 +24,7 @@ from taskbuilder.description.origin import is_ours
 from taskbuilder.description.reasons import EvaluatedState
 from taskbuilder.description.rewards import Term
 from taskbuilder.description.view import WorldView
+from taskbuilder.geometry import total
 from taskbuilder.schema.names import SceneNames
 
 
@@ -208,9 +209,6 @@ class Referee:
                 local[agent] += pay
         share = common / len(local)
         local = {agent: own + share for agent, own in local.items()}
-        team = 0.0
-        for pay in local.values():  # not sum(), whose rounding differs between Python versions
-            team += pay
         return Outcome(
             success=conditions["success"],
             failure=conditions["failure"],
@@ -219,5 +217,5 @@ class Referee:
             conditions=conditions,
             terms=terms,
             local=local,
-            team=team,
+            team=total(local.values()),
         )

@@ -26,7 +26,7 @@ from taskbuilder.description.description import Description
 from taskbuilder.description.node import ValueOfNodeError
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.interpreters import interpreter
-from taskbuilder.processes import ends_within, environment_of_children, owned
+from taskbuilder.processes import CHILDREN, ends_within, environment_of_children, owned
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.wording import suggestion
@@ -66,13 +66,14 @@ def load_description(entry: CatalogueEntry) -> type[Description]:
 def try_import(entry: CatalogueEntry, limit_s: float = TRIAL_LIMIT_S) -> None:
     """Import a description in a child process first, where it can hang or die without harm.
 
-    A description that merely raises is left for `load_description` to explain.
+    A description that merely raises is left for `load_description` to explain. Without a POSIX
+    system there is no such child, and `load_description` is the first to import it.
 
     Raises:
         FileError: The import did not come back in time, or ended the interpreter.
     """
     file = entry.description_file
-    if not file.is_file():
+    if not file.is_file() or not CHILDREN:
         return
     # A word of this trial's own: no status that a description ends with can stand for it.
     word = secrets.token_bytes()

@@ -26,6 +26,7 @@ from taskbuilder.description.node import (
     ValueOfNodeError,
 )
 from taskbuilder.description.view import WorldView
+from taskbuilder.geometry import total
 from taskbuilder.schema.names import SceneNames
 
 
@@ -103,7 +104,7 @@ class Sum(Measure):
         return self.of
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
-        return sum(parts), memory
+        return total(parts), memory
 
 
 @dataclass(frozen=True)
@@ -329,7 +330,7 @@ class Count(Measure):
         return self.of
 
     def update(self, world: WorldView, parts: Parts, memory: Memory) -> Step:
-        return float(sum(parts)), memory
+        return float(total(parts)), memory
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         if not self.of:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
 
-from taskbuilder.geometry import Pose, Quat, norm
+from taskbuilder.geometry import Pose, Quat, norm, total
 from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.sim.differential_ik import DifferentialIK
 from taskbuilder.world.robot import Robot
@@ -71,7 +71,7 @@ class Arm:
             for low, high, turns in zip(self.ik.lower, self.ik.upper, self.ik.turns, strict=True)
             if not turns
         ]
-        return sum(links) + norm(self.ik.tool.position) + sum(travels)
+        return total(links) + norm(self.ik.tool.position) + total(travels)
 
     def approach(self, joints: Sequence[float], goal: Sequence[float]) -> list[float]:
         """Joints on the straight line to a goal, as far as one control step allows."""

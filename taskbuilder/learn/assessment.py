@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.jobs import cores, workers
+from taskbuilder.jobs import workers
 from taskbuilder.learn import evaluation
 from taskbuilder.learn.demonstrations import reference_of
 from taskbuilder.learn.plan import RUN_FILE
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.runs import named_task, task_of_run
 from taskbuilder.learn.zoo import load_policy
+from taskbuilder.processes import cores
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
 

@@ -19,11 +19,12 @@ from taskbuilder.env.actions import HYSTERESIS
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.expert.script.player import Expert
-from taskbuilder.jobs import cores, workers
+from taskbuilder.jobs import workers
 from taskbuilder.learn.collector import Collector
 from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TrainingReward
+from taskbuilder.processes import cores
 from taskbuilder.rollout.files import load_rollouts
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue

@@ -11,6 +11,7 @@ from typing import Any
 
 from taskbuilder._version import __version__
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.files import claim
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, reference_of
 from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan, save_plan
@@ -172,16 +173,12 @@ def locked(folder: Path, *, new: bool) -> Iterator[None]:
     Raises:
         UsageError: The folder is locked, or a new run would replace an existing one.
     """
-    import fcntl
-
     if new:
         check_new(folder)
         folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("w") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise UsageError(f"{display_path(folder)} is being trained in already") from None
+        if not claim(file):
+            raise UsageError(f"{display_path(folder)} is being trained in already")
         yield
 
 

@@ -17,7 +17,7 @@ from itertools import pairwise
 from statistics import fmean
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.geometry import Vec3
+from taskbuilder.geometry import Vec3, total
 
 MOVES = 0.02
 """Speed in m/s above which a tool moves."""
@@ -98,7 +98,7 @@ class CoordinationMeter:
                 robot: _fraction([n > 0 and not m for n, m in zip(numbers, own, strict=True)])
                 for robot, own in moves.items()
             },
-            path={robot: sum(own) for robot, own in lengths.items()},
+            path={robot: total(own) for robot, own in lengths.items()},
         )
 
 

@@ -136,9 +136,10 @@ def _read_text(file: Path) -> str:
         raw = file.read_bytes()
     except FileNotFoundError:
         raise refuse("TB001", "there is no such file") from None
-    except (OSError, ValueError) as error:  # ValueError: the path holds a NUL
-        reason = getattr(error, "strerror", None) or str(error)
-        raise refuse("TB001", f"cannot be read: {reason}") from None
+    except ValueError:
+        raise refuse("TB001", "cannot be read: its path contains a null character") from None
+    except OSError as error:
+        raise refuse("TB001", f"cannot be read: {error.strerror or error}") from None
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

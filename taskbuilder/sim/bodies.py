@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.errors import SimulationError
-from taskbuilder.geometry import NO_TURN, ORIGIN, Box, Pose, Vec3, bounding_box
+from taskbuilder.geometry import NO_TURN, ORIGIN, Box, Pose, Vec3, bounding_box, total
 from taskbuilder.geometry import scale as scaled
 from taskbuilder.sim.body import BASE, Body, set_inertia
 from taskbuilder.sim.bullet import p
@@ -168,7 +168,7 @@ def _weighed(parts: Sequence[Part], mass: float) -> list[_BodyPart]:
     if not mass:
         return [_BodyPart(part, 0.0, part.pose, ORIGIN) for part in parts]
     solids = [solid(part.shape) for part in parts]
-    density = mass / sum(piece.volume for piece in solids)
+    density = mass / total(piece.volume for piece in solids)
     return [
         _BodyPart(
             part,

@@ -12,7 +12,17 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 from taskbuilder.errors import SimulationError
-from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, add, bounding_box, cross, subtract
+from taskbuilder.geometry import (
+    ORIGIN,
+    Box,
+    Pose,
+    Vec3,
+    add,
+    bounding_box,
+    cross,
+    subtract,
+    total,
+)
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.shapes import RGBA
@@ -203,7 +213,7 @@ class Body:
     def mass(self) -> float:
         """Mass of all links in kilograms; 0 for a body that cannot move."""
         infos = (self._bullet.getDynamicsInfo(self.id, index) for index in self.indices)
-        return float(sum(info[0] for info in infos))
+        return total(info[0] for info in infos)
 
     def set_mass(self, mass: float) -> None:
         """Change the mass (kg), keeping how it is spread. No snapshot restores it.
@@ -211,7 +221,7 @@ class Body:
         Raises:
             SimulationError: The body is static, or the mass is not above zero.
         """
-        built = sum(link_mass for link_mass, _ in self._inertias.values())
+        built = total(link_mass for link_mass, _ in self._inertias.values())
         if built <= 0.0:
             raise SimulationError(f"{self.name} is static: it has no mass to change")
         if not 0.0 < mass < float("inf"):

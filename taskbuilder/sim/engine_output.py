@@ -7,6 +7,7 @@ import re
 import sys
 from typing import Any
 
+from taskbuilder.engine import MODULE, check_engine
 from taskbuilder.quiet import captured
 
 _RECORD = re.compile(r"b3(?:Warning|Error)\[[^\]\n]*\]:\n?")
@@ -24,11 +25,16 @@ _WORDINGS = {
 
 
 def import_pybullet() -> Any:
-    """The module pybullet, imported without the line that it prints about its build."""
-    if "pybullet" in sys.modules:
-        return sys.modules["pybullet"]
+    """The module pybullet, imported without the line that it prints about its build.
+
+    Raises:
+        EngineError: It is not installed, or two packages provide it.
+    """
+    if MODULE in sys.modules:
+        return sys.modules[MODULE]
+    check_engine()
     with captured():
-        return importlib.import_module("pybullet")
+        return importlib.import_module(MODULE)
 
 
 def warnings(text: str) -> tuple[str, ...]:

@@ -14,12 +14,12 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal
 
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError, require_readable
+from taskbuilder.engine import engine_versions
 from taskbuilder.interpreters import interpreter
 from taskbuilder.quiet import captured
 from taskbuilder.sim.engine_output import import_pybullet, warnings
@@ -196,10 +196,7 @@ def _content_files(path: Path, kind: Kind) -> list[Path]:
 
 
 def _engine_version() -> str:
-    try:
-        return version("pybullet")
-    except PackageNotFoundError:
-        return "unknown"
+    return " ".join(" ".join(item) for item in engine_versions().items()) or "unknown"
 
 
 def _cache_folder() -> Path:

@@ -8,9 +8,10 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 
 from taskbuilder import __version__
+from taskbuilder.engine import PACKAGES as ENGINES
 from taskbuilder.validate.report import Making
 
-_PACKAGES = ("pybullet", "numpy", "gymnasium", "pettingzoo", "pydantic")
+_PACKAGES = (*ENGINES, "numpy", "gymnasium", "pettingzoo", "pydantic")
 """Packages that figures and verdicts depend on."""
 
 

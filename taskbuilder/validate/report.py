@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from taskbuilder.errors import Finding, in_reading_order
+from taskbuilder.geometry import total
 
 if TYPE_CHECKING:  # a static validation loads no physics
     from taskbuilder.expert.ways import Way
@@ -140,7 +141,7 @@ class TaskReport:
         """Duration in seconds; without metadata, the sum over the families."""
         if self.making:
             return self.making.seconds
-        return sum(family.seconds for family in self.families)
+        return total(family.seconds for family in self.families)
 
     @property
     def ok(self) -> bool:
@@ -209,5 +210,5 @@ def _probe_data(probe: Probe) -> dict[str, Any]:
 
 def _mean(returns: Sequence[float]) -> float | None:
     """The mean, or None if it is not finite."""
-    mean = sum(returns) / len(returns) if returns else math.nan
+    mean = total(returns) / len(returns) if returns else math.nan
     return mean if math.isfinite(mean) else None

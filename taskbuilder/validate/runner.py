@@ -21,7 +21,7 @@ from taskbuilder.errors import (
     display_path,
 )
 from taskbuilder.jobs import LostError, Map, workers
-from taskbuilder.processes import owned
+from taskbuilder.processes import CHILDREN, owned
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.schema.proofs import checksum
@@ -124,7 +124,8 @@ def validate_task(
         only: Names of the families of checks to run in addition to the static checks; by default
             all families of the level.
         apart: Whether to load and play the task only in child processes, where a crash or hang does
-            no harm. Use False to debug a description in this process.
+            no harm. Use False to debug a description in this process. Without a POSIX system,
+            there are no such child processes, and the task is played in this one.
         robots: Robot models that replace those of the task file; see `load_task`.
 
     Raises:
@@ -139,7 +140,7 @@ def validate_task(
     others = other_robots(robots or {})
     config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted, robots=others)
     watched, summed = Stopwatch(), _checksum(config)
-    if apart:
+    if apart and CHILDREN:
         report = watch(validate_in_child, config, progress)
     else:
         report = _validated(config, Nobody(progress))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations, pairwise
 
-from taskbuilder.geometry import dot, norm, subtract
+from taskbuilder.geometry import dot, norm, subtract, total
 from taskbuilder.schema.robot import GripperSpec
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.body import Body
@@ -68,7 +68,7 @@ class Fingers:
             (position - end.closed) / (end.open - end.closed)
             for position, end in zip(positions, self._ends, strict=True)
         ]
-        return sum(shares) / len(shares)
+        return total(shares) / len(shares)
 
     def told(self) -> float:
         """The last commanded opening."""

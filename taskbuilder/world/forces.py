@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from taskbuilder.errors import UsageError
+from taskbuilder.geometry import total
 from taskbuilder.sim.contacts import normal_force_reader
 from taskbuilder.world.touch import Touch
 
@@ -49,7 +50,7 @@ class _Gauge:
         if not force and self.known is self._nothing:
             return  # as nearly always
         window = (*self.known.window[1:], force)
-        self.known = ForceReading(window, max(self.known.peak, sum(window) / len(window)))
+        self.known = ForceReading(window, max(self.known.peak, total(window) / len(window)))
 
     def restore(self, known: ForceReading | None) -> None:
         """Go on from a reading, or from nothing."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.geometry import ORIGIN, Vec3, add, scale
+from taskbuilder.geometry import ORIGIN, Vec3, add, scale, total
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contacts import ContactPoint, contacts, nearest_normal
@@ -63,7 +63,7 @@ class Touch:
 
     def support(self, body: str, below: str) -> float:
         """Upward force in newtons with which one object or part carries another."""
-        return sum(c.normal_on_b[2] * c.force for c in self.between(body, below))
+        return total(c.normal_on_b[2] * c.force for c in self.between(body, below))
 
     def between(self, first: str, second: str) -> tuple[ContactPoint, ...]:
         """Contacts of two named things, with the first as body a.
@@ -121,7 +121,7 @@ class Touch:
         tip = max(touches, key=lambda contact: contact.force).link_a
         body = self._robots[robot].body
         normal = nearest_normal(body, other, _SKIN_M, link_a=tip, link_b=part) or ORIGIN
-        force = sum(contact.force for contact in touches)
+        force = total(contact.force for contact in touches)
         return Push(scale(normal, -force), _middle(touches))
 
     def body(self, name: str) -> tuple[Body, int | None]:

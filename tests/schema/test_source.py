@@ -255,7 +255,7 @@ def test_findings_from_before_a_fatal_one_are_kept(source):
         (".", "this is a folder; name the YAML file in it"),
         ("a.yaml/b.yaml", "cannot be read: Not a directory"),
         ("x" * 300 + ".yaml", "cannot be read: File name too long"),
-        ("a\0.yaml", "cannot be read: embedded null byte"),
+        ("a\0.yaml", "cannot be read: its path contains a null character"),
     ],
 )
 def test_a_path_that_leads_to_no_file_is_refused(source, path, reason):

@@ -7,6 +7,7 @@ from itertools import islice, pairwise, permutations, product
 
 from taskbuilder.expert.planning.spaces import Space
 from taskbuilder.expert.planning.subspaces import Carried, Coordinates, Subspace
+from taskbuilder.geometry import total
 
 HEIGHTS_M = (0.0, 0.05, 0.1, 0.18, 0.28)
 """Heights above the higher end of a motion at which a detour passes over obstacles, in metres."""
@@ -43,15 +44,15 @@ def _raisable(part: Subspace) -> bool:
 def _together(parts: Sequence[Subspace], raised: Sequence[bool], height: float) -> Line:
     """All parts at once; parts that are not raised move at a constant rate."""
     lines = [_over(part, height) for part, up in zip(parts, raised, strict=True) if up]
-    lengths = [sum(sizes) for sizes in zip(*(_lengths(line) for line in lines), strict=True)]
-    total = sum(lengths) or 1.0
+    lengths = [total(sizes) for sizes in zip(*(_lengths(line) for line in lines), strict=True)]
+    length = total(lengths) or 1.0
     over = iter(lines)
     own: list[Line] = []
     for part, up in zip(parts, raised, strict=True):
         if up:
             own.append(next(over)[1:])
         else:
-            shares = [sum(lengths[: corner + 1]) / total for corner in range(len(lengths))]
+            shares = [total(lengths[: corner + 1]) / length for corner in range(len(lengths))]
             own.append([_between(part.begin, part.end, share) for share in shares[:-1]])
             own[-1].append(part.end)
     return [tuple(value for at in corner for value in at) for corner in zip(*own, strict=True)]
@@ -80,7 +81,7 @@ def _over(part: Subspace, height: float) -> Line:
 
 def _lengths(line: Line) -> list[float]:
     return [
-        sum((b - a) ** 2 for a, b in zip(one[:3], other[:3], strict=True)) ** 0.5
+        total((b - a) ** 2 for a, b in zip(one[:3], other[:3], strict=True)) ** 0.5
         for one, other in pairwise(line)
     ]
 

@@ -10,6 +10,7 @@ from itertools import accumulate, pairwise
 from taskbuilder.expert.planning.reach import Reach
 from taskbuilder.expert.planning.spaces import Waypoint
 from taskbuilder.expert.planning.subspaces import ArmJoints
+from taskbuilder.geometry import total
 
 RAMP = (0.4, 0.8)
 """Fractions of full speed in the first control steps, and in reverse in the last: a start at full
@@ -93,7 +94,7 @@ def schedule(length: float) -> tuple[float, ...]:
     if length <= NOTHING:
         return ()
     count = 1
-    while (most := sum(_speeds(count))) < length:
+    while (most := total(_speeds(count))) < length:
         count += max(1, int(length - most))  # each further step adds at most 1
     slower = length / most
     *inner, _ = accumulate(speed * slower for speed in _speeds(count))

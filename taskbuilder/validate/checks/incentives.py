@@ -25,6 +25,7 @@ from typing import NamedTuple
 from taskbuilder.errors import Finding
 from taskbuilder.expert.leaving import leave_after_stages
 from taskbuilder.expert.ways import EXPERT, Kind, Way
+from taskbuilder.geometry import total
 from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
@@ -162,7 +163,7 @@ def _summary(plays: Plays) -> str:
 
 def _mean(values: Iterable[float]) -> float:
     listed = list(values)
-    return sum(listed) / len(listed)
+    return total(listed) / len(listed)
 
 
 # --- in each process

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
 from taskbuilder.errors import Finding
+from taskbuilder.geometry import total
 from taskbuilder.validate.formats.cases import Case, cases_of
 from taskbuilder.validate.formats.words import printable
 from taskbuilder.validate.report import TaskReport
@@ -23,7 +24,7 @@ def junit_xml(reports: Iterable[TaskReport]) -> str:
     reports = list(reports)
     cases = [case for report in reports for case in _add_suite(top, report)]
     _count(top, cases)
-    top.set("time", _seconds(sum(report.seconds for report in reports)))
+    top.set("time", _seconds(total(report.seconds for report in reports)))
     ElementTree.indent(top)
     text = ElementTree.tostring(top, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}'
