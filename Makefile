@@ -1,5 +1,5 @@
 # make check runs all that must be clean before a change lands.
-.PHONY: check format lint types tests slow docs benchmarks interop data-interop soak
+.PHONY: check format lint types tests short slow docs benchmarks interop data-interop soak
 
 check: lint types tests slow docs
 
@@ -17,6 +17,12 @@ types:
 
 tests:
 	pytest -n 3 --dist worksteal
+
+short: # what depends most on the version of Python, in about three minutes; it needs only [test]
+	pytest -n 2 --dist worksteal tests/test_errors.py tests/test_files.py tests/test_geometry.py \
+		tests/description tests/schema tests/env/test_env_determinism.py tests/env/test_env_rewards.py \
+		tests/rollout/test_record.py tests/rollout/test_players.py
+	taskbuilder validate handover --quick
 
 slow:
 	pytest -n 3 --dist worksteal --runslow -m slow
