@@ -50,6 +50,7 @@ class JointInfo:
         velocity: Fastest speed, rad/s or m/s.
         effort: Largest torque in Nm or force in N.
         child: Index of the link it moves; equal to ``index``.
+        parent: Index of the link that it is on.
     """
 
     index: int
@@ -59,6 +60,7 @@ class JointInfo:
     velocity: float
     effort: float
     child: int
+    parent: int
 
 
 class Velocity(NamedTuple):
@@ -73,6 +75,13 @@ class LinkState(NamedTuple):
 
     pose: Pose
     velocity: Velocity
+
+
+class AddedInertia(NamedTuple):
+    """What a link's inertia is raised by: a mass (kg), and a moment (kg·m²) about every axis."""
+
+    mass: float = 0.0
+    moment: float = 0.0
 
 
 class Body:
@@ -109,6 +118,8 @@ class Body:
         # Where the two frames coincide, as for most single objects, no arithmetic is needed.
         self._base_is_com = base_from_com == Pose()
         self._inertias = {index: _inertia(client, body_id, index) for index in self.indices}
+        self._mass_ratio = 1.0, 1.0
+        self._added: dict[int, Mapping[int, AddedInertia]] = {}
 
     def __repr__(self) -> str:
         return f"Body({self.name!r}, id={self.id})"
@@ -212,8 +223,8 @@ class Body:
     @property
     def mass(self) -> float:
         """Mass of all links in kilograms; 0 for a body that cannot move."""
-        infos = (self._bullet.getDynamicsInfo(self.id, index) for index in self.indices)
-        return total(info[0] for info in infos)
+        wanted, built = self._mass_ratio
+        return total(mass for mass, _ in self._inertias.values()) * wanted / built
 
     def set_mass(self, mass: float) -> None:
         """Change the mass (kg), keeping how it is spread. No snapshot restores it.
@@ -226,14 +237,39 @@ class Body:
             raise SimulationError(f"{self.name} is static: it has no mass to change")
         if not 0.0 < mass < float("inf"):
             raise SimulationError(f"{self.name}: a mass must be above 0 kg, not {mass}")
-        for index, (link_mass, moments) in self._inertias.items():
-            set_inertia(
-                self.client,
-                self.id,
-                index,
-                link_mass * mass / built,
-                tuple(moment * mass / built for moment in moments),
-            )
+        self._mass_ratio = mass, built
+        for index in self._inertias:
+            self._set_inertia(index)
+
+    def add_inertia(self, joint: int, added: Mapping[int, AddedInertia]) -> None:
+        """Add to the inertia of links on behalf of a joint, in place of what it added before.
+
+        It scales with the mass of the body. No snapshot restores it.
+
+        Args:
+            joint: Index of the joint.
+            added: What is added, by index of the link; empty for nothing.
+        """
+        before = self._added.get(joint, {})
+        self._added[joint] = added
+        for index in {**before, **added}:
+            self._set_inertia(index)
+
+    def inertia(self, index: int) -> tuple[float, Vec3]:
+        """Mass (kg) and principal moments (kg·m²) of a link as built."""
+        return self._inertias[index]
+
+    def _set_inertia(self, index: int) -> None:
+        mass, moments = self._inertias[index]
+        # In the order of joints, so that sums do not depend on which was locked first.
+        for joint in sorted(self._added):
+            more = self._added[joint].get(index)
+            if more is not None:
+                x, y, z = (moment + more.moment for moment in moments)
+                mass, moments = mass + more.mass, (x, y, z)
+        wanted, built = self._mass_ratio
+        scaled = [moment * wanted / built for moment in moments]
+        set_inertia(self.client, self.id, index, mass * wanted / built, scaled)
 
     def set_friction(self, lateral: float, links: Sequence[int] | None = None) -> None:
         """Change the friction coefficient of some links, or all. No snapshot restores it."""
@@ -291,7 +327,7 @@ def set_inertia(
     client.bullet.changeDynamics(body_id, index, mass=mass, localInertiaDiagonal=moments)
 
 
-def _inertia(client: Client, body_id: int, index: int) -> tuple[float, tuple[float, ...]]:
+def _inertia(client: Client, body_id: int, index: int) -> tuple[float, Vec3]:
     info: Sequence[Any] = client.bullet.getDynamicsInfo(body_id, index)
     return info[0], info[2]
 
@@ -306,5 +342,5 @@ def _read_joints(client: Client, body_id: int) -> dict[str, JointInfo]:
         lower, upper = info[8], info[9]
         if kind == "revolute" and lower > upper:  # how Bullet marks a joint without limits
             lower, upper = float("-inf"), float("inf")
-        joints[name] = JointInfo(index, kind, lower, upper, info[11], info[10], index)
+        joints[name] = JointInfo(index, kind, lower, upper, info[11], info[10], index, info[16])
     return joints

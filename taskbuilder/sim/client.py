@@ -90,6 +90,7 @@ class Client(Single):
         substeps: int,
         drives: Sequence[Iterator[object]] = (),
         watch: Callable[[], object] | None = None,
+        holds: Sequence[Callable[[], object]] = (),
     ) -> None:
         """Advance by physics steps.
 
@@ -98,12 +99,15 @@ class Client(Single):
             drives: Each is advanced before each step, for commands that change within a control
                 step or last a single physics step.
             watch: Called after each step; it must change nothing.
+            holds: Each is called after each step, for what the engine does not hold.
         """
         advance = self.bullet.stepSimulation
         for _ in range(substeps):
             for drive in drives:
                 next(drive)
             advance()
+            for hold in holds:
+                hold()
             if watch is not None:
                 watch()
 

@@ -173,7 +173,7 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     passive = {
         joint: made
         for index, (joint, how) in zip(indices, said.items(), strict=True)
-        if (made := _build_passive(body, index, how))
+        if (made := _build_passive(body, index, how, grounded=spec.fixed))
     }
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
     links = tuple(link.name for link in urdf.links if urdf.moving_joints_above(link.name))
@@ -193,7 +193,9 @@ def _limits(
     }
 
 
-def _build_passive(body: Body, index: int, how: JointSpec) -> PassiveJoint | None:
+def _build_passive(
+    body: Body, index: int, how: JointSpec, *, grounded: bool
+) -> PassiveJoint | None:
     """What acts on a joint; None where constant friction is all."""
     if how.damping is not None:
         body.drop_joint_damping(index)
@@ -203,6 +205,7 @@ def _build_passive(body: Body, index: int, how: JointSpec) -> PassiveJoint | Non
     joint = PassiveJoint(
         body,
         index,
+        grounded=grounded,
         friction=how.friction,
         damping=how.damping or 0.0,
         stiffness=how.spring.stiffness if how.spring else 0.0,

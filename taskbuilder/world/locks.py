@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.sim.passive_joints import PassiveJoint
@@ -36,11 +37,39 @@ class JointLock:
             self.joint.lock()
 
 
-def locks_of(objects: Mapping[str, SceneObject]) -> tuple[JointLock, ...]:
+@dataclass(frozen=True)
+class Locks:
     """Every lock of a scene."""
-    return tuple(
+
+    of: tuple[JointLock, ...]
+
+    def obey(self, conditions: Mapping[str, bool]) -> None:
+        """Lock or free every joint, as the description's conditions say."""
+        for lock in self.of:
+            lock.obey(conditions)
+
+    @property
+    def joints(self) -> list[PassiveJoint]:
+        """The joints that have a lock."""
+        return [lock.joint for lock in self.of]
+
+    @property
+    def locked(self) -> Mapping[str, str]:
+        """The locked joints, such as ``box.hinge``, each with the condition that frees it."""
+        return {lock.name: lock.unless for lock in self.of if lock.joint.locked}
+
+    @cached_property
+    def holds(self) -> tuple[Callable[[], None], ...]:
+        """What holds those that a motor alone does not hold; called after each physics step."""
+        return tuple(joint.hold for joint in self.joints if joint.drifts)
+
+
+def locks_of(objects: Mapping[str, SceneObject]) -> Locks:
+    """Every lock of a scene."""
+    of = tuple(
         JointLock(f"{name}.{key}", joint, written.lock.unless)
         for name, thing in objects.items()
         for key, joint in thing.passive.items()
         if isinstance(written := thing.spec.joints[key], JointSpec) and written.lock is not None
     )
+    return Locks(of)

@@ -188,7 +188,8 @@ class World(Single):
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
-        self.client.step(substeps, drives, self._forces.read if self._forces else None)
+        read = self._forces.read if self._forces else None
+        self.client.step(substeps, drives, read, self._locks.holds)
         for end in ends:
             next(end)
         self.time += substeps / self.spec.timing.physics_hz
@@ -201,13 +202,12 @@ class World(Single):
         Args:
             conditions: Whether each condition of the description holds, by name.
         """
-        for lock in self._locks:
-            lock.obey(conditions)
+        self._locks.obey(conditions)
 
     @property
     def locked(self) -> Mapping[str, str]:
         """The locked joints, such as ``box.hinge``, each with the condition that frees it."""
-        return {lock.name: lock.unless for lock in self._locks if lock.joint.locked}
+        return self._locks.locked
 
     def refresh(self) -> None:
         """Clear the cached values, so that they are read from the physics again."""
@@ -219,7 +219,7 @@ class World(Single):
 
         Call `release` when the state is no longer needed.
         """
-        motors: list[Commanded] = [lock.joint for lock in self._locks]
+        motors: list[Commanded] = [*self._locks.joints]
         for robot in self.robots.values():
             motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
