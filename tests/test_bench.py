@@ -9,6 +9,7 @@ import pytest
 from taskbuilder import bench, load_task
 from taskbuilder.cli import main
 from taskbuilder.rollout import RandomActions, play
+from taskbuilder.validate.runner import validate_task
 
 
 def test_the_figures_of_a_control_step_belong_together():
@@ -33,6 +34,30 @@ def test_the_physics_alone_goes_through_the_same_states_as_the_episode():
     bench._physics_alone(env, 3, told)
     assert env.episode.world.robots["left"].arm_state() == reached
     env.close()
+
+
+def test_an_overhead_that_noise_made_negative_is_said_in_words(monkeypatch, capfd):
+    cost = bench.StepCost(900.0, 90.0, 0.97, -0.4, -2.0, 50.0, 40.0, 582.0, 12)
+    monkeypatch.setattr("taskbuilder.cli.bench_command.measure_steps", lambda *_, **__: cost)
+    monkeypatch.setattr("taskbuilder.cli.bench_command.measure_resets", lambda *_, **__: 1.0)
+    monkeypatch.setattr("taskbuilder.cli.bench_command.renderers", lambda: ())
+    assert main(["bench", "handover", "--episodes", "1", "--workers", "0"]) == 0
+    printed = capfd.readouterr().out
+    assert "-" not in printed
+    assert printed.count("nothing measurable") == 2
+
+
+@pytest.mark.parametrize(
+    ("overhead", "words"),
+    [(3.04, "overhead of 3.0 physics steps"), (-0.4, "no measurable overhead"), (0.0, "no meas")],
+)
+def test_the_cost_family_says_an_overhead_in_words(monkeypatch, overhead, words):
+    cost = bench.StepCost(900.0, 90.0, 1.0, overhead, 0.0, 50.0, 40.0, 582.0, 12)
+    monkeypatch.setattr("taskbuilder.validate.checks.cost.measure_steps", lambda *_, **__: cost)
+    monkeypatch.setattr("taskbuilder.validate.checks.cost.measure_resets", lambda *_, **__: 1.0)
+    (family,) = (f for f in validate_task("reach", only=("cost",)).families if f.name == "cost")
+    assert words in family.summary
+    assert "-" not in family.summary
 
 
 @pytest.mark.slow

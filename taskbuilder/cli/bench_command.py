@@ -62,6 +62,11 @@ def _scaling(task: Task, most: int) -> dict[str, float]:
     return rates
 
 
+def _beyond(steps: float, unit: str) -> str:
+    """A difference of two times, which other work on the machine can make negative."""
+    return f"{steps:.1f} {unit}" if steps >= 0.05 else "nothing measurable"
+
+
 def _print(figures: dict[str, Any], cost: StepCost) -> None:
     print(paint(f"{figures['task']} · {cost.substeps} physics steps a control step", "bold"))
     print()
@@ -70,9 +75,9 @@ def _print(figures: dict[str, Any], cost: StepCost) -> None:
         ["simulated time", f"{cost.real_time_factor:,.0f} s a second of one core"],
         ["physics step alone", f"{cost.physics_step_us:.0f} µs"],
         ["control step", f"{cost.control_step_us:.0f} µs, {cost.overhead:.2f} × its physics"],
-        ["  beyond its physics", f"{cost.overhead_physics_steps:.1f} physics steps"],
+        ["  beyond its physics", _beyond(cost.overhead_physics_steps, "physics steps")],
         ["physics step at rest", f"{cost.rest_step_us:.0f} µs"],
-        ["  beyond a loop of them", f"{cost.overhead_rest_steps:.1f} physics steps at rest"],
+        ["  beyond a loop of them", _beyond(cost.overhead_rest_steps, "physics steps at rest")],
         ["reset", f"{figures['reset_ms']:.2f} ms"],
     ]
     for renderer, rates in figures["images_per_second"].items():

@@ -32,6 +32,11 @@ class JointPosition(Condition):
         bounds = (None if b is None else 100.0 * b for b in (self.above, self.below))
         return _beyond(100.0 * world.joint(self.joint), *bounds, unit="cm", wanted=wanted)
 
+    @property
+    def bounds(self) -> tuple[float | None, float | None]:
+        """The smallest and the largest position at which it holds, in metres."""
+        return self.above, self.below
+
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _bounds(self.above, self.below, "above", "below")
         if names.joint_type(self.joint) in ("revolute", "continuous"):
@@ -56,6 +61,12 @@ class JointAngle(Condition):
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         angle = math.degrees(world.joint(self.joint))
         return _beyond(angle, self.above_deg, self.below_deg, unit="°", wanted=wanted)
+
+    @property
+    def bounds(self) -> tuple[float | None, float | None]:
+        """The smallest and the largest angle at which it holds, in rad."""
+        low, high = self.above_deg, self.below_deg
+        return low and math.radians(low), high and math.radians(high)
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _bounds(self.above_deg, self.below_deg, "above_deg", "below_deg")

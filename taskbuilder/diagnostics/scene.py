@@ -22,7 +22,9 @@ ENTRIES = {
         "Joint value out of limits",
         "A joint position or a joint limit in a task or robot file is outside the limits of the "
         "joint in the URDF. Or the expert moves a joint beyond its limits, or a list of joint "
-        "positions in a task file has too many or too few values.",
+        "positions in a task file has too many or too few values. Or a `JointAngle` or "
+        "`JointPosition` of the description can never hold, because a limit of the joint forbids "
+        "it. This is an error if success needs the condition, and otherwise a warning.",
         within(
             "scene.robots.left",
             "home: {joints_deg: [0, -90, 190, -90, -90, 0]}",
@@ -86,7 +88,9 @@ ENTRIES = {
     "TB310": Code(
         "Leaves its region",
         "After the reset, in which the scene settles for one control step, the object is more than "
-        "3 mm outside the region in which it was placed. It fell, slid or was pushed.",
+        "3 mm outside the region in which it was placed. It fell, slid or was pushed. Or an object "
+        "that was placed on a surface is more than 5 mm below its top, or has tilted by more than "
+        "2°.",
         block(
             "place: {center: [0, 0.3, 0.436], size: [0.1, 0.1, 0]}",
             "place: {surface: table, center: [0, 0.3], size: [0.1, 0.1]}",
@@ -165,6 +169,16 @@ ENTRIES = {
         "are run and reported all the same, except those that build on this one. For a defect, "
         "please report the message and the traceback. `validate --debug` prints the traceback; "
         "the formats `json` and `junit` and the pages of `--report` always have it.",
+    ),
+    "TB318": Code(
+        "Region over an edge",
+        "The region of an object or a site on a surface reaches over an edge of that surface, and "
+        "nothing beside the surface is as high. An object that is placed there falls. The finding "
+        "says how far the region reaches over the edge, and which part of it is on the surface.",
+        block(
+            "place: {surface: table, center: [0, 0.4], size: [0.1, 0.22]}",
+            "place: {surface: table, center: [0, 0.4], size: [0.1, 0.18]}",
+        ),
     ),
     "TB400": Code(
         "Assets",

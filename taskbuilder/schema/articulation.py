@@ -135,14 +135,19 @@ def _check_pressed(
 def _out_of_range(
     source: Source, path: Path_, order: Order, joint: UrdfJoint, thing: ObjectSpec
 ) -> Iterator[Finding]:
+    position = order.joint_position
+    problem = beyond_limits(limited(joint, thing), position) if position is not None else None
+    yield from _findings(source, path, [problem] if problem else [])
+
+
+def limited(joint: UrdfJoint, thing: ObjectSpec) -> UrdfJoint:
+    """A joint with the limits that it has in the scene, by its object's scale and ``limits``."""
     joint = _scaled(joint, (thing.shape.scale if thing.shape else None) or 1.0)
     if joint.name in thing.joints:
         bounds = JointSpec.of(thing.joints[joint.name], turns=joint.type != "prismatic").range
         if bounds is not None:
-            joint = replace(joint, lower=bounds[0], upper=bounds[1])
-    position = order.joint_position
-    problem = beyond_limits(joint, position) if position is not None else None
-    yield from _findings(source, path, [problem] if problem else [])
+            return replace(joint, lower=bounds[0], upper=bounds[1])
+    return joint
 
 
 def _check_grasps(

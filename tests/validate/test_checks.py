@@ -7,6 +7,21 @@ import math
 import pytest
 
 CUBE = "place: {center: [0.5, 0, 0.0205], size: [0.1, 0.1, 0]}"
+SHELF = """place: {surface: shelf, in: shelf, WHERE}
+    shelf:
+      parts:
+        left: {box: [0.1, 0.2, 0.1], at: [-0.1, 0, 0]}
+        right: {box: [0.1, 0.2, 0.1], at: [0.1, 0, 0]}
+      fixed: true
+      position: [0.5, 0, 0.05]
+"""
+
+
+def on_shelf(where):
+    """The cube is placed on two posts with a gap between them."""
+    return [(CUBE, SHELF.replace("WHERE", where))]
+
+
 SUCCESS = 'Above("cube", height=0.2)'
 OWN = "\n\n@condition\ndef own(world):\n    {}\n\n\nclass Small"
 
@@ -24,6 +39,12 @@ WRONG = {
     "falls off the world": ([(CUBE, "position: [0.5, 0, -47]")], "TB307", "build"),
     "camera turned away": ([("look_at: [0, 0, 0.3]", "look_at: [0, -4, 1]")], "TB309", "build"),
     "leaves its region": ([("0.0205]", "0.03]")], "TB310", "reset"),
+    "over an edge": (on_shelf("center: [0.1, 0.1], size: [0.02, 0.1]"), "TB318", "reset"),
+    "tips over": (
+        on_shelf("center: [0.1, 0], size: [0.02, 0.02], rpy_deg: [30, 0, 0]"),
+        "TB310",
+        "reset",
+    ),
     "solved": ([("height=0.2", "height=0.01")], "TB311", "reset"),
     "failed": ([("height=-0.1", "height=0.1")], "TB312", "reset"),
     "does not vary": (
@@ -126,3 +147,131 @@ def test_success_at_the_start_names_seed_and_variation(validate):
     report = validate(near, add=changed)
     (finding,) = report.findings
     assert "at the start of 3 of 6 episodes (seed 0, variation 1)" in finding.message
+
+
+class TestRegionsOnSurfaces:
+    """What is placed on a surface stays on it."""
+
+    def found(self, validate, where, **options):
+        return validate(*on_shelf(where), only=("reset",), **options).findings
+
+    def test_the_region_that_the_finding_suggests_is_right(self, validate):
+        over = "center: [0.1, 0.1], size: [0.02, 0.1]"
+        (finding,) = self.found(validate, over)
+        assert finding.path == "scene.objects.cube.place"
+        assert "the region reaches 5.0 cm over the edge of shelf" in finding.message
+        right = "center: [0.1, 0.07], size: [0.02, 0.04]"
+        assert finding.message.endswith(f"on it, the largest is {right}")
+        assert not self.found(validate, right)
+
+    def test_a_region_far_beside_its_surface_has_no_part_on_it(self, validate):
+        (finding,) = self.found(validate, "center: [0.1, 1], size: [0.02, 0.1]")
+        assert finding.message.endswith("move its center, or make it smaller")
+
+    def test_every_seed_finds_it(self, validate):
+        (finding,) = self.found(validate, "center: [0.1, 0.06], size: [0.02, 0.09]", seeds=1)
+        assert finding.code == "TB318"
+
+    def test_it_says_how_often_the_object_fell(self, validate):
+        (finding,) = self.found(validate, "center: [0.1, 0.2], size: [0.02, 0.02]", seeds=3)
+        assert finding.message.startswith("it fell in 3 of 3 resets; ")
+
+    def test_what_falls_through_a_gap_has_left_its_region(self, validate):
+        (finding,) = self.found(validate, "center: [0, 0], size: [0.01, 0.1]", seeds=2)
+        assert finding.code == "TB310"
+        assert finding.message == "fell from shelf in 2 of 2 resets"
+
+    def test_a_region_may_go_over_to_what_stands_beside_as_high(self, validate):
+        where = "center: [0.1, 0.1], size: [0.02, 0.1]"
+        beside = (
+            "    other: {shape: {box: [0.3, 0.2, 0.1]}, fixed: true, position: [0.5, 0.2, 0.05]}"
+        )
+        (change,) = on_shelf(where)
+        beside = (change[0], f"{change[1]}{beside}\n")
+        assert not validate(beside, only=("reset",)).findings
+
+    def test_it_may_go_as_far_as_the_edge(self, validate):
+        assert not self.found(validate, "center: [0.1, 0.05], size: [0.02, 0.1]", seeds=1)
+
+
+CABINET = """<robot name="cabinet">
+  <link name="case"><inertial><mass value="2"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="door"><inertial><mass value="0.2"/>
+    <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.1 0.01 0.1"/></geometry></collision></link>
+  <link name="drawer"><inertial><mass value="0.2"/>
+    <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 0.2"/><geometry><box size="0.1 0.1 0.05"/></geometry></collision>
+  </link>
+  <joint name="hinge" type="revolute"><parent link="case"/><child link="door"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="1.5708" effort="5" velocity="1"/></joint>
+  <joint name="runner" type="prismatic"><parent link="case"/><child link="drawer"/>
+    <axis xyz="0 1 0"/><limit lower="0" upper="0.2" effort="5" velocity="1"/></joint>
+</robot>
+"""
+
+
+HINGE, RUNNER = 'JointAngle("cabinet.hinge",', 'JointPosition("cabinet.runner",'
+
+
+class TestJointsWithinTheirLimits:
+    """A description wants of a joint only what its limits allow."""
+
+    def found(self, validate, tmp_path, success, joints="{}", more=""):
+        (tmp_path / "cabinet.urdf").write_text(CABINET)
+        cabinet = "    cabinet: {shape: {urdf: cabinet.urdf}, fixed: true, position: [1, 0, 0.5], "
+        report = validate(
+            ("  objects:\n", f"  objects:\n{cabinet}joints: {joints}}}\n"),
+            (SUCCESS, success),
+            ("import Above, Below,", "import Above, Below, JointAngle, JointPosition, Sustained,"),
+            add=more,
+            only=("build",),
+        )
+        return [f for f in report.findings if f.code == "TB302"]
+
+    @pytest.mark.parametrize(
+        ("success", "message"),
+        [
+            (f"{HINGE} above_deg=100)", "needs 100°, and cabinet.hinge is at most 90°"),
+            (f"{HINGE} below_deg=-5)", "needs -5°, and cabinet.hinge is at least 0°"),
+            (f"{RUNNER} above=0.25)", "needs 0.25 m, and cabinet.runner is at most 0.2 m"),
+            (f"Sustained({SUCCESS} & {HINGE} above_deg=100), seconds=0.5)", "needs 100°"),
+        ],
+    )
+    def test_success_that_a_limit_forbids(self, validate, tmp_path, success, message):
+        (finding,) = self.found(validate, tmp_path, success)
+        assert finding.severity == "error"
+        assert message in finding.message
+        assert finding.message.endswith("by cabinet.urdf")
+        assert finding.location.file.name == "small.py"
+        text = finding.location.file.read_text().splitlines()[finding.location.line - 1]
+        assert "Joint" in text
+
+    def test_a_limit_of_the_task_file_is_named_by_its_line(self, validate, tmp_path):
+        success = f"{HINGE} above_deg=60)"
+        (finding,) = self.found(validate, tmp_path, success, "{hinge: {limits_deg: [0, 45]}}")
+        assert finding.message.endswith("is at most 45°, by small.yaml:7")
+
+    def test_a_limit_of_a_variation_counts_there(self, validate, tmp_path):
+        success = f"{HINGE} above_deg=60)"
+        more = "variations:\n  - {cabinet.joints.hinge.limits_deg: [0, 45]}\n"
+        joints = "{hinge: {limits_deg: [0, 90]}}"
+        (finding,) = self.found(validate, tmp_path, success, joints, more)
+        assert finding.message.startswith("in variation 1, can never hold: it needs 60°")
+
+    def test_what_success_does_not_need_is_a_warning(self, validate, tmp_path):
+        success = f"{SUCCESS} | {HINGE} above_deg=100)"
+        (finding,) = self.found(validate, tmp_path, success)
+        assert finding.severity == "warning"
+
+    @pytest.mark.parametrize(
+        "success",
+        [
+            f"{HINGE} above_deg=90)",
+            f"{HINGE} below_deg=0)",
+            f"{RUNNER} above=0.2)",
+        ],
+    )
+    def test_a_joint_can_be_at_its_limit(self, validate, tmp_path, success):
+        assert not self.found(validate, tmp_path, success)

@@ -14,6 +14,7 @@ from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.schema.scene import Place, SceneSpec
 from taskbuilder.task import Task
+from taskbuilder.validate.checks.edges import Overhang, fell, overhang
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import Start
 from taskbuilder.validate.locate import (
@@ -36,6 +37,8 @@ class _Tally:
     episodes: int = 0
     misplaced: dict[str, Finding] = field(default_factory=dict)
     strayed: dict[str, int] = field(default_factory=dict)
+    fallen: dict[str, list[str]] = field(default_factory=dict)
+    hanging: dict[str, Overhang] = field(default_factory=dict)
     solved: list[str] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
     exploded: list[str] = field(default_factory=list)
@@ -92,6 +95,11 @@ def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
         tally.positions.setdefault((name, start.variation), []).append(world.position(name))
         if _outside(world, name, place):
             tally.strayed[name] = tally.strayed.get(name, 0) + 1
+        elif how := fell(world, name, place):
+            tally.fallen.setdefault(name, []).append(how)
+        over = overhang(world, name, place)
+        if over is not None and (name not in tally.hanging or over.by > tally.hanging[name].by):
+            tally.hanging[name] = over
     try:
         outcome = referee.start(world)
     except BaseException as error:
@@ -132,7 +140,17 @@ def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
         finding_at(task, "TB310", f"left its region in {count} of {total} resets", name, "place")
         for name, count in tally.strayed.items()
     ]
+    strayed += [
+        finding_at(task, "TB310", f"{how[0]} in {len(how)} of {total} resets", name, "place")
+        for name, how in tally.fallen.items()
+        if name not in tally.hanging  # which says why
+    ]
     yield _counted("TB310", "placements stay inside their regions", strayed, len(strayed))
+    hanging = [
+        finding_at(task, "TB318", _hangs(name, over, tally), name, "place")
+        for name, over in tally.hanging.items()
+    ]
+    yield _counted("TB318", "regions are on their surfaces", hanging, len(hanging))
     exploded = [finding_of_scene(task, "TB307", text) for text in tally.exploded]
     yield _counted("TB307", "resets do not explode", exploded, len(tally.exploded))
     raised = list(dict.fromkeys(tally.raised))  # in each variation
@@ -140,6 +158,12 @@ def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
     yield _never_at_start(task, "TB311", "success", tally.solved, tally.episodes)
     yield _never_at_start(task, "TB312", "failure", tally.failed, tally.episodes)
     yield _varies(task, tally)
+
+
+def _hangs(name: str, over: Overhang, tally: _Tally) -> str:
+    falls = len(tally.fallen.get(name, []))
+    seen = f"it fell in {falls} of {tally.episodes} resets; " if falls else ""
+    return f"{seen}{over}"
 
 
 def _counted(code: str, name: str, findings: list[Finding], count: int) -> Result:

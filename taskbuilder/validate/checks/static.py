@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from taskbuilder.errors import Finding
 from taskbuilder.task import Task
+from taskbuilder.validate.checks.joint_bounds import check_joint_bounds
 from taskbuilder.validate.report import Check, FamilyResult, Result
 
 GROUPS: Mapping[str, tuple[str, str]] = {
@@ -22,8 +23,8 @@ def static_family(task: Task) -> FamilyResult:
     """The result for a task that could be loaded: its warnings, and the number of names."""
     names = task.file.names
     count = len({*names.known("frame"), *names.robots, *names.cameras, *names.known("joint")})
-    checks = _checks(task.warnings)
-    findings = task.warnings
+    findings = (*task.warnings, *check_joint_bounds(task))
+    checks = _checks(findings)
     if task.file.spec.variations:
         check, alike = _check_variations(task)
         checks, findings = (*checks, check), (*findings, *alike)
