@@ -77,6 +77,8 @@ def _manner(order: Order | Together) -> Iterator[str]:
             yield f"with roll, pitch and yaw of the tool at ({angles})°"
         if order.align:
             yield f"with the orientation of `{spelt(order.to)}`"
+        if order.until is not None:
+            yield f"until the condition `{order.until}` is true"
         if not order.turn_tool:
             yield "without turning the tool"
     if order.straight:
@@ -87,6 +89,8 @@ def _manner(order: Order | Together) -> Iterator[str]:
         yield f"at {number(order.speed * 100)} % of full speed"
     if order.tolerance is not None:
         yield f"with a tolerance of {_length(order.tolerance)}"
+    if isinstance(order, Order) and order.tolerance_deg is not None:
+        yield f"with a tolerance of {number(order.tolerance_deg)}°"
 
 
 def _height(order: Order | Together) -> str:

@@ -42,7 +42,7 @@ _ALIASES: tuple[tuple[Any, str], ...] = (
     (values.Reference, "name in the scene"),
     (values.Text, "text"),
     (values.Color, "[colour](#colours)"),
-    (expert.Condition, "name of a condition"),
+    (order.Condition, "name of a condition"),
     (order.Above, "m"),
     (expert.Seconds, "s"),
     (robot.LinkName, "name in the URDF"),
@@ -52,7 +52,7 @@ HEAD = ("key", "value", "default", "meaning")
 
 _UNITS = {"_deg": "degrees", "_hz": "Hz"}
 _METRES = {"max_step", "stroke"}
-_UNBOUNDED = (values.Name, values.Reference, values.Text, expert.Condition, robot.LinkName)
+_UNBOUNDED = (values.Name, values.Reference, values.Text, order.Condition, robot.LinkName)
 
 
 def table(name: str) -> str:

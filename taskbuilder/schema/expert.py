@@ -20,6 +20,7 @@ from pydantic_core import PydanticCustomError, core_schema
 from taskbuilder.schema.order import (
     VERBS,
     Above,
+    Condition,
     Offset,
     Order,
     Speed,
@@ -41,7 +42,6 @@ from taskbuilder.schema.values import (
 from taskbuilder.wording import closest
 
 Seconds = Annotated[float, Field(gt=0.0, le=1000.0)]
-Condition = Annotated[str, Field(min_length=1, max_length=100)]
 
 
 def _different(robots: tuple[str, ...]) -> tuple[str, ...]:
@@ -125,7 +125,7 @@ def _are_orders(value: Any) -> bool:
     return isinstance(value, list | tuple) and any(
         isinstance(item, Order)
         or (isinstance(item, str) and item in WORDS)
-        or (isinstance(item, Mapping) and any(key in Order.model_fields for key in item))
+        or (isinstance(item, Mapping) and any(key in _ORDER_KEYS for key in item))
         for item in value
     )
 
@@ -152,6 +152,10 @@ Stage = Annotated[Mapping[RobotName, Orders], Field(min_length=1)]
 
 STAGES: Mapping[str, type[Model]] = {"together": Together, "until": Wait, "repeat": Repeat}
 """Key that tells what a stage is -> its model; any other has an order for each robot."""
+
+
+_ORDER_KEYS = frozenset(Order.model_fields) - frozenset(STAGES)
+"""Keys that only orders have."""
 
 
 def kind_of_stage(stage: Any) -> str:
@@ -272,7 +276,7 @@ def in_words(stage: ExpertStage) -> str:
 def waits(
     stages: Sequence[Any], path: tuple[str | int, ...] = ("expert",)
 ) -> Iterator[tuple[tuple[str | int, ...], str]]:
-    """Path and name of every condition of the description that stages wait for."""
+    """Path and name of every condition of the description that stages and orders wait for."""
     for index, stage in enumerate(stages):
         if isinstance(stage, Wait):
             yield (*path, index, "until"), stage.until
@@ -280,6 +284,12 @@ def waits(
             if stage.unless is not None:
                 yield (*path, index, "unless"), stage.unless
             yield from waits(stage.stages, (*path, index, "stages"))
+        elif isinstance(stage, Mapping):
+            for robot, told in stage.items():
+                for number, order in enumerate(listed(told)):
+                    if order.until is not None:
+                        where = (number,) if isinstance(told, tuple) else ()
+                        yield (*path, index, robot, *where, "until"), order.until
 
 
 Repeat.model_rebuild()

@@ -12,7 +12,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from taskbuilder.schema.expert import Condition
+from taskbuilder.schema.order import Condition
 from taskbuilder.schema.values import Coordinate, Model
 
 Resistance = Annotated[float, Field(ge=0.0, le=1e4)]

@@ -34,6 +34,7 @@ NOTHING = "nothing"
 
 JointName = Annotated[Reference, Refers("joint")]
 JointDegrees = Annotated[float, Field(ge=-36000.0, le=36000.0)]
+Condition = Annotated[str, Field(min_length=1, max_length=100)]
 
 
 def _check_to(value: Any) -> Any:
@@ -73,8 +74,9 @@ Speed = Annotated[
 Tolerance = Annotated[
     Length | None,
     Field(
-        description="Tolerance of the end position. The default is 0.02 for `bring`, `turn`, "
-        "`slide` and `push`, 0.002 for `press` on a joint, and otherwise 0.01."
+        description="Tolerance of the end position; for `turn`, along the path of the handle. The "
+        "default is 0.02 for `bring`, `turn`, `slide` and `push`, 0.002 for `press` on a joint, "
+        "and otherwise 0.01."
     ),
 ]
 
@@ -145,6 +147,11 @@ class Order(Model):
     to_deg: JointDegrees | None = Field(
         None, description="Target position of the joint, in degrees."
     )
+    until: Condition | None = Field(
+        None,
+        description="Condition of the description. The motion stops when the condition becomes "
+        "true, and the order is done only if it did.",
+    )
     turn_tool: bool = Field(True, description="Whether the tool turns together with the handle.")
     depth: Length | None = Field(
         None, description="Distance to press down, if `to` is not given; by default 0.01."
@@ -166,6 +173,10 @@ class Order(Model):
     touching: Touching = ()
     speed: Speed = 1.0
     tolerance: Tolerance = None
+    tolerance_deg: Annotated[float, Field(gt=0.0, le=360.0)] | None = Field(
+        None,
+        description="Tolerance of the joint, in degrees, instead of `tolerance`; 7.5 by default.",
+    )
 
     @property
     def verb(self) -> str:
@@ -201,7 +212,8 @@ class Order(Model):
             "turn": f"turn {self.turn} to {self.to_deg}°",
             "slide": f"slide {self.slide} to {self.to} m",
         }
-        return words.get(self.verb) or f"{self.verb} {getattr(self, self.verb)}"
+        end = f", until {self.until}" if self.until else ""
+        return (words.get(self.verb) or f"{self.verb} {getattr(self, self.verb)}") + end
 
     @field_validator("close", mode="before")
     @classmethod
@@ -250,6 +262,11 @@ class Order(Model):
                 "to of {verb} is {kind}: {example}",
                 {"verb": self.verb, "kind": kind, "example": example},
             )
+        if self.tolerance is not None and self.tolerance_deg is not None:
+            raise PydanticCustomError(
+                "choice",
+                "turn has tolerance, in metres, and tolerance_deg, in degrees; give one of them",
+            )
         if self.to is not None and self.depth is not None:
             raise PydanticCustomError("choice", "press has to and depth; give one of them")
 
@@ -277,6 +294,7 @@ _MOVING = (
 ONLY_WITH = {
     "to": ("bring", "slide", "push", "press"),
     "to_deg": ("turn",),
+    "until": ("turn", "slide"),
     "turn_tool": ("turn",),
     "depth": ("press",),
     "approach": ("grasp", "reach"),
@@ -288,6 +306,7 @@ ONLY_WITH = {
     "touching": _MOVING,
     "speed": _MOVING,
     "tolerance": _MOVING,
+    "tolerance_deg": ("turn",),
 }
 """Key of an order -> the verbs that it goes with."""
 

@@ -47,6 +47,10 @@ TOLD = {
     "{'left': {'turn': 'chest.lid', 'to_deg': 70.0, 'turn_tool': False}}": (
         "1. `left`: turn `chest.lid` to 70°, without turning the tool"
     ),
+    "{'left': {'turn': 'chest.lid', 'to_deg': 70.0, 'until': 'open', 'tolerance_deg': 3.0}}": (
+        "1. `left`: turn `chest.lid` to 70°, until the condition `open` is true, "
+        "with a tolerance of 3°"
+    ),
     "{'left': {'slide': 'cabinet.runner', 'to': 0.2}, 'right': {'press': 'x', 'to': 0.01}}": (
         "1. `left`: slide `cabinet.runner` to 20 cm; "
         "`right`: press `x` until the pressed joint is at 1 cm"

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from written_experts import made
+from written_experts import DESCRIPTION, RIGHT, made
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import FileError
@@ -39,6 +39,26 @@ BUTTON = """\
       fixed: true
       joints: {press: {spring: {stiffness: 300, rest: -0.005}, damping: 2, friction: 0.2}}
 """
+VALVE_URDF = """<robot name="valve">
+  <link name="pipe"><inertial><mass value="2"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="wheel"><inertial><mass value="0.2"/>
+    <inertia ixx="4e-4" iyy="2e-4" izz="4e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.14 0.022 0.04"/></geometry></collision></link>
+  <joint name="spin" type="revolute"><parent link="pipe"/><child link="wheel"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="3" effort="20" velocity="5"/></joint>
+</robot>
+"""
+VALVE = """\
+    valve:
+      shape: {urdf: valve.urdf}
+      position: [-0.1, -0.15, 0.5]
+      fixed: true
+      joints: {spin: {friction: 0.15, LOCK}}
+      grasps: {bar: {link: wheel, across: y}}
+"""
+STUCK, LOOSE = VALVE.replace("LOCK", "lock: {unless: near}"), VALVE.replace(", LOCK", "")
+BAR = "arm: {grasp: valve.bar}"
 HANDLE = "arm: {grasp: chest.grip}"
 KNOB = "arm: {grasp: cabinet.knob}"
 
@@ -49,6 +69,7 @@ def begin(tmp_path):
     experts = []
     for file in URDFS.glob("*.urdf"):
         shutil.copy(file, tmp_path)
+    (tmp_path / "valve.urdf").write_text(VALVE_URDF, encoding="utf-8")
 
     def make(*stages, **scene):
         env = made(tmp_path, *stages, **scene)
@@ -114,6 +135,98 @@ def test_a_drawer_slides_to_its_position_and_back(play, to):
     demonstration, world = play(KNOB, out, "arm: {slide: cabinet.runner, to: 0}", objects=CABINET)
     assert demonstration.trouble is None
     assert world.joint("cabinet.runner") == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "tolerance", ["", ", tolerance: 0.005", ", tolerance: 0.02", ", tolerance_deg: 80"]
+)
+def test_a_joint_that_has_not_turned_has_not_arrived(play, tolerance):
+    """The handle is on the axis: however far the joint must turn, the handle stays where it is."""
+    turn = f"arm: {{turn: valve.spin, to_deg: 70{tolerance}}}"
+    demonstration, world = play(BAR, turn, objects=STUCK)
+    assert demonstration.trouble.cause == "not arrived"
+    assert demonstration.trouble.message.endswith('valve.spin is locked unless "near" holds')
+    assert "0.0 cm" not in demonstration.trouble.message
+    assert abs(math.degrees(world.joint("valve.spin"))) < 0.5
+
+
+@pytest.mark.parametrize("to", [0.015, 0.1])
+def test_a_joint_that_has_not_slid_has_not_arrived(play, to):
+    stuck = CABINET + "      joints: {runner: {lock: {unless: near}}}\n"
+    out = f"arm: {{slide: cabinet.runner, to: {to}, tolerance: 0.1}}"
+    demonstration, world = play(KNOB, out, objects=stuck)
+    assert demonstration.trouble.cause in ("not arrived", "lost on the way")
+    assert abs(world.joint("cabinet.runner")) < 0.001
+
+
+@pytest.mark.parametrize("order", ["to: 0.0015", "depth: 0.001", "to: 0.004, tolerance: 0.02"])
+def test_a_joint_that_is_not_pressed_down_has_not_arrived(play, order):
+    stuck = BUTTON.replace("{press: {", "{press: {lock: {unless: near}, ")
+    demonstration, world = play(f"arm: {{press: button, {order}}}", objects=stuck)
+    assert demonstration.trouble.cause == "not arrived"
+    assert abs(world.joint("button.press")) < 0.001
+
+
+@pytest.mark.parametrize("tolerance", [2, 5])
+def test_a_turn_arrives_within_its_tolerance_in_degrees(play, tolerance):
+    turn = f"arm: {{turn: valve.spin, to_deg: 60, tolerance_deg: {tolerance}}}"
+    demonstration, world = play(BAR, turn, objects=LOOSE)
+    assert demonstration.trouble is None
+    assert abs(math.degrees(world.joint("valve.spin")) - 60) <= tolerance
+
+
+HALF = f"""{DESCRIPTION.replace(" Held, Near", " Held, JointAngle, JointPosition, Near")}
+    half = JointAngle("chest.hinge", above_deg=40)
+"""
+OUT = HALF.replace(
+    'JointAngle("chest.hinge", above_deg=40)', 'JointPosition("cabinet.runner", above=0.06)'
+)
+UNTIL = "turn: chest.hinge, to_deg: 80, turn_tool: false, speed: 0.5, until: half"
+
+
+def test_a_turn_stops_when_its_condition_becomes_true(play):
+    stages = HANDLE, f"arm: {{{UNTIL}}}", "arm: release"
+    demonstration, world = play(*stages, objects=CHEST, description=HALF)
+    assert demonstration.trouble is None
+    assert len(demonstration.stage_ends) == 3
+    assert 38 < math.degrees(world.joint("chest.hinge")) < 55
+
+
+def test_a_slide_stops_when_its_condition_becomes_true(play):
+    stages = KNOB, "arm: {slide: cabinet.runner, to: 0.14, speed: 0.3, until: half}"
+    demonstration, world = play(*stages, objects=CABINET, description=OUT)
+    assert demonstration.trouble is None
+    assert 0.06 <= world.joint("cabinet.runner") < 0.09
+
+
+def test_a_turn_whose_condition_never_becomes_true_is_not_done(play):
+    turn = f"arm: {{{UNTIL.replace('80', '30')}}}"
+    demonstration, world = play(HANDLE, turn, objects=CHEST, description=HALF)
+    assert demonstration.trouble.cause == "not arrived"
+    assert '"half" does not hold' in demonstration.trouble.message
+    assert math.degrees(world.joint("chest.hinge")) == pytest.approx(30, abs=5)
+
+
+def test_a_turn_whose_condition_holds_already_does_not_move(play):
+    stages = HANDLE, f"arm: {{{UNTIL}}}", f"arm: {{{UNTIL}}}"
+    demonstration, _ = play(*stages, objects=CHEST, description=HALF)
+    assert demonstration.trouble is None
+    assert demonstration.stage_ends[2] == demonstration.stage_ends[1]
+
+
+def test_others_go_on_when_one_stops(play):
+    both = f"{{arm: {{{UNTIL}}}, right: {{reach: [0.4, 0.3, 0.6]}}}}"
+    demonstration, world = play(HANDLE, both, objects=CHEST, description=HALF, robots=RIGHT)
+    assert demonstration.trouble is None
+    assert math.dist(world.position("right.tcp"), (0.4, 0.3, 0.6)) < 0.01
+    assert 38 < math.degrees(world.joint("chest.hinge")) < 55
+
+
+def test_a_condition_that_an_order_names_must_be_there(said):
+    turn = "arm: {turn: chest.hinge, to_deg: 70, until: haf}"
+    assert said(turn, objects=CHEST, description=HALF) == [
+        'TB214 expert[0].arm.until: "haf" is no condition; did you mean "half"?'
+    ]
 
 
 def test_a_joint_is_moved_by_its_handle_only(play):

@@ -66,10 +66,16 @@ def test_every_condition_that_is_waited_for_has_its_place(stages):
         "{left: release}",
         "{repeat: 2, unless: done, stages: [{left: release}, {until: near}]}",
     )
+    turn = Order(turn="box.lid", to_deg=9.0, until="open")
+    slide = Order(slide="box.tray", to=0.1, until="out")
+    repeat = Repeat(repeat=2, stages=({"left": (Order(release=True), slide)},))
+    found = (*found, {"left": turn}, repeat)
     assert list(waits(found)) == [
         (("expert", 0, "until"), "lifted"),
         (("expert", 2, "unless"), "done"),
         (("expert", 2, "stages", 1, "until"), "near"),
+        (("expert", 3, "left", "until"), "open"),
+        (("expert", 4, "stages", 0, "left", 1, "until"), "out"),
     ]
 
 
@@ -152,8 +158,8 @@ def test_what_is_written_out_again_is_the_same(load, folder):
         (
             "{left: {wait: 2}}",
             "27:13: error[TB102] expert[1].left.wait: unknown key; known keys: "
-            f"{VERBS}, to, to_deg, turn_tool, depth, above, offset, approach, rpy_deg, "
-            "align, straight, touching, speed, tolerance",
+            f"{VERBS}, to, to_deg, until, turn_tool, depth, above, offset, approach, rpy_deg, "
+            "align, straight, touching, speed, tolerance, tolerance_deg",
         ),
         # the key that says what a stage is
         (
@@ -281,6 +287,19 @@ def test_what_is_written_out_again_is_the_same(load, folder):
             "27:12: error[TB106] expert[1].left: "
             "speed goes with grasp, reach, bring, retreat, turn, slide, push, press, home "
             "and posture only",
+        ),
+        (
+            "{left: {grasp: cube.middle, until: success}}",
+            "27:12: error[TB106] expert[1].left: until goes with turn and slide only",
+        ),
+        (
+            "{left: {reach: goal, tolerance_deg: 3}}",
+            "27:12: error[TB106] expert[1].left: tolerance_deg goes with turn only",
+        ),
+        (
+            "{left: {turn: cube.lid, to_deg: 3, tolerance_deg: 3, tolerance: 0.01}}",
+            "27:12: error[TB106] expert[1].left: turn has tolerance, in metres, and tolerance_deg, "
+            "in degrees; give one of them",
         ),
         (
             "{left: {reach: goal, align: true}}",

@@ -51,6 +51,9 @@ BASE_M = 0.01
 TRAVEL_TOLERANCE_M = 0.002
 """Default tolerance of a joint that is pressed, in metres."""
 
+FINEST_M = 0.0005
+"""Tolerance of a joint that is pressed that the distance to press it does not make smaller."""
+
 DEPTH_M = 0.01
 """Default depth to which something is pressed, in metres."""
 
@@ -267,4 +270,6 @@ def _down(now: Situation, robot: str, order: Order, frame: str) -> Go:
     def gap(later: Situation) -> float:
         return max(0.0, sign * (end - later.joint(name)))
 
-    return Go((move,), "", order.tolerance or TRAVEL_TOLERANCE_M, joint=travel, gap=gap)
+    # What has not moved has not arrived, however near its goal it began.
+    tolerance = min(order.tolerance or TRAVEL_TOLERANCE_M, max(abs(deeper) / 2.0, FINEST_M))
+    return Go((move,), "", tolerance, joint=travel, gap=gap)

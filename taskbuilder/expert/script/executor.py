@@ -6,6 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from itertools import product
 
@@ -87,6 +88,7 @@ class Executor:
         self._planner = planner
         self._without = without
         self._rng = np.random.default_rng([seed, 1])
+        self._stopped: set[str] = set()
 
     # --- the situation
 
@@ -202,6 +204,7 @@ class Executor:
             yield self.encoder.actions(openings={g.robot: g.opening for g in grips.values()})
             for _ in range(self._env.episode.longest_delay):
                 yield self.encoder.hold()
+        self._stopped.clear()
         if goes:
             yield from self._go(goes, told)
             for _ in range(CORRECTIONS):
@@ -244,13 +247,17 @@ class Executor:
         loads |= {robot: go.holds for robot, go in handles.items()}
         missed = dict.fromkeys(loads, 0)
         for step in range(trajectory.steps):
-            joints = {robot: path[step] for robot, path in trajectory.joints.items()}
+            still = self._stop(goes)
+            joints = {r: path[step] for r, path in trajectory.joints.items() if r not in still}
+            if not joints:
+                break
             yield self.encoder.actions(joints)
             self._check_loads(loads, handles, missed, told)
         # Policies do not observe the delay of an episode, so demonstrations must not depend on it.
         late = self._env.episode.longest_delay
         for waited in range(late + self._steps(SETTLE_S)):
-            if waited >= late and all(map(self._arrived, goes.values())):
+            self._stop(goes)
+            if waited >= late and all(self._arrived(who, go) for who, go in goes.items()):
                 break
             yield self.encoder.hold()
             self._check_loads(loads, handles, missed, told)
@@ -294,19 +301,27 @@ class Executor:
 
     def _shifted(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
         """Corrected motions of loads, pushed objects and joints that have not arrived."""
-        late = [who for who, go in goes.items() if go.subject and not self._arrived(go)]
+        late = [who for who, go in goes.items() if go.subject and not self._arrived(who, go)]
         found = {}
         for who in late:
             act = _computed(who, steps[who], self)
             if isinstance(act, Go):
-                found[who] = act
+                found[who] = replace(act, tolerance=goes[who].tolerance)
         return found
 
-    def _arrived(self, go: Go) -> bool:
+    def _stop(self, goes: Mapping[str, Go]) -> set[str]:
+        """Stop motions whose condition holds now; the robots whose motions have stopped."""
+        self._stopped |= {who for who, go in goes.items() if go.until and self._holds(go.until)}
+        stopped = (go for who, go in goes.items() if who in self._stopped)
+        return {robot for go in stopped for robot in go.choices[0].carriers}
+
+    def _arrived(self, who: str, go: Go) -> bool:
+        if go.until:
+            return who in self._stopped
         return go.tolerance is None or self._gap(go) <= go.tolerance
 
     def _gap(self, go: Go) -> float:
-        """The remaining distance of a motion, in metres."""
+        """The remaining distance of a motion, in metres, or in rad for a joint that turns."""
         if go.gap is not None:
             return go.gap(self)
         move = go.choices[0]
@@ -319,9 +334,10 @@ class Executor:
 
     def _check_arrived(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> None:
         for who, go in goes.items():
-            if not self._arrived(go):
+            if not self._arrived(who, go):
                 robot = next(iter(go.choices[0].carriers))
                 message = not_arrived(self.world, robot, go, self._gap(go))
+                message += f'; "{go.until}" does not hold' if go.until else ""
                 raise StageError(told[who], robot, "not arrived", message)
 
     def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:

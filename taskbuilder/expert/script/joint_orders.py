@@ -19,6 +19,12 @@ from taskbuilder.schema.order import Order
 TURN_TOLERANCE = math.radians(7.5)
 """Default tolerance of a joint that is turned, so that a handle near its axis is not far off."""
 
+LEAST_LEVER_M = 0.05
+"""Distance from its axis at which a handle counts as being, at least, for a tolerance in metres."""
+
+FINEST_M, FINEST_RAD = 0.002, math.radians(0.5)
+"""Tolerances that the distance to move does not make smaller."""
+
 
 def move_joint(now: Situation, robot: str, order: Order) -> Go:
     """The motion along the path of a joint, by a handle that a robot holds.
@@ -36,17 +42,18 @@ def move_joint(now: Situation, robot: str, order: Order) -> Go:
     at, tool = now.pose(joint.child), now.tool(robot)
     shift = joint.shift(at, by)
     goal = shift @ tool
-    radius = 1.0
     arc = None
+    tolerance = order.tolerance or LOAD_TOLERANCE_M
     if not joint.slides:
         axis = joint.axis(at)
         arm = subtract(tool.position, at.position)
         radius = norm(subtract(arm, scale(axis, dot(arm, axis))))
         arc = Arc(at.position, axis, by, turns=order.turn_tool)
         goal = arc.pose(tool, 1.0)
+        tolerance = _turn_tolerance(order, radius)
 
     def gap(later: Situation) -> float:
-        return abs(target - later.joint(joint.name)) * radius
+        return abs(target - later.joint(joint.name))
 
     move = Move(
         {robot: Pose()},
@@ -56,6 +63,24 @@ def move_joint(now: Situation, robot: str, order: Order) -> Go:
         speed=order.speed,
         touching=(*order.touching, joint.thing),
     )
-    usual = LOAD_TOLERANCE_M if joint.slides else min(LOAD_TOLERANCE_M, TURN_TOLERANCE * radius)
-    tolerance = order.tolerance or usual
-    return Go((move,), "", tolerance, joint=(joint.name, target), holds=handle or "", gap=gap)
+    # What has not moved has not arrived, however near its goal it began.
+    finest = FINEST_M if joint.slides else FINEST_RAD
+    tolerance = min(tolerance, max(abs(by) / 2.0, finest))
+    return Go(
+        (move,),
+        "",
+        tolerance,
+        joint=(joint.name, target),
+        holds=handle or "",
+        gap=gap,
+        until=order.until or "",
+    )
+
+
+def _turn_tolerance(order: Order, radius: float) -> float:
+    """Tolerance in rad of a joint that turns by a handle at this distance in metres."""
+    if order.tolerance_deg is not None:
+        return math.radians(order.tolerance_deg)
+    if order.tolerance is not None:
+        return order.tolerance / max(radius, LEAST_LEVER_M)
+    return min(TURN_TOLERANCE, LOAD_TOLERANCE_M / max(radius, LEAST_LEVER_M))

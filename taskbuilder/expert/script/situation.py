@@ -126,11 +126,14 @@ class Go:
     Attributes:
         choices: Equivalent moves, the nearest first.
         brings: The object that has to arrive, or "" for the tool itself.
-        tolerance: Tolerance of the end position, in metres; None to continue without waiting.
+        tolerance: Tolerance of the end position, in metres, or in rad for a joint that turns;
+            None to continue without waiting.
         joint: A joint that is moved to a position (rad or m), or None.
         pushes: An object that is pushed to a pose in the world, or None.
         holds: The link that must stay in the gripper, or "".
-        gap: Remaining distance in metres, if it is not that of the tool or the load.
+        gap: Remaining distance in metres, or in rad for a joint that turns, if it is not that of
+            the tool or the load.
+        until: The condition of the description that ends it, or "".
     """
 
     choices: tuple[Move, ...]
@@ -140,6 +143,7 @@ class Go:
     pushes: tuple[str, Pose] | None = None
     holds: str = ""
     gap: Callable[[Situation], float] | None = None
+    until: str = ""
 
     def moved(self, now: Situation) -> dict[str, Pose]:
         """World poses of what it pushes or moves on a joint, when it is done."""
