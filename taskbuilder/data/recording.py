@@ -219,7 +219,7 @@ def _about(env: TaskEnv, rollout: Rollout) -> dict[str, Any]:
         "subtasks": [asdict(part) for part in subtasks(env, rollout)],
         "trouble": asdict(trouble) if trouble else None,
         "why": [asdict(reason) for reason in rollout.why],
-        "randomized": _plain(dict(episode.world.quantities)) if env.options.randomize else {},
+        "randomized": _plain(dict(episode.quantities)) if env.options.randomize else {},
     }
 
 

@@ -71,6 +71,7 @@ class EnvGroup:
         observations, infos = env.reset(seed=int(self._buffers.seeds[row]))
         first = env.possible_agents[0]  # infos are the same for all
         self._buffers.now.write(row, observations, env.state(), infos[first])
+        self._buffers.instructions[row] = env.unwrapped.task_description.encode()
 
     def _act(self, row: int, env: TaskEnv) -> None:
         buffers = self._buffers

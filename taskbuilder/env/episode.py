@@ -18,7 +18,7 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.interpreters import Lineage
-from taskbuilder.schema.load import fill
+from taskbuilder.schema.instructions import fill, longest_instruction
 from taskbuilder.schema.scene import ActionSpec
 from taskbuilder.schema.task import LOOK_PARTS, LookPart
 from taskbuilder.sim.single import Single
@@ -66,6 +66,7 @@ class Episode(Single):
         begun: A reset has succeeded.
         taken: All actions since the reset; None if they do not lead to the current state.
         noise_rng: Generator of the observation noise.
+        quantities: Values in this episode of what the task lists under ``randomize``.
     """
 
     def __init__(self, task: Task, options: Options) -> None:
@@ -90,6 +91,7 @@ class Episode(Single):
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         self._waiting: dict[str, tuple[NDArray[np.float64], ...]] = {}
         self.outcome = self._referee.start(self.world)
+        self.quantities = self.world.quantities
 
     # --- stepping
 
@@ -164,7 +166,12 @@ class Episode(Single):
         if not texts:
             return self._file.spec.summary
         chosen = int(EpisodeRandomness(self.seed).instruction().integers(len(texts)))
-        return fill(texts[chosen], self._file.scenes[self._variation])
+        return fill(texts[chosen], self._file.scenes[self._variation], self.quantities)
+
+    @property
+    def longest_instruction(self) -> int:
+        """An upper bound of the length of any episode's instruction, in bytes of UTF-8."""
+        return longest_instruction(self._file.spec, self._file.scenes)
 
     @property
     def terminated(self) -> bool:
@@ -203,19 +210,15 @@ class Episode(Single):
         self.noise_rng = randomness.noise()
         self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
         try:
-            self.world.reset(seed, randomized=self._randomized, looks=self._looks)
+            self.world.reset(seed, randomized=self.options.draws_quantities, looks=self._looks)
         except ExplosionError:
             self._give_up()
             raise
+        self.quantities = self.world.quantities
         self.outcome = self._referee.start(self.world)
         self.world.set_locks(self.outcome.conditions)
         self.failed = self.outcome.failure
         self.over, self.begun = False, True
-
-    @property
-    def _randomized(self) -> bool:
-        """Whether what the task lists under ``randomize`` is drawn in each episode."""
-        return self.options.randomize in (True, "all")
 
     @property
     def _looks(self) -> tuple[LookPart, ...]:
@@ -254,12 +257,12 @@ class Episode(Single):
 
     def delay(self, agent: str) -> int:
         """After how many control steps a robot carries out its actions in this episode."""
-        return delay_of(agent, self.world.quantities)
+        return delay_of(agent, self.quantities)
 
     @property
     def longest_delay(self) -> int:
         """The longest delay that any robot can have with these options, in control steps."""
-        listed = self.world.spec.randomize if self._randomized else {}
+        listed = self.world.spec.randomize if self.options.draws_quantities else {}
         return max(longest_delay(agent, listed) for agent in self.agents)
 
     def waiting(self, agent: str) -> list[list[float]]:
@@ -381,6 +384,7 @@ class Episode(Single):
             self.actions = self._make_actions()
         self.seed = state.seed
         world.restore(state.world)
+        self.quantities = world.quantities
         self._referee.memory = state.memory
         self.steps, self.outcome = state.steps, state.outcome
         self.succeeded, self.failed = state.succeeded, state.failed

@@ -19,6 +19,7 @@ def make_info(episode: Episode) -> dict[str, float]:
         "stage": float(outcome.stage),
         "progress": outcome.progress,
         "step": float(episode.steps),
+        "variation": float(episode.variation),
         "team_reward": paid * outcome.team,
         **{f"reward/{label}": paid * pay for label, pay in outcome.terms.items()},
         **{f"condition/{name}": float(value) for name, value in outcome.conditions.items()},

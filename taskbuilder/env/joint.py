@@ -121,8 +121,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         """
         super().reset(seed=seed)
         observations, infos = self.parallel.reset(seed=seed, options=options)
-        info = {**infos[self._agents[0]], "instruction": self.task_description}
-        return self._observation(observations), info
+        return self._observation(observations), infos[self._agents[0]]
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Run one control step.

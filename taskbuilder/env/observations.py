@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.naming import channel_names, with_matrix
 from taskbuilder.geometry import Pose, Quat, multiply
-from taskbuilder.schema.channels import CAMERA_QUANTITIES, GRIPPER_QUANTITIES, Channel
+from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
 from taskbuilder.schema.task import Noise
 from taskbuilder.sim.divergence import REACH_M, SPEED_LIMIT
 from taskbuilder.world.world import World
@@ -336,63 +336,3 @@ def _columns(q: Quat) -> Sequence[float]:
 
 def _around(size: int, limit: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return (-limit,) * size, (limit,) * size
-
-
-def surroundings(agent: str, world: World) -> tuple[str, ...]:
-    """Channels of the whole scene for one agent: itself first, then the others in file order.
-
-    The agent is named "self", as in task files, so that noise on a channel applies here too. Grasp
-    points and sites are also given in the frame of the agent's tool.
-    """
-    robots = ("self", *(name for name in world.robots if name != agent))
-    moving = {name: thing for name, thing in world.objects.items() if not thing.spec.fixed}
-    grasps = [
-        f"{name}.{key}"
-        for name, thing in world.objects.items()
-        for key, grasp in thing.spec.grasps.items()
-        if name in moving or grasp.link is not None
-    ]
-    return (
-        *_of_robots({"self": agent} | {name: name for name in robots[1:]}, ("tcp",), world),
-        *(f"{name}.pose" for name in moving),
-        *(f"{place}.position in self.tcp" for place in (*grasps, *world.task.names.sites)),
-        *_moving_joints(world),
-        *(f"{site}.position" for site in world.task.names.sites),
-        "time_left",
-    )
-
-
-def _of_robots(robots: Mapping[str, str], own: Sequence[str], world: World) -> Iterator[str]:
-    """Channels of robots, and those of their grippers.
-
-    Args:
-        robots: What channels call each robot, and its name.
-        own: Quantities that every robot has.
-        world: The world.
-    """
-    handless = world.task.names.handless
-    for called, name in robots.items():
-        of_gripper = () if name in handless else GRIPPER_QUANTITIES
-        yield from (f"{called}.{quantity}" for quantity in (*own, *of_gripper))
-
-
-def _moving_joints(world: World) -> list[str]:
-    return [
-        f"{name}.{joint}"
-        for name, thing in world.objects.items()
-        for joint, info in thing.body.joints.items()
-        if info.type != "fixed"
-    ]
-
-
-def everything(world: World) -> tuple[str, ...]:
-    """All channels of numbers, for a centralised critic."""
-    robots = {name: name for name in world.robots}
-    moving = [name for name, thing in world.objects.items() if not thing.spec.fixed]
-    return (
-        *_of_robots(robots, ("joints", "joint_velocities", "tcp"), world),
-        *(f"{name}.{quantity}" for name in moving for quantity in ("pose", "velocity")),
-        *_moving_joints(world),
-        *(f"{site}.position" for site in world.task.names.sites),
-        "time_left",
-    )

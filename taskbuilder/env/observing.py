@@ -10,19 +10,19 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from taskbuilder.env.drawn_values import drawn_values
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
     POSITIONS,
     Reading,
     View,
-    everything,
     is_camera,
     make_reading,
-    surroundings,
     with_position_noise,
 )
 from taskbuilder.env.options import Options
 from taskbuilder.env.spaces import VECTOR, image_values, observation_space
+from taskbuilder.env.whole_scene import everything, surroundings
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.channels import Channel, default_channels, parse_channel
 from taskbuilder.schema.task import Noise
@@ -50,8 +50,11 @@ class Observer:
             agent: self._view((*listed[agent], *extra), agent, spec.observation_noise.get(agent))
             for agent in task.agents
         }
-        state = everything(world) if spec.state == ("all",) else spec.state
-        self._state = self._view(state, None, None)
+        whole = spec.state == ("all",)
+        self._state = self._view(everything(world) if whole else spec.state, None, None)
+        if whole:
+            drawn = tuple(drawn_values(world, options))
+            self._state = View((*self._state.readings, *drawn), ())
         if self._state.cameras:
             raise UsageError("the centralised state is made of numbers; leave cameras out of it")
         self._sizes = {

@@ -63,7 +63,8 @@ class Options:
             observed position, in addition to the noise in the task file; ``state`` has no noise.
         observe: ``task``: every agent observes the channels that the task file lists for it.
             ``scene``: every agent observes the tools and grippers of all robots, all movable
-            objects with their grasp points, all joints of objects, all sites and the time left.
+            objects with their grasp points, all fixed objects that are placed at random, all
+            joints of objects, all sites and the time left.
         frame: ``task``: observed poses and commanded motions are in the frames that the task file
             gives. ``base``: poses and motions that would otherwise be in the world's frame are in
             each robot's own base frame. Robots that face each other can then share a policy.
@@ -99,6 +100,11 @@ class Options:
     renderer: Renderer = "auto"
     render_camera: str | None = None
     robots: OtherRobots = ()
+
+    @property
+    def draws_quantities(self) -> bool:
+        """Whether what the task lists under ``randomize`` is drawn in each episode."""
+        return self.randomize in (True, "all")
 
     def applied(self, task: Task) -> TaskFile:
         """The task file with the horizon, control rate and robots of these options.

@@ -30,7 +30,7 @@ from taskbuilder.world.state import WorldState
 from taskbuilder.world.world import World
 
 Observations = dict[str, Any]
-Infos = dict[str, dict[str, float]]
+Infos = dict[str, dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     By default, each agent observes only the channels that the task file lists for it under
     ``observe``. The method `state` returns the state for centralised critics. All agents act at
     every step, and their episodes end together. The infos are dictionaries of numbers. They have
-    the same keys for every agent, at every step and at every reset.
+    the same keys for every agent, at every step and at every reset, except that the infos of
+    `reset` also have the text "instruction".
 
     A copy (including one made by pickle) has its own physics engine. It rebuilds the scene and
     replays the actions of the current episode, because a snapshot in memory, which is exact
@@ -157,6 +158,9 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             seed: Seed of this episode and, until the next seed, of all later ones.
             options: Not used; required by PettingZoo.
 
+        Returns:
+            The observations and the infos, which also have the ``instruction`` of the episode.
+
         Raises:
             PlacementError: The objects do not fit.
         """
@@ -165,7 +169,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             self._seeds = np.random.default_rng(seed)
         self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
         self.agents = list(self.possible_agents)
-        return self.observe(), self._infos()
+        words = {"instruction": self.task_description}
+        return self.observe(), {agent: info | words for agent, info in self._infos().items()}
 
     def step(
         self, actions: Mapping[str, Any]

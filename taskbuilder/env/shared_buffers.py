@@ -35,6 +35,7 @@ class Signature:
         action_names: Name of each number of each agent's action, such as ``left.dx``.
         state_space: Space of the centralised state.
         info_keys: Keys of every agent's info.
+        instruction_bytes: Upper bound of the length of an instruction, in bytes of UTF-8.
     """
 
     agents: tuple[str, ...]
@@ -43,6 +44,7 @@ class Signature:
     action_names: Mapping[str, tuple[str, ...]]
     state_space: spaces.Box
     info_keys: tuple[str, ...]
+    instruction_bytes: int
 
     @classmethod
     def of(cls, env: TaskEnv) -> Signature:
@@ -54,6 +56,7 @@ class Signature:
             action_names=env.action_names,
             state_space=env.state_space,
             info_keys=env.info_keys,
+            instruction_bytes=env.unwrapped.episode.longest_instruction,
         )
 
 
@@ -131,6 +134,7 @@ class SharedBuffers:
         rewards: (num_envs, agents) float64.
         terminated: (num_envs,) bool.
         truncated: (num_envs,) bool.
+        instructions: (num_envs,) UTF-8: the instruction of each episode.
     """
 
     def __init__(self, signature: Signature, num_envs: int, allocator: Allocator) -> None:
@@ -147,6 +151,8 @@ class SharedBuffers:
         )
         self.terminated: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
         self.truncated: NDArray[np.bool_] = allocator.take((num_envs,), np.bool_)
+        kind = f"S{signature.instruction_bytes}"
+        self.instructions: NDArray[np.bytes_] = allocator.take((num_envs,), kind)
 
 
 def make_block(size: int) -> int:

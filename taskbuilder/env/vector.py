@@ -36,7 +36,9 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     because the episodes of all agents in an environment end together. The infos are a dictionary of
     arrays with one element per environment. This dictionary has the keys of the infos of `TaskEnv`
     and the key "lost". The array "lost" is 1.0 for each environment whose episode was cut off
-    because its worker died or hung. Returned arrays are copies, which the caller may change.
+    because its worker died or hung. If episodes have just begun, the infos also have an object
+    array "instruction", with the instruction of each of these episodes and None for the others, and
+    the mask "_instruction". Returned arrays are copies, which the caller may change.
 
     Each environment draws the seeds of its episodes like a `TaskEnv` that is reset with a seed once
     and then without a seed. The results therefore depend only on the seeds and the actions, not on
@@ -141,7 +143,8 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         self._buffers.begin[:] = False
         self._seen.copy(self._buffers.now)
         self._running = True
-        return copied(self._seen.observations), self._infos()
+        everywhere = np.ones(self.num_envs, dtype=np.bool_)
+        return copied(self._seen.observations), self._infos() | self._instructions(everywhere)
 
     def step(self, actions: Arrays) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
         """Run one control step in every environment.
@@ -200,11 +203,14 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         buffers = self._buffers
         lost = self._write_off(self._backend.wait(begin_anew=self._same_step))
         ended = buffers.terminated | buffers.truncated
-        self._draw_seeds(ended if self._same_step else buffers.begin & ~lost)
+        begun = ended if self._same_step else buffers.begin & ~lost
+        self._draw_seeds(begun)
         buffers.begin[:] = ended & (not self._same_step)
         self._seen.copy(buffers.now)
         self._running = True
         infos = {**self._infos(), "lost": lost.astype(np.float64)}
+        if begun.any():
+            infos |= self._instructions(begun)
         if self._same_step and ended.any():
             infos |= self._final_infos(ended, infos["lost"])
         rewards = dict(zip(self.agents, buffers.rewards.T.copy(), strict=True))
@@ -264,6 +270,13 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
     def _infos(self) -> dict[str, Any]:
         infos = dict(zip(self._signature.info_keys, self._seen.infos.T.copy(), strict=True))
         return {**infos, "lost": np.zeros(self.num_envs)}
+
+    def _instructions(self, begun: Flags) -> dict[str, Any]:
+        """The instructions of the episodes that have just begun, None elsewhere, and their mask."""
+        texts = np.full(self.num_envs, None, dtype=object)
+        for row in np.flatnonzero(begun):
+            texts[row] = self._buffers.instructions[row].decode()
+        return {"instruction": texts, "_instruction": begun.copy()}
 
     def _final_infos(self, ended: Flags, lost: NDArray[np.float64]) -> dict[str, Any]:
         final = self._buffers.final

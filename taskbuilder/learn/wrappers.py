@@ -22,7 +22,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.world.randomness import EpisodeRandomness
 
-Infos = dict[str, dict[str, float]]
+Infos = dict[str, dict[str, Any]]
 Returned = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], Infos]
 """The result of a step: observations, rewards, terminations, truncations and infos."""
 
@@ -209,7 +209,8 @@ class StartPrefixes(EpisodeWrapper):
         _, infos = self.env.reset(seed=prefix.seed)
         for step in range(steps):
             actions = {agent: values[step] for agent, values in prefix.actions.items()}
-            *_, infos = self.env.step(actions)
+            *_, after = self.env.step(actions)
+            infos = {agent: info | after[agent] for agent, info in infos.items()}
             if not self.env.agents:  # recorded with other options, or up to its last step
                 return None
         env: TaskEnv = self.unwrapped

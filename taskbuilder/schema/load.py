@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import string
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -24,15 +23,14 @@ from taskbuilder.schema.groups import (
     expanded_scene,
     of_members,
 )
+from taskbuilder.schema.instructions import fill
 from taskbuilder.schema.names import ObjectNames, SceneNames
 from taskbuilder.schema.references import check_names, read_names
 from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.schema.task import TaskSpec
-from taskbuilder.schema.values import Model
 from taskbuilder.schema.variants import check_randomize, read_variations
-from taskbuilder.wording import suggestion
 
 
 @dataclass(frozen=True)
@@ -305,30 +303,3 @@ def _check_instructions(
                 fill(text, scene)
         except (ValueError, UnknownNameError) as error:
             yield Finding("TB205", str(error), dotted(path), source.locate(path))
-
-
-def fill(instruction: str, scene: SceneSpec) -> str:
-    """An instruction with ``{stick.color}`` and the like filled in from a scene.
-
-    Raises:
-        UnknownNameError: The scene has no such value.
-        ValueError: The braces do not pair.
-    """
-    words = []
-    for literal, name, _, _ in string.Formatter().parse(instruction):
-        words.append(literal)
-        if name is not None:
-            words.append(_scene_value(name, scene))
-    return "".join(words)
-
-
-def _scene_value(name: str, scene: SceneSpec) -> str:
-    thing, _, key = name.partition(".")
-    things: Mapping[str, Model] = {**scene.robots, **scene.objects, **scene.sites}
-    first = scene.objects.get(f"{thing}_1")
-    owner = first if first is not None and first.count else things.get(thing)
-    value = getattr(owner, key) if owner and key in type(owner).model_fields else None
-    if isinstance(value, bool) or not isinstance(value, str | int | float):
-        known: Sequence[str] = [f"{name}.color" for name in (*scene.objects, *scene.sites)]
-        raise UnknownNameError(f'"{{{name}}}" is no value; {suggestion(name, known, what="try")}')
-    return str(value)

@@ -271,6 +271,13 @@ def rgb(color: str | tuple[float, float, float]) -> tuple[float, float, float]:
     return (int(color[1:3], 16) / 255, int(color[3:5], 16) / 255, int(color[5:7], 16) / 255)
 
 
+def color_name(color: str | tuple[float, float, float]) -> str:
+    """The name of a colour: its own, or the nearest in the palette, by red, green and blue."""
+    if isinstance(color, str) and color in PALETTE:
+        return color
+    return min(PALETTE, key=lambda name: math.dist(rgb(color), PALETTE[name]))
+
+
 def exactly_one(what: str, model: BaseModel, *names: str) -> None:
     """Refuse a model in which none or several of the named keys are given.
 

@@ -85,7 +85,7 @@ def placement_order(scene: SceneSpec) -> tuple[str, ...]:
     def visit(name: str) -> None:
         if name in order or name not in things:
             return
-        for parent in _parents(scene, name):
+        for parent in parents_of(scene, name):
             visit(parent)
         order[name] = None
 
@@ -147,7 +147,8 @@ def put_aloft(world: PlacementWorld, group: str) -> None:
     _move(world, group, Pose((0.0, 0.0, ALOFT * (number + 1))))
 
 
-def _parents(scene: SceneSpec, name: str) -> Iterator[str]:
+def parents_of(scene: SceneSpec, name: str) -> Iterator[str]:
+    """What the position of a thing is given in: its frame and its surface, without parts."""
     spec = scene.objects[name] if name in scene.objects else scene.sites[name]
     references = [spec.frame]
     if spec.place is not None:
@@ -160,7 +161,7 @@ def _moved(scene: SceneSpec) -> set[str]:
     moved: set[str] = set()
     for name in placement_order(scene):
         spec = scene.objects[name] if name in scene.objects else scene.sites[name]
-        if spec.place is not None or moved & set(_parents(scene, name)):
+        if spec.place is not None or moved & set(parents_of(scene, name)):
             moved.add(name)
     return moved
 
@@ -175,7 +176,7 @@ def _parties(scene: SceneSpec) -> tuple[tuple[str, ...], ...]:
             leader[name] = name
             parties[name] = [name]
         else:
-            above = [leader[parent] for parent in _parents(scene, name) if parent in leader]
+            above = [leader[parent] for parent in parents_of(scene, name) if parent in leader]
             if above:
                 leader[name] = above[0]
                 parties[above[0]].append(name)

@@ -103,6 +103,8 @@ def test_infos_are_numbers_under_the_same_keys_always(make, task):
     keys = None
     for seed in range(2):
         _, infos = env.reset(seed=seed)
+        for info in infos.values():
+            assert info.pop("instruction") == env.task_description
         told = [infos]
         while env.agents:
             *_, infos = env.step(random_actions(env, seed, 1)[0])
@@ -123,6 +125,7 @@ def test_infos_are_numbers_under_the_same_keys_always(make, task):
         "stage",
         "progress",
         "step",
+        "variation",
     } <= set(keys)
 
 

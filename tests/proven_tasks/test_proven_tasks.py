@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from taskbuilder.env.observations import surroundings
 from taskbuilder.env.parallel import parallel_env
+from taskbuilder.env.whole_scene import surroundings
 from taskbuilder.errors import FileError
 from taskbuilder.expert.script.dry_run import dry_run
 from taskbuilder.expert.script.foresight import Foresight
