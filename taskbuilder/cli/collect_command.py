@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,11 @@ from taskbuilder.data.formats import export_dataset
 from taskbuilder.data.plan import CollectPlan, trained_policies
 from taskbuilder.data.policies import PolicyShare, is_named, read_share
 from taskbuilder.data.recording import Cameras
-from taskbuilder.data.summary import summarize_dataset
+from taskbuilder.data.summary import (
+    MissingVariation,
+    missing_variations,
+    summarize_dataset,
+)
 from taskbuilder.digests import digest
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
@@ -46,21 +50,36 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.export and exported.exists():
         raise UsageError(f"{display_path(exported)} exists; the export would go there")
     check_spread(arguments)
-    jobs = min(arguments.jobs or cores(), plan.episodes * len(plan.tasks))
+    jobs = arguments.jobs or cores()
+    if not plan.per_variation:
+        jobs = min(jobs, plan.episodes * len(plan.tasks))
     with _Progress() as report, _nodes(arguments) as nodes:
         other = _trained_players(plan)
         collect(plan, arguments.out, jobs=jobs, nodes=nodes, report=report, other=other)
     dataset = load_dataset(arguments.out)
     if arguments.export:
         export_dataset(dataset, arguments.export, exported)
-    told = summarize_dataset(dataset)
+    told, missing = summarize_dataset(dataset), tuple(missing_variations(dataset))
     if arguments.json:
-        print_json({**told, "export": display_path(exported) if arguments.export else None})
+        export = display_path(exported) if arguments.export else None
+        print_json({**told, "export": export, "missing": [asdict(each) for each in missing]})
     else:
         print_summary(told)
         if arguments.export:
             print(display_path(exported))
-    return 0
+    for each in missing:
+        print(_warning(each), file=sys.stderr)
+    return 1 if missing and not arguments.allow_missing else 0
+
+
+def _warning(missing: MissingVariation) -> str:
+    """A sentence about a variation of which there are too few episodes."""
+    has = f"{missing.episodes} of {missing.wanted} episodes" if missing.episodes else "no episode"
+    told = f"taskbuilder: warning: {missing.task}: {has} of variation {missing.variation}"
+    if not missing.attempts:
+        return f"{told}, which was never played; ask for more --episodes, or give --per-variation"
+    tried = f"{missing.attempts} attempt{'s' * (missing.attempts != 1)}"
+    return f"{told} in {tried}; the first failed because {missing.reason}"
 
 
 def _nodes(arguments: argparse.Namespace) -> AbstractContextManager[Map | None]:
@@ -75,7 +94,8 @@ def _plan(arguments: argparse.Namespace) -> CollectPlan:
     variations, first_seed = _start(arguments, catalogue)
     return CollectPlan(
         tasks=references,
-        episodes=arguments.episodes,
+        episodes=arguments.per_variation or arguments.episodes,
+        per_variation=arguments.per_variation is not None,
         policies=shares,
         cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
         options=_options(arguments, shares),
@@ -96,9 +116,11 @@ def _plan(arguments: argparse.Namespace) -> CollectPlan:
 def _start(
     arguments: argparse.Namespace, catalogue: Catalogue
 ) -> tuple[tuple[int, ...] | None, int]:
-    """The variations and the first seed; those that a suite has for training by default."""
+    """The variations, or None for all, and the first seed; by default those of a suite."""
     suite = asked_suite(arguments, catalogue)
     variations: tuple[int, ...] | None = suite.train.variations if suite else (0,)
+    if arguments.per_variation and not suite:
+        variations = None
     seed = suite.train.first_seed if suite else 0
     if arguments.variation is not None:
         variations = None if arguments.variation == "all" else (arguments.variation,)

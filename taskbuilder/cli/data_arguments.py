@@ -36,12 +36,20 @@ def add_collect(adder: CommandAdder) -> None:
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
     parser.set_defaults(all=False)
     add_suite(parser)
-    parser.add_argument(
+    count = parser.add_mutually_exclusive_group()
+    count.add_argument(
         "--episodes",
         type=whole(1, 10_000_000),
         default=10,
         metavar="N",
         help="number of episodes of each task (default 10)",
+    )
+    count.add_argument(
+        "--per-variation",
+        type=whole(1, 10_000_000),
+        metavar="N",
+        help="number of episodes of each variation of each task; without --variation and --suite, "
+        "of all variations",
     )
     parser.add_argument(
         "--policy",
@@ -72,6 +80,12 @@ def add_collect(adder: CommandAdder) -> None:
         metavar="K",
         help="number of the variation, or all: the variations take turns (default 0; "
         "with --suite, the training variations of the suite)",
+    )
+    parser.add_argument(
+        "--allow-missing",
+        action="store_true",
+        help="exit with status 0 even if the data set has no episode of a variation, or fewer than "
+        "--per-variation",
     )
     parser.add_argument(
         "--seed",

@@ -76,12 +76,15 @@ def _task_rows(task: Mapping[str, Any]) -> list[list[str]]:
         f"{name}: {p['episodes']} episodes, {p['successes']} of {p['attempts']} attempts succeeded"
         for name, p in task["policies"].items()
     ]
-    variations = ", ".join(f"{n} ({count})" for n, count in task["variations"].items())
+    variations = [
+        f"{number}: {of['episodes']} episodes, {of['attempts']} attempts"
+        for number, of in task["variations"].items()
+    ]
     return [
         ["episodes", f"{task['episodes']}, {task['successes']} with success"],
         *(["policy", line] for line in policies),
         *(["robot", line] for line in robots),
-        ["variations", variations],
+        *(["variation", line] for line in variations),
         ["seeds", f"{seeds[0]} to {seeds[1]}"],
         ["steps", f"median {steps['median']:g}, at most {steps['most']}; {task['control_hz']} Hz"],
         ["return", f"mean {task['return']:.2f}"],

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from statistics import median
 from typing import Any
 
-from taskbuilder.data.index import success_rates
+from taskbuilder.data.index import success_rates, variation_counts
 from taskbuilder.machine import PACKAGES
 
 
@@ -61,7 +61,7 @@ def _summary(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str
 
 
 def _tasks(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str]:
-    rates = success_rates(index)
+    rates, counts = success_rates(index), variation_counts(about, index)
     for name, task in about["tasks"].items():
         yield from (f"## {name}", "", task["summary"], "")
         robots = ", ".join(f"{agent} ({r['model']})" for agent, r in task["robots"].items())
@@ -70,6 +70,9 @@ def _tasks(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str]:
         yield from ("", "| policy | attempts | succeeded |", "|---|---|---|")
         for policy, (won, played) in rates.get(name, {}).items():
             yield f"| {policy} | {played} | {won} |"
+        yield from ("", "| variation | attempts | episodes |", "|---|---|---|")
+        for variation, count in counts[name].items():
+            yield f"| {variation} | {count.attempts} | {count.episodes} |"
         yield ""
 
 

@@ -12,7 +12,7 @@ import errno
 import json
 import shutil
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -25,7 +25,6 @@ from taskbuilder.data.index import make_index
 from taskbuilder.data.plan import (
     Attempt,
     CollectPlan,
-    attempt_of,
     changes,
     check_plan,
     describe,
@@ -39,6 +38,7 @@ from taskbuilder.data.playing import (
     play_elsewhere,
 )
 from taskbuilder.data.policies import MakeOther
+from taskbuilder.data.schedule import Series, next_attempts, series_of
 from taskbuilder.data.videos import require_video
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import (
@@ -53,12 +53,6 @@ from taskbuilder.task import Task
 
 _ASIDE = tuple(f".{name}." for name in layout.OWN)
 """How files are called while they are written; a process that was killed may have left some."""
-
-HOPELESS = 20
-"""Attempts without a single success after which collecting stops."""
-
-MOST_ATTEMPTS = 20
-"""Attempts for every episode asked for after which collecting stops."""
 
 
 class CollectingError(TaskbuilderError):
@@ -132,7 +126,8 @@ def collect(
             if not layout.is_finished(folder):
                 played = _play_all(job, tasks, report, jobs=jobs, nodes=nodes)
                 _finish(folder, about, played)
-            report(CollectProgress(_wanted(plan), _wanted(plan), 0, 0.0))
+            wanted = _wanted(plan, loaded)
+            report(CollectProgress(wanted, wanted, 0, 0.0))
     except OSError as error:
         raise CollectingError(_disk_words(error, folder)) from error
     except LostError as lost:
@@ -141,8 +136,9 @@ def collect(
         ) from lost
 
 
-def _wanted(plan: CollectPlan) -> int:
-    return plan.episodes * len(plan.tasks)
+def _wanted(plan: CollectPlan, tasks: Iterable[Task]) -> int:
+    counts = [len(plan.played(task)) if plan.per_variation else 1 for task in tasks]
+    return plan.episodes * sum(counts)
 
 
 def _begin(folder: Path, about: Mapping[str, Any]) -> None:
@@ -190,20 +186,18 @@ def _play_all(
     job: CollectJob, tasks: Mapping[str, Task], report: Report, *, jobs: int, nodes: Map | None
 ) -> list[AttemptResult]:
     """Play attempts until there are enough episodes of every task."""
-    counter = _Counter(_wanted(job.plan), report)
+    counter = _Counter(_wanted(job.plan, tasks.values()), report)
     every: list[AttemptResult] = []
     with _players(job, jobs, nodes) as play:
         for reference, task in tasks.items():
-            own: list[AttemptResult] = []
-            while (missing := job.plan.episodes - sum(done.kept for done in own)) > 0:
-                numbers = range(len(own), len(own) + missing)
-                attempts = [attempt_of(job.plan, reference, task, n) for n in numbers]
-                with closing(play(attempts)) as played:
-                    for done in played:
-                        own.append(done)
+            series = series_of(job.plan, reference, task)
+            while upcoming := list(next_attempts(series)):
+                with closing(play([attempt for _, attempt in upcoming])) as played:
+                    for (own, _), done in zip(upcoming, played, strict=True):
+                        own.results.append(done)
+                        every.append(done)
                         counter.count(done)
-                        _check_hope(job.plan, task, own)
-            every += own
+                        _check_hope(task, series)
     return every
 
 
@@ -268,19 +262,21 @@ class _Counter:
         self._report(CollectProgress(self._kept, self._wanted, self._failed, left))
 
 
-def _check_hope(plan: CollectPlan, task: Task, played: Sequence[AttemptResult]) -> None:
-    """Stop where too few attempts succeed.
+def _check_hope(task: Task, series: Sequence[Series]) -> None:
+    """Stop where too few attempts succeed in all series of a task.
+
+    Where only some variations are without hope, the others become a data set.
 
     Raises:
         CollectingError: So it is.
     """
-    kept = sum(done.kept for done in played)
-    limit = HOPELESS if not kept else HOPELESS + MOST_ATTEMPTS * plan.episodes
-    if kept == plan.episodes or len(played) < limit:
+    if not all(own.is_hopeless for own in series):
         return
-    reason = next(done.reason for done in played if not done.kept)
+    results = [result for own in series for result in own.results]
+    kept = sum(result.kept for result in results)
+    reason = next(result.reason for result in results if not result.kept)
     raise CollectingError(
-        f"{kept} of {len(played)} attempts at {task.name} succeeded; the first failed because "
+        f"{kept} of {len(results)} attempts at {task.name} succeeded; the first failed because "
         f"{reason}\nTry taskbuilder demo {task.name}, or keep failures by --keep-failures"
     )
 

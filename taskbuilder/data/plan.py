@@ -30,7 +30,8 @@ class CollectPlan:
 
     Attributes:
         tasks: Names or paths of the tasks.
-        episodes: Episodes of each task.
+        episodes: Episodes of each task, or of each of its variations.
+        per_variation: Whether ``episodes`` are those of each variation.
         policies: Who plays; they take turns.
         cameras: What is recorded of the cameras.
         options: Options of the environment, by name, besides the variation.
@@ -53,6 +54,7 @@ class CollectPlan:
     variations: tuple[int, ...] | None = (0,)
     first_seed: int = 0
     keep_failures: bool = False
+    per_variation: bool = False
     license: str = "MIT"
     policy_digests: Mapping[str, str] = field(default_factory=dict)
     catalogue: Catalogue = field(default_factory=Catalogue.discover)
@@ -61,6 +63,10 @@ class CollectPlan:
     def make_env(self, task: Task, variation: int) -> TaskEnv:
         """Make the environment of a task and a variation."""
         return parallel_env(task, variation=variation, renderer=self.renderer, **self.options)
+
+    def played(self, task: Task) -> tuple[int, ...]:
+        """The variations of a task that are played."""
+        return self.variations or tuple(range(len(task.file.scenes)))
 
     def machine(self) -> dict[str, Any]:
         """What the bits of episodes depend on that are played on this machine."""
@@ -96,8 +102,8 @@ class Attempt:
 
 
 def attempt_of(plan: CollectPlan, reference: str, task: Task, number: int) -> Attempt:
-    """An attempt at an episode of a task, counted from 0."""
-    variations = plan.variations or tuple(range(len(task.file.scenes)))
+    """An attempt at an episode of a task, counted from 0; its variations take turns."""
+    variations = plan.played(task)
     turn = number // round_of(plan.policies)
     return Attempt(
         reference,
@@ -106,6 +112,18 @@ def attempt_of(plan: CollectPlan, reference: str, task: Task, number: int) -> At
         variations[turn % len(variations)],
         policy_of(plan.policies, number),
     )
+
+
+def attempt_at(
+    plan: CollectPlan, reference: str, task: Task, variation: int, number: int
+) -> Attempt:
+    """An attempt at an episode of one variation, counted from 0 for each variation.
+
+    No two attempts have the same seed, because seeds alternate between the variations.
+    """
+    variations = plan.played(task)
+    seed = plan.first_seed + number * len(variations) + variations.index(variation)
+    return Attempt(reference, task.name, seed, variation, policy_of(plan.policies, number))
 
 
 # --- checking
@@ -171,6 +189,7 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
             "variations": list(plan.variations) if plan.variations is not None else "all",
             "first_seed": plan.first_seed,
             "keep_failures": plan.keep_failures,
+            "per_variation": plan.per_variation,
         },
         "options": _listed(plan.options),
         "renderer": drawn.pop() if plan.cameras.names else None,

@@ -44,11 +44,11 @@ class CollectJob:
         failure = self._failure(attempt.name)
         if place.exists():
             if layout.is_whole(place):
-                return AttemptResult(attempt.name, True, _reason(layout.read_episode(place)))
+                return AttemptResult(attempt.name, True, why_not(layout.read_episode(place)))
             shutil.rmtree(place)
         if failure.exists():
             try:
-                return AttemptResult(attempt.name, False, _reason(layout.read_json(failure)))
+                return AttemptResult(attempt.name, False, why_not(layout.read_json(failure)))
             except TaskbuilderError:
                 failure.unlink()
         return None
@@ -134,7 +134,7 @@ class EpisodePlayer:
         data = self._recorded(attempt)
         about = {"policy": attempt.policy, "machine": self._machine, **data.about}
         kept = bool(data.arrays) and (about["success"] or self.job.plan.keep_failures)
-        result = AttemptResult(attempt.name, kept, _reason(about))
+        result = AttemptResult(attempt.name, kept, why_not(about))
         if kept:
             whole = EpisodeData(about, data.arrays, data.images, data.depths)
             return PlayedAttempt(result, layout.episode_files(attempt.name, whole))
@@ -171,7 +171,7 @@ _MOST_ENVIRONMENTS = 6
 """Environments that a process keeps at the same time."""
 
 
-def _reason(about: Mapping[str, Any]) -> str:
+def why_not(about: Mapping[str, Any]) -> str:
     """Why an episode did not succeed, in a sentence, or ""."""
     if about["success"]:
         return ""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from statistics import fmean, median
 from typing import Any
 
 from taskbuilder.data.dataset import Dataset
-from taskbuilder.data.index import success_rates
+from taskbuilder.data.index import success_rates, variation_counts
+from taskbuilder.data.layout import FAILURES, read_json
+from taskbuilder.data.playing import why_not
 
 
 def summarize_dataset(dataset: Dataset) -> dict[str, Any]:
@@ -17,7 +20,7 @@ def summarize_dataset(dataset: Dataset) -> dict[str, Any]:
         dataset: The data set.
     """
     about, index = dataset.about, dataset.contents
-    rates = success_rates(index)
+    rates, counts = success_rates(index), variation_counts(about, index)
     files = [file for file in dataset.folder.rglob("*") if file.is_file()]
     return {
         "folder": str(dataset.folder),
@@ -31,7 +34,13 @@ def summarize_dataset(dataset: Dataset) -> dict[str, Any]:
         "renderer": about["renderer"],
         "options": dict(about["options"]),
         "collected": dict(about["collected"]),
-        "tasks": {name: _of_task(dataset, name, rates.get(name, {})) for name in dataset.tasks},
+        "tasks": {
+            name: {
+                **_of_task(dataset, name, rates.get(name, {})),
+                "variations": {str(n): c._asdict() for n, c in counts[name].items()},
+            }
+            for name in dataset.tasks
+        },
         "versions": dict(about["versions"]),
         "processor": dict(about["processor"]),
     }
@@ -40,13 +49,11 @@ def summarize_dataset(dataset: Dataset) -> dict[str, Any]:
 def _of_task(dataset: Dataset, name: str, rates: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
     task = dataset.about["tasks"][name]
     lines = [line for line in dataset.contents["episodes"] if line["task"] == name]
-    variations = sorted({line["variation"] for line in lines})
     seeds = [line["seed"] for line in lines]
     return {
         "summary": task["summary"],
         "episodes": len(lines),
         "successes": sum(line["success"] for line in lines),
-        "variations": {str(v): sum(line["variation"] == v for line in lines) for v in variations},
         "seeds": [min(seeds), max(seeds)] if seeds else [],
         "steps": {
             "median": median(line["steps"] for line in lines),
@@ -74,3 +81,47 @@ def _of_task(dataset: Dataset, name: str, rates: Mapping[str, tuple[int, int]]) 
 
 def _kept(lines: list[Mapping[str, Any]], policy: str) -> int:
     return sum(line["policy"] == policy for line in lines)
+
+
+@dataclass(frozen=True)
+class MissingVariation:
+    """A variation of which a data set has fewer episodes than it should.
+
+    Attributes:
+        task: Name of the task.
+        variation: Its number.
+        attempts: Episodes that were played.
+        episodes: Those of them that were kept.
+        wanted: The least number of episodes that should be there.
+        reason: Why the first of the others was not kept, or "".
+    """
+
+    task: str
+    variation: int
+    attempts: int
+    episodes: int
+    wanted: int
+    reason: str
+
+
+def missing_variations(dataset: Dataset) -> Iterator[MissingVariation]:
+    """The variations without an episode, or with fewer than were asked for of each.
+
+    Args:
+        dataset: The data set.
+    """
+    collected = dataset.about["collected"]
+    wanted = collected["episodes"] if collected.get("per_variation") else 1
+    for task, counts in variation_counts(dataset.about, dataset.contents).items():
+        for variation, count in counts.items():
+            if count.episodes < wanted:
+                reason = _reason(dataset, task, variation)
+                yield MissingVariation(task, variation, *count, wanted, reason)
+
+
+def _reason(dataset: Dataset, task: str, variation: int) -> str:
+    """Why the first attempt at a variation that was not kept did not succeed, or ""."""
+    for line in dataset.contents["not_kept"]:
+        if line["task"] == task and line.get("variation") == variation:
+            return why_not(read_json(dataset.folder / FAILURES / f"{line['name']}.json"))
+    return ""

@@ -128,8 +128,8 @@ class TaskSpec(Model):
         ("all",),
         description="Channels that a centralised critic observes; `all` stands for the joints "
         "and tools of all robots, the poses and velocities of all movable objects, the joint "
-        "positions of objects, the positions of all sites, the time left, and whatever else a reset "
-        "draws.",
+        "positions of objects, the positions of all sites, the time left, and all else that a "
+        "reset draws.",
     )
     expert: tuple[ExpertStage, ...] = ()
     variations: tuple[

@@ -46,11 +46,11 @@ def test_it_is_a_gymnasium_vector_env(vec, workers):
     assert env.state()[1] in env.state_space
 
 
-def test_infos_have_the_same_keys_at_reset_and_step(vec):
+def test_infos_have_the_same_keys_at_reset_and_step_but_for_the_instruction(vec):
     env = vec(1)
     _, first = env.reset()
     _, _, _, _, second = env.step(env.action_space.sample())
-    assert set(first) == set(second)
+    assert set(first) == {*second, "instruction", "_instruction"}
     assert "lost" in first
 
 

@@ -116,7 +116,7 @@ def row(thing: Any, index: int) -> Any:
 
 
 def without_final(seen: list[Any]) -> list[Any]:
-    """What `roll` saw, less what is only there at steps at which some episode ends."""
+    """What `roll` saw, less what is only there at steps at which some episode ends or begins."""
     return [_trimmed(thing) for thing in seen]
 
 
@@ -133,7 +133,9 @@ def _trimmed(thing: Any) -> Any:
     if not isinstance(thing, tuple):
         return thing
     *others, infos = thing
-    return (*others, {key: value for key, value in infos.items() if "final" not in key})
+    sometimes = ("final", "instruction")
+    always = {k: value for k, value in infos.items() if not any(word in k for word in sometimes)}
+    return (*others, always)
 
 
 def _holds_objects(thing: Any) -> bool:
