@@ -103,6 +103,7 @@ def _plan(arguments: argparse.Namespace) -> CollectPlan:
         variations=variations,
         first_seed=first_seed,
         keep_failures=arguments.keep_failures,
+        until_success=arguments.until_success,
         license=arguments.license,
         policy_digests={
             share.name: digest(policy_file(share.name).read_bytes())

@@ -106,6 +106,13 @@ def add_collect(adder: CommandAdder) -> None:
         "--keep-failures", action="store_true", help="also keep episodes without success"
     )
     parser.add_argument(
+        "--until-success",
+        type=whole(0, 100_000),
+        metavar="N",
+        help="end each episode N control steps after success was reached (default: record whole "
+        "episodes)",
+    )
+    parser.add_argument(
         "--license",
         default="MIT",
         metavar="L",

@@ -18,7 +18,7 @@ from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.expert.named import has_expert
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.expert import in_words
+from taskbuilder.schema.expert import stage_labels
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.task import Task, load_task
 from taskbuilder.wording import suggestion
@@ -39,6 +39,7 @@ class CollectPlan:
         variations: Variations to play, in turn; None for all of each task.
         first_seed: Seed of the first attempt; later ones have the next seeds.
         keep_failures: Keep episodes without success, too.
+        until_success: Control steps to record after success was reached; None for whole episodes.
         license: Licence that the card states.
         policy_digests: Digest of the file of each trained policy, by its name.
         catalogue: The catalogue that tasks are looked up in.
@@ -55,6 +56,7 @@ class CollectPlan:
     first_seed: int = 0
     keep_failures: bool = False
     per_variation: bool = False
+    until_success: int | None = None
     license: str = "MIT"
     policy_digests: Mapping[str, str] = field(default_factory=dict)
     catalogue: Catalogue = field(default_factory=Catalogue.discover)
@@ -190,6 +192,7 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
             "first_seed": plan.first_seed,
             "keep_failures": plan.keep_failures,
             "per_variation": plan.per_variation,
+            "until_success": plan.until_success,
         },
         "options": _listed(plan.options),
         "renderer": drawn.pop() if plan.cameras.names else None,
@@ -218,7 +221,7 @@ def _described(plan: CollectPlan, task: Task) -> tuple[str, dict[str, Any]]:
             "stages": list(task.description.stages),
             "terms": list(env.episode.outcome.terms),
             "conditions": list(env.episode.outcome.conditions),
-            "expert": [in_words(stage) for stage in spec.expert],
+            "expert": list(stage_labels(spec.expert)),
             "robots": {name: _robot(env, name) for name in env.possible_agents},
             "objects": list(world.movable),
             "state_names": list(env.state_names),

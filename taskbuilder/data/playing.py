@@ -144,7 +144,8 @@ class EpisodePlayer:
     def _recorded(self, attempt: Attempt) -> EpisodeData:
         env, policy = self._player_of(attempt)
         try:
-            return record_episode(env, policy, attempt.seed, self.job.plan.cameras)
+            plan = self.job.plan
+            return record_episode(env, policy, attempt.seed, plan.cameras, plan.until_success)
         except (PlacementError, ExplosionError) as error:
             told = {"task": attempt.task, "seed": attempt.seed, "variation": attempt.variation}
             why = [{"of": "reset", "part": "", "says": str(error), "since": 0}]

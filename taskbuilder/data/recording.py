@@ -14,7 +14,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.schema.expert import ExpertStage, Together, in_words
+from taskbuilder.schema.expert import DONE, ExpertStage, Together, stage_labels
 from taskbuilder.sim.cameras import capture
 
 
@@ -54,7 +54,11 @@ class EpisodeData:
 
 
 def record_episode(
-    env: TaskEnv, policy: Policy, seed: int, cameras: Cameras = NO_CAMERAS
+    env: TaskEnv,
+    policy: Policy,
+    seed: int,
+    cameras: Cameras = NO_CAMERAS,
+    until_success: int | None = None,
 ) -> EpisodeData:
     """Play an episode and record it.
 
@@ -63,13 +67,22 @@ def record_episode(
         policy: Who plays.
         seed: Seed passed to `reset`.
         cameras: What is recorded of the cameras.
+        until_success: Control steps to record after success was reached; by default all.
 
     Raises:
         PlacementError: The objects do not fit.
         ExplosionError: The physics diverged in the reset.
     """
     steps = StepRecorder(cameras)
-    rollout = play(env, policy, seed, observations=True, explain=True, watch=steps)
+    rollout = play(
+        env,
+        policy,
+        seed,
+        observations=True,
+        explain=True,
+        watch=steps,
+        after_success=until_success,
+    )
     arrays = {**recorded_arrays(rollout, steps), "subtask": _subtask_of_step(env, rollout)}
     about = _about(env, rollout)
     return EpisodeData(about, dict(sorted(arrays.items())), steps.images, steps.depths)
@@ -237,11 +250,12 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Subtask:
-    """The time span of a stage of the expert.
+    """The time span of a stage of the expert, or of the rest of the episode after the last stage.
 
     Attributes:
-        stage: Number of the stage, from 1, in the order of the task file.
-        label: The stage in words.
+        stage: Number of the stage, from 1, in the order of the task file. The rest of the episode
+            has the next number.
+        label: The stage in words, and ``done`` for the rest of the episode.
         robots: The robots that act in it.
         from_step: Control steps before it.
         to_step: Control steps before its end.
@@ -261,21 +275,36 @@ class Subtask:
 
 
 def subtasks(env: TaskEnv, rollout: Rollout) -> Iterator[Subtask]:
-    """The stages of the expert in an episode; none if no expert played."""
+    """The stages of the expert in an episode, then the rest of it; none if no expert played."""
     if rollout.log is None:
         return
     stages = env.task.file.spec.expert
     begin = 0
-    for number, stage in enumerate(stages, start=1):
+    for number, (stage, label) in enumerate(zip(stages, stage_labels(stages), strict=True), 1):
         done = number <= len(rollout.stage_ends)
         end = rollout.stage_ends[number - 1] if done else _given_up(rollout)
         if not done and end <= begin:
             return
-        spans = rollout.seconds(begin), rollout.seconds(end)
-        yield Subtask(number, in_words(stage), robots_of(stage), begin, end, *spans, done)
+        yield _subtask(rollout, number, label, robots_of(stage), (begin, end), done=done)
         if not done:
             return
         begin = end
+    if begin < rollout.steps:
+        yield _subtask(rollout, len(stages) + 1, DONE, (), (begin, rollout.steps), done=True)
+
+
+def _subtask(
+    rollout: Rollout,
+    number: int,
+    label: str,
+    robots: tuple[str, ...],
+    steps: tuple[int, int],
+    *,
+    done: bool,
+) -> Subtask:
+    begin, end = steps
+    times = rollout.seconds(begin), rollout.seconds(end)
+    return Subtask(number, label, robots, begin, end, *times, done)
 
 
 def _given_up(rollout: Rollout) -> int:
@@ -290,7 +319,7 @@ def robots_of(stage: ExpertStage) -> tuple[str, ...]:
 
 
 def _subtask_of_step(env: TaskEnv, rollout: Rollout) -> NDArray[np.int64]:
-    """(steps,) the number of the expert's stage in each control step, 0 for none."""
+    """(steps,) the number of the sub-task in each control step, 0 for none."""
     numbers = np.zeros(rollout.steps, dtype=np.int64)
     for part in subtasks(env, rollout):
         numbers[part.from_step : part.to_step] = part.stage

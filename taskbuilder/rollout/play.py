@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, Protocol, runtime_checkable
@@ -67,6 +68,7 @@ def play(
     forces: bool = False,
     explain: bool = False,
     watch: Watch | None = None,
+    after_success: int | None = None,
 ) -> Rollout:
     """Play an episode.
 
@@ -81,6 +83,8 @@ def play(
             robots, in `Rollout.robot_force`.
         explain: Whether to record why success is false, if it is false at the end.
         watch: Function that is called with the environment after reset and after each control step.
+        after_success: Number of control steps to play after the episode has succeeded; by default,
+            the episode is played to its end.
 
     Returns:
         The record of the episode, up to its end or to the step at which the policy stopped.
@@ -92,10 +96,15 @@ def play(
     recorder = Recorder(env, observations=observations, cameras=cameras, size=size, forces=forces)
     witness = Witness() if explain else None
     played = as_policy(policy)
+    last: float = math.inf
     for _ in _from_reset(recorder, played, seed):
         for onlooker in (witness, watch):
             if onlooker is not None:
                 onlooker(env)
+        if after_success is not None and env.episode.succeeded:
+            last = min(last, env.episode.steps + after_success)
+        if env.episode.steps >= last:
+            break
     rollout = recorder.rollout(played.log() if isinstance(played, Scripted) else None)
     return replace(rollout, why=witness.reasons(env, rollout)) if witness else rollout
 

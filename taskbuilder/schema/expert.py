@@ -273,6 +273,81 @@ def in_words(stage: ExpertStage) -> str:
     return ", ".join(f"{who}: {order}" for who, order in orders_of(stage)) or str(stage)
 
 
+DONE = "done"
+"""Label of the control steps after the last stage."""
+
+
+def stage_labels(stages: Sequence[ExpertStage]) -> tuple[str, ...]:
+    """A label for each stage; two stages have the same label only if they are the same.
+
+    A label is the stage in words. Where different stages have the same words, the values in which
+    they differ are added, as far as they are needed: ``left: reach cube (above 0.1 m)``.
+    """
+    alike: dict[str, list[ExpertStage]] = {}
+    for stage in stages:
+        group = alike.setdefault(in_words(stage), [])
+        if stage not in group:
+            group.append(stage)
+    keys = {words: _telling_apart(group) for words, group in alike.items()}
+    return tuple(_label(stage, keys[in_words(stage)]) for stage in stages)
+
+
+def _telling_apart(group: Sequence[ExpertStage]) -> Sequence[str]:
+    """The keys, as few as possible in their order, that give each stage a label of its own."""
+    columns = zip(*(_parts(stage) for stage in group), strict=True)
+    differing = [
+        key
+        for parts in columns
+        for key in type(parts[0][1]).model_fields
+        if any(getattr(part, key) != getattr(parts[0][1], key) for _, part in parts)
+    ]
+    keys = list(dict.fromkeys(differing))
+    for count in range(len(keys)):
+        if len({_label(stage, keys[:count]) for stage in group}) == len(group):
+            return keys[:count]
+    return keys
+
+
+def _parts(stage: ExpertStage) -> tuple[tuple[str, Model], ...]:
+    """Who is told what; a stage that waits, or repeats others, is told to nobody."""
+    return orders_of(stage) or (("", stage),) if isinstance(stage, Model) else orders_of(stage)
+
+
+def _label(stage: ExpertStage, keys: Sequence[str]) -> str:
+    """A stage in words, with its values for some keys where they are not the defaults."""
+    return ", ".join(
+        f"{who}: {part}{_details(part, keys)}" if who else f"{part}{_details(part, keys)}"
+        for who, part in _parts(stage)
+    )
+
+
+def _details(part: Model, keys: Sequence[str]) -> str:
+    fields = type(part).model_fields
+    said = [
+        _value_in_words(key, getattr(part, key))
+        for key in keys
+        if key in fields and getattr(part, key) != fields[key].default
+    ]
+    return f" ({', '.join(said)})" if said else ""
+
+
+def _value_in_words(key: str, value: Any) -> str:
+    if key == "stages":
+        return "; ".join(map(in_words, value))
+    if isinstance(value, bool):
+        return key if value else f"{key} false"
+    if isinstance(value, tuple) and value and isinstance(value[0], str):
+        return f"{key} {listing(value)}"
+    word = f"{value:g}" if isinstance(value, float) else spelt(value)
+    return f"{key} {word}{_UNITS.get(key, '')}"
+
+
+_UNITS = {
+    **dict.fromkeys(("above", "offset", "approach", "tolerance", "depth", "to"), " m"),
+    "within": " s",
+}
+
+
 def waits(
     stages: Sequence[Any], path: tuple[str | int, ...] = ("expert",)
 ) -> Iterator[tuple[tuple[str | int, ...], str]]:

@@ -15,6 +15,7 @@ from tree import bytes_of
 import taskbuilder
 from taskbuilder.arrays import StoreError
 from taskbuilder.data import layout
+from taskbuilder.data.checking import check_dataset
 from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset, make_from
 from taskbuilder.data.plan import CollectPlan
@@ -75,7 +76,8 @@ def test_joints_are_recorded_whatever_is_observed(pictured):
 def test_subtasks_are_the_stages_of_the_expert(pictured):
     episode = load_dataset(pictured)[0]
     parts = episode.subtasks
-    assert [part["stage"] for part in parts] == [1, 2, 3, 4, 5]
+    assert [part["stage"] for part in parts] == [1, 2, 3, 4, 5, 6]
+    assert (parts[5]["label"], parts[5]["robots"], parts[5]["done"]) == ("done", [], True)
     assert parts[0]["label"] == "left: grasp stick.left_end"
     assert parts[1]["robots"] == ["left", "right"]
     assert [part["to_step"] for part in parts[:-1]] == [part["from_step"] for part in parts[1:]]
@@ -83,7 +85,31 @@ def test_subtasks_are_the_stages_of_the_expert(pictured):
     labels = episode.arrays["subtask"]
     for part in parts:
         assert set(labels[part["from_step"] : part["to_step"]]) == {part["stage"]}
-    assert set(labels[parts[-1]["to_step"] :]) <= {0}
+    assert (parts[0]["from_step"], parts[-1]["to_step"]) == (0, episode.steps)
+
+
+def test_stages_that_differ_only_by_a_height_have_different_labels(tmp_path):
+    collect(CollectPlan(("pick_place",), 1), tmp_path / "out")
+    dataset = load_dataset(tmp_path / "out")
+    labels = [part["label"] for part in dataset[0].subtasks]
+    assert len(labels) == len(set(labels))
+    assert {"arm: bring cube to on_mark", "arm: bring cube to on_mark (above 0.06 m)"} < set(labels)
+    assert [*dataset.about["tasks"]["pick_place"]["expert"], "done"] == labels
+
+
+@pytest.mark.parametrize("more", [0, 3])
+def test_episodes_end_a_number_of_steps_after_success(tmp_path, more):
+    collect(CollectPlan(("pick_place",), 2, until_success=more), tmp_path / "out")
+    collect(CollectPlan(("pick_place",), 2), tmp_path / "whole")
+    for short, whole in zip(
+        *map(load_dataset, (tmp_path / "out", tmp_path / "whole")), strict=True
+    ):
+        first = whole.about["first_success"]
+        assert short.steps == first + more < whole.steps
+        assert short.about["first_success"] == first
+        assert np.array_equal(short.state, whole.state[: short.steps + 1])
+        assert np.array_equal(short.arrays["subtask"], whole.arrays["subtask"][: short.steps])
+    assert check_dataset(tmp_path / "out", 1.0).ok
 
 
 def test_pictures_are_those_of_the_environment(pictured):

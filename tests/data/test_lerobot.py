@@ -178,6 +178,7 @@ def test_tasks_and_subtasks_are_labelled(exported, pictured):
                 assert parts[frames["subtask_index"][start + step]] == part["label"]
         start += episode.steps
     assert parts[0] == "none"
+    assert "done" in parts.values()
 
 
 # --- pictures

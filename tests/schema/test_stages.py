@@ -6,7 +6,14 @@ import pytest
 
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.dump import as_yaml
-from taskbuilder.schema.expert import Repeat, Together, Wait, kind_of_stage, waits
+from taskbuilder.schema.expert import (
+    Repeat,
+    Together,
+    Wait,
+    kind_of_stage,
+    stage_labels,
+    waits,
+)
 from taskbuilder.schema.load import read_task
 from taskbuilder.schema.order import Order
 
@@ -430,3 +437,46 @@ def test_what_stages_are_told_apart_by_is_no_name(findings, name):
     assert findings(("meeting: {", f"{name}: {{")) == [
         f"19:5: error[TB107] scene.sites.{name}: a reserved word; choose another name"
     ]
+
+
+# --- labels
+
+
+@pytest.mark.parametrize(
+    ("written", "labels"),
+    [
+        (
+            ["{left: {reach: cube, above: 0.1}}", "{left: {reach: cube}}", "{left: release}"],
+            ["left: reach cube (above 0.1 m)", "left: reach cube", "left: release"],
+        ),
+        (
+            ["{left: {reach: cube, above: 0.1, speed: 0.5}}", "{left: {reach: cube, speed: 0.4}}"],
+            ["left: reach cube (above 0.1 m)", "left: reach cube"],
+        ),
+        (
+            ["{left: {reach: cube, above: 0.1, speed: 0.5}}", "{left: {reach: cube, above: 0.1}}"],
+            ["left: reach cube (speed 0.5)", "left: reach cube"],
+        ),
+        (
+            ["{left: {reach: cube}}", "{left: {reach: cube, offset: [0, 0.1, 0], straight: true}}"],
+            ["left: reach cube", "left: reach cube (offset [0, 0.1, 0] m)"],
+        ),
+        (
+            ["{until: success}", "{until: success, within: 3}"],
+            ["until success", "until success (within 3 s)"],
+        ),
+        (
+            ["{repeat: 2, stages: [{left: release}]}", "{repeat: 2, stages: [{left: home}]}"],
+            [
+                "repeat 2 times (left: release)",
+                "repeat 2 times (left: go home)",
+            ],
+        ),
+        (
+            ["{left: release}", "{left: home}", "{left: release}"],
+            ["left: release", "left: go home", "left: release"],
+        ),
+    ],
+)
+def test_different_stages_have_different_labels(stages, written, labels):
+    assert list(stage_labels(stages(*written))) == labels

@@ -25,6 +25,7 @@ from taskbuilder.data.formats.lerobot_tables import (
 from taskbuilder.data.formats.statistics import Stats, combined, image_stats, stats_of
 from taskbuilder.data.videos import decoded, joined, png
 from taskbuilder.files import write_whole
+from taskbuilder.schema.expert import DONE
 
 DATA_MB, VIDEO_MB, CHUNK = 100, 200, 1000
 """Sizes at which a new file begins, and files in a folder."""
@@ -64,12 +65,8 @@ class _Writer:
         self._features = features_of(self._task, pictures=pictures)
         self._columns = {n: f for n, f in self._features.items() if f["dtype"] != "video"}
         self._texts: dict[str, int] = {}
-        self._subtasks = {
-            NO_SUBTASK: 0,
-            **{
-                label: number for number, label in enumerate(dict.fromkeys(self._task["expert"]), 1)
-            },
-        }
+        labels = dict.fromkeys((NO_SUBTASK, *self._task["expert"], DONE))
+        self._subtasks = {label: number for number, label in enumerate(labels)}
         self._frames = 0
         self._data = _Files(DATA_MB)
         self._tables: list[Any] = []
