@@ -14,6 +14,7 @@ from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.expert import waits
+from taskbuilder.schema.grasping import with_grasp
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
 from taskbuilder.schema.other_robots import other_robots, with_robots
 from taskbuilder.schema.source import dotted
@@ -51,6 +52,7 @@ def load_task(
     catalogue: Catalogue | None = None,
     guarded: bool = False,
     robots: Mapping[str, str | Path] | None = None,
+    grasp: str = "task",
 ) -> Task:
     """Load a task by its name in the catalogue or by the path of its YAML file.
 
@@ -66,11 +68,14 @@ def load_task(
             effect.
         robots: Models that replace those of the task file, by robot: ``{"left": "panda"}``. A model
             is a name in the catalogue, or the path of a robot file.
+        grasp: How grippers with fingers hold objects: ``friction`` or ``attach``, or ``task`` for
+            the rules in the task file.
 
     Raises:
         UnknownNameError: There is no task of this name, or ``robots`` names an unknown model.
         UsageError: ``robots`` names a robot that the scene does not have, or replaces a robot that
-            the expert moves to a posture of the original model.
+            the expert moves to a posture of the original model; or ``grasp`` is no rule, or one
+            that no robot of the task can have.
         FileError: The files of the task have errors; the attribute ``findings`` lists them all.
     """
     catalogue = catalogue or Catalogue.discover()
@@ -99,6 +104,7 @@ def load_task(
         findings += file.warnings if file is not None else ()
         if file is not None and not any(finding.severity == "error" for finding in findings):
             file = with_robots(file, other_robots(robots or {}), catalogue)
+            file = with_grasp(file, grasp)
             return Task(file, with_members(description, file.names), tuple(findings))
     raise FileError(findings)
 

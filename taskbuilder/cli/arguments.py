@@ -16,6 +16,7 @@ from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
+    add_grasp,
     add_jobs,
     add_json,
     add_other_robots,
@@ -220,6 +221,7 @@ def _add_validate(adder: Adder) -> None:
         help="use N seeds per variation (default 40)",
     )
     add_other_robots(parser)
+    add_grasp(parser)
     add_jobs(parser)
     add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
@@ -357,6 +359,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         help="number of the variation (default 0, the task as written)",
     )
     add_other_robots(parser)
+    add_grasp(parser)
     add_renderer(parser)
 
 

@@ -137,6 +137,8 @@ def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> di
     asked: dict[str, Any] = {}
     if arguments.observe != "task":
         asked["observe"] = arguments.observe
+    if arguments.grasp:
+        asked["grasp"] = arguments.grasp
     if arguments.randomize:
         asked["randomize"] = randomized(arguments.randomize)
     for share in shares:

@@ -15,6 +15,7 @@ from taskbuilder.cli.argument_types import (
 )
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import (
+    add_grasp,
     add_jobs,
     add_json,
     add_randomize,
@@ -101,6 +102,7 @@ def add_collect(adder: CommandAdder) -> None:
         help="what robots observe; task: what the task file lists; scene: the whole scene (default "
         "task)",
     )
+    add_grasp(parser)
     add_randomize(parser)
     parser.add_argument(
         "--keep-failures", action="store_true", help="also keep episodes without success"

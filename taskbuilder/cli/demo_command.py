@@ -38,7 +38,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Play episodes, say how each went, and show the first."""
     catalogue = catalogue_of(arguments)
     robots = dict(asked_robots(arguments))
-    task = load_task(arguments.task, catalogue=catalogue, robots=robots)
+    grasp = arguments.grasp or "task"
+    task = load_task(arguments.task, catalogue=catalogue, robots=robots, grasp=grasp)
     _check(task, arguments)
     factory = _factory(catalogue, arguments)
     make_folder(arguments.out)
@@ -84,8 +85,10 @@ def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFacto
         options["randomize"] = randomized(arguments.randomize)
     if arguments.robot:  # else those of training
         options["robots"] = asked_robots(arguments)
+    if arguments.grasp:
+        options["grasp"] = arguments.grasp
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))
-    factory = PlayerFactory(make_env, arguments.policy)
+    factory = PlayerFactory(make_env, arguments.policy, any_grasp=bool(arguments.grasp))
     if trained:
         with ExitStack() as stack:
             factory.make_player(stack)
@@ -102,10 +105,12 @@ class PlayerFactory:
     Attributes:
         make_env: Makes the environment.
         policy: Who plays.
+        any_grasp: Whether a trained one may play with another rule of grasping than in training.
     """
 
     make_env: EnvFactory
     policy: str
+    any_grasp: bool
 
     def make_player(self, stack: ExitStack) -> Callable[[int], Rollout]:
         """What plays an episode from a seed; it is freed by the stack.
@@ -119,7 +124,7 @@ class PlayerFactory:
     def _policy(self, env: TaskEnv, stack: ExitStack) -> Policy:
         if is_trained(self.policy):
             trained = load_policy(self.policy)
-            check_fits(trained, env, self.policy)
+            check_fits(trained, env, self.policy, any_grasp=self.any_grasp)
             return trained.player()
         made = policy_named(self.policy)(env)
         if isinstance(made, Expert):

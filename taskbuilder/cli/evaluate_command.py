@@ -106,6 +106,7 @@ def _found(arguments: argparse.Namespace, variation: int | str | None) -> Evalua
         variation=variation,
         disturbances=disturbances,
         robots=asked_robots(arguments),
+        grasp=arguments.grasp,
     )
     _check(found, arguments)
     return found
@@ -117,6 +118,8 @@ def _begun(found: Evaluated, arguments: argparse.Namespace) -> range:
     if not arguments.json:
         print(paint(f"{found.task.name} · {found.name}", "bold"))
         rows = [*(origin(found.about) if found.about else []), ["plays", _episodes(seeds)]]
+        if found.any_grasp:
+            rows.append(["grasp", str(found.options["grasp"])])
         disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if n in found.options]
         if disturbed:
             rows.append(["disturbed", ", ".join(disturbed)])

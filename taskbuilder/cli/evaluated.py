@@ -25,6 +25,10 @@ DISTURBANCES = ("position_noise", "randomize")
 """Options of environments that policies are tested with, whatever they were trained with."""
 
 
+SCENE_OPTIONS = ("robots", "grasp", "randomize")
+"""Options of environments that hold for the baselines, too."""
+
+
 @dataclass(frozen=True)
 class Evaluated:
     """Who is evaluated, and where.
@@ -36,6 +40,7 @@ class Evaluated:
         task: What is played.
         make_env: Makes the environment.
         options: Of the environment, by name.
+        any_grasp: Whether it may be another rule of grasping than in training.
     """
 
     name: str
@@ -44,11 +49,12 @@ class Evaluated:
     task: Task
     make_env: EnvFactory
     options: Mapping[str, Any]
+    any_grasp: bool = False
 
     @property
     def config(self) -> TrialConfig:
         """Who plays where, those that it is compared with included."""
-        shared = [pair for pair in self.make_env.options if pair[0] in ("robots", "randomize")]
+        shared = [pair for pair in self.make_env.options if pair[0] in SCENE_OPTIONS]
         plain = EnvFactory(self.make_env.task, self.make_env.catalogue, tuple(shared))
         return TrialConfig(self.player, self.make_env, plain)
 
@@ -73,6 +79,7 @@ def evaluated(
     options: Mapping[str, Any] | None = None,
     disturbances: Mapping[str, Any] | None = None,
     robots: OtherRobots = (),
+    grasp: str | None = None,
 ) -> Evaluated:
     """Find who is evaluated and where; refuses what cannot play before anything is played.
 
@@ -85,6 +92,7 @@ def evaluated(
         options: Of the environment, in place of those of training.
         disturbances: Other options of the environment, which training does not decide.
         robots: Other models for robots of the scene, in place of those in ``options``.
+        grasp: The rule of grasping, even if training had another; by default that of training.
 
     Raises:
         UnknownNameError: There is no such policy or task.
@@ -109,6 +117,8 @@ def evaluated(
     chosen = {**(options if options is not None else chosen), **(disturbances or {})}
     if variation is not None:
         chosen["variation"] = variation
+    if grasp is not None:
+        chosen["grasp"] = grasp
     chosen_robots = other_robots(robots or chosen.pop("robots", ()))
     if chosen_robots:
         chosen["robots"] = chosen_robots
@@ -120,7 +130,7 @@ def evaluated(
             f"{display_path(loaded.file.entry.file)}"
         )
     make_env = EnvFactory(reference, catalogue, tuple(chosen.items()))
-    return Evaluated(name, player, file, loaded, make_env, chosen)
+    return Evaluated(name, player, file, loaded, make_env, chosen, any_grasp=grasp is not None)
 
 
 def check_plays(found: Evaluated) -> None:
@@ -131,4 +141,4 @@ def check_plays(found: Evaluated) -> None:
     """
     with closing(found.make_env()) as env:
         if isinstance(found.player, TrainedPolicy):
-            check_fits(found.player, env, found.name)
+            check_fits(found.player, env, found.name, any_grasp=found.any_grasp)

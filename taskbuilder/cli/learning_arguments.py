@@ -8,6 +8,7 @@ from typing import Protocol
 
 from taskbuilder.cli.argument_types import Extend, any_variation, listed, share, variation, whole
 from taskbuilder.cli.shared_options import (
+    add_grasp,
     add_jobs,
     add_json,
     add_other_robots,
@@ -147,6 +148,7 @@ def add_train(adder: CommandAdder) -> None:
         help="format of positions in the frame of a tool: metres, or log, which is finer near the "
         "tool (default metres; log with maddpg's presets demos and scratch)",
     )
+    add_grasp(parser)
     parser.add_argument(
         "--variation",
         type=variation,
@@ -243,6 +245,7 @@ def add_evaluate(adder: CommandAdder) -> None:
     )
     add_randomize(parser)
     add_other_robots(parser)
+    add_grasp(parser, default="as in training; another rule is a test of the policy")
     parser.add_argument(
         "--controls",
         type=whole(0, 100_000),

@@ -27,7 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Take pictures of tasks and say where they are."""
     catalogue = catalogue_of(arguments)
     names, robots = asked_tasks(arguments, catalogue), dict(asked_robots(arguments))
-    tasks = [load_task(name, catalogue=catalogue, robots=robots) for name in names]
+    grasp = arguments.grasp or "task"
+    tasks = [load_task(name, catalogue=catalogue, robots=robots, grasp=grasp) for name in names]
     for task in tasks:
         check_views(task, arguments)
     arguments.show = check_words([word for listed in arguments.show for word in listed.split(",")])

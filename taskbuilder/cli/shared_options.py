@@ -80,6 +80,22 @@ def add_other_robots(parser: ArgumentParser) -> None:
     )
 
 
+def add_grasp(parser: ArgumentParser, default: str = "as in the task file") -> None:
+    """``--grasp``: how grippers hold objects.
+
+    Args:
+        parser: The command's parser.
+        default: What holds without it, in words.
+    """
+    parser.add_argument(
+        "--grasp",
+        choices=("friction", "attach"),
+        help="how grippers with fingers hold objects; friction: by the friction of their fingers; "
+        "attach: a closing gripper fixes the nearest object to itself, and lets go of it when it "
+        f"opens (default {default})",
+    )
+
+
 def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
     """``--camera`` and ``--size``.
 

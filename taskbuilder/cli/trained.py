@@ -19,6 +19,9 @@ _OBSERVED = {
     "scene": "the whole scene, more than the task file lists for each robot",
     "task": "what the task file lists for each robot",
 }
+_SAID = ("observe", "frame", "grasp")
+"""Options of a policy's environment that are printed, where they are recorded."""
+
 _HELPED = {
     "scratch": "no demonstrations, no special starts",
     "resets": "episodes that may begin in states of the expert, no demonstrations",
@@ -99,7 +102,7 @@ def _observed(env: Mapping[str, Any]) -> list[list[str]]:
         drawn = f"{width}x{height}, renderer {env.get('renderer')}"
         saw = f"pictures of {', '.join(env['cameras'])} ({drawn}), its own robot, the time left"
         return [["observed", saw]]
-    options = ", ".join(f"{name}: {env[name]}" for name in ("observe", "frame") if name in env)
+    options = ", ".join(f"{name}: {env[name]}" for name in _SAID if name in env)
     saw = _OBSERVED.get(str(env.get("observe")), "not known")
     return [["observed", saw], ["options", options or "not known"]]
 

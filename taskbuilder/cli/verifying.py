@@ -146,6 +146,7 @@ def _found(
         options=env_options(told),
         disturbances={key: told[key] for key in DISTURBANCES if key in told},
         robots=robots,
+        grasp=told.get("grasp"),
     )
 
 

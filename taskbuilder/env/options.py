@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.grasping import GraspChoice, with_grasp
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.other_robots import OtherRobots, other_robots, with_robots
 from taskbuilder.schema.scene import RobotEntry, SceneSpec
@@ -81,6 +82,11 @@ class Options:
         render_camera: The camera of ``render()``; by default the first camera of the scene.
         robots: Models that replace those of the task file, by robot: ``{"left": "panda"}``. A model
             is a name in the catalogue, or the path of a robot file. Stored as a tuple of pairs.
+        grasp: How grippers with fingers hold objects. ``task``: as the task file says, which is
+            ``friction`` if it says nothing. ``friction``: by the friction of their fingers.
+            ``attach``: a gripper that closes fixes the nearest object to itself, up to 4 cm from
+            its tool centre point unless the robot has another distance, and lets go of it when it
+            opens.
     """
 
     reward: RewardSharing = "team"
@@ -100,6 +106,7 @@ class Options:
     renderer: Renderer = "auto"
     render_camera: str | None = None
     robots: OtherRobots = ()
+    grasp: GraspChoice = "task"
 
     @property
     def draws_quantities(self) -> bool:
@@ -107,7 +114,7 @@ class Options:
         return self.randomize in (True, "all")
 
     def applied(self, task: Task) -> TaskFile:
-        """The task file with the horizon, control rate and robots of these options.
+        """The task file with the horizon, control rate, robots and grasping of these options.
 
         Raises:
             UsageError: An option does not fit the task.
@@ -115,7 +122,7 @@ class Options:
             FileError: The files of such a robot have errors.
         """
         self._check(task)
-        file = with_robots(task.file, self.robots, task.file.catalogue)
+        file = with_grasp(with_robots(task.file, self.robots, task.file.catalogue), self.grasp)
         timing = file.spec.timing
         changes = {"episode_steps": self.horizon, "control_hz": self.control_hz}
         wanted = {key: value for key, value in changes.items() if value is not None}
@@ -198,6 +205,7 @@ class EnvOptions(TypedDict, total=False):
     renderer: Renderer
     render_camera: str | None
     robots: Mapping[str, str | Path] | OtherRobots
+    grasp: GraspChoice
 
 
 def make_options(**options: Unpack[EnvOptions]) -> Options:

@@ -71,7 +71,7 @@ def evaluate(
     made = {**evaluation.options_of(policy), **options}
     factory = _EnvFactory(where, tuple(made.items()))
     env = factory()
-    evaluation.check_fits(policy, env, named)
+    evaluation.check_fits(policy, env, named, any_grasp="grasp" in options)
     env.close()
     seeds = range(first_seed, first_seed + episodes)
     with workers(min(cores() if jobs is None else jobs, episodes)) as spread:

@@ -25,6 +25,7 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.statistics import iqm
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.grasping import rules_of
 
 SEED = 2_000_000
 """First seed of held-out evaluations: no policy is chosen by these episodes."""
@@ -36,7 +37,7 @@ Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
 OPTIONS = (
-    *("observe", "frame", "rotation", "distances", "variation"),
+    *("observe", "frame", "rotation", "distances", "grasp", "variation"),
     *("cameras", "camera_size", "renderer"),
 )
 """Options of environments that a policy records, because it depends on them."""
@@ -189,17 +190,20 @@ def env_options(options: Mapping[str, Any]) -> dict[str, Any]:
     return {name: tuple(v) if isinstance(v, list) else v for name, v in known.items()}
 
 
-def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") -> None:
+def check_fits(
+    policy: TrainedPolicy, env: TaskEnv, name: str = "the policy", *, any_grasp: bool = False
+) -> None:
     """Check that a policy fits an environment.
 
     Args:
         policy: The policy.
         env: The environment, with the policy's options.
         name: Name of the policy, for messages.
+        any_grasp: Whether grippers may hold objects by another rule than in training.
 
     Raises:
-        UsageError: It was trained on another task, for other agents, or with spaces of other
-            sizes.
+        UsageError: It was trained on another task, for other agents, with spaces of other sizes, or
+            with another rule of grasping.
     """
     task, trained = env.task.name, policy.about.get("task")
     if trained != task:
@@ -207,6 +211,8 @@ def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") ->
     if set(policy.networks) != set(env.possible_agents):
         theirs, ours = ", ".join(policy.networks), ", ".join(env.possible_agents)
         raise UsageError(f"{name} plays {theirs}, and {task} as it is now has {ours}; train anew")
+    if not any_grasp:
+        _check_grasp(policy, env, name)
     policy.check_env(env, name)
     for agent in policy.networks:
         had, has = _sizes(policy, agent, name), _numbers(env, agent)
@@ -214,6 +220,19 @@ def check_fits(policy: TrainedPolicy, env: TaskEnv, name: str = "the policy") ->
             if size != needed:
                 now = f"in {task} as it is now {needed}"
                 raise UsageError(f"{name}: {agent} {does} {size} numbers, {now}; train it anew")
+
+
+def _check_grasp(policy: TrainedPolicy, env: TaskEnv, name: str) -> None:
+    """Check that grippers hold objects by the rules of training; early policies state none."""
+    world = env.episode.world
+    now = rules_of(world.scene, world.task.robots)
+    trained = policy.about.get("grasp_rules", {})
+    for agent, rule in now.items():
+        if (was := trained.get(agent, "friction")) != rule:
+            raise UsageError(
+                f"{name} was trained with grasp {was}, and {agent} holds objects by {rule} here; "
+                f"to play it all the same, ask for it: --grasp {rule}, or grasp={rule!r}"
+            )
 
 
 def _sizes(policy: TrainedPolicy, agent: str, name: str) -> tuple[int, int]:

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
@@ -17,6 +17,7 @@ from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.learn.zoo import load_policy
+from taskbuilder.schema.grasping import GraspChoice
 from taskbuilder.wording import suggestion
 
 FORMAT = 1
@@ -26,7 +27,7 @@ RUN_FILE = "run.json"
 
 _LATER = (
     *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
-    *("film_every", "distances", "teachers"),
+    *("film_every", "distances", "teachers", "grasp"),
 )
 """Fields of a plan that may be missing in files of earlier versions."""
 
@@ -63,8 +64,8 @@ class Plan:
         cameras: Cameras of the data set whose pictures the policies observe.
         camera_size, renderer: Of these pictures; None and "" without cameras.
         device: Device of the networks: ``cpu`` or ``cuda``.
-        observe, frame, rotation, distances, variation, randomize: Options of the environments; see
-            `Options`.
+        observe, frame, rotation, distances, grasp, variation, randomize: Options of the
+            environments; see `Options`.
         evaluate_every: Control steps between evaluations.
         evaluate_episodes: Episodes per evaluation.
         film_every: Evaluations between films of an episode; 0 for no films.
@@ -95,6 +96,7 @@ class Plan:
     frame: str = "base"
     rotation: str = "matrix"
     distances: str = "metres"
+    grasp: str = "task"
     variation: int | str = 0
     randomize: bool | str = False
     evaluate_every: int = 10_000
@@ -109,8 +111,10 @@ class Plan:
         """The options of the environments that a policy of this plan needs."""
         names = ("observe", "frame", "rotation", "distances", "variation")
         randomized = {"randomize": self.randomize} if self.randomize else {}
+        ruled = {"grasp": self.grasp} if self.grasp != "task" else {}
         pictures = ("cameras", "camera_size", "renderer") if self.cameras else ()
-        return {**{name: getattr(self, name) for name in (*names, *pictures)}, **randomized}
+        seen = {name: getattr(self, name) for name in (*names, *pictures)}
+        return {**seen, **randomized, **ruled}
 
     @property
     def track(self) -> str:
@@ -137,6 +141,7 @@ class Plan:
         check_name(self.algorithm)
         _choice("reward", self.reward, REWARDS)
         _choice("device", self.device, ("cpu", "cuda"))
+        _choice("grasp", self.grasp, get_args(GraspChoice))
         for name in ("steps", "envs", "evaluate_every", "evaluate_episodes", "checkpoint_every"):
             if getattr(self, name) < 1:
                 raise UsageError(f"{name} is {getattr(self, name)}; at least 1")
@@ -231,7 +236,7 @@ def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The observation options of a trained policy's environment."""
     options = policy.about.get("env", {})
-    seen = ("observe", "frame", "rotation", "distances")
+    seen = ("observe", "frame", "rotation", "distances", "grasp")
     return {name: options[name] for name in seen if name in options}
 
 

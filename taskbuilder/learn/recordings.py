@@ -22,7 +22,7 @@ from taskbuilder.learn.policy import Array
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
-OPTIONS = ("observe", "frame", "rotation", "distances", "randomize")
+OPTIONS = ("observe", "frame", "rotation", "distances", "grasp", "randomize")
 """Options of the environment that a data set determines."""
 
 SMALLEST_PICTURE = 24

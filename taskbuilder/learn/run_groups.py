@@ -137,6 +137,7 @@ _WITHOUT = {
     "demos": "no demonstrations",
     "starts": "the task's own starts",
     "observe": "own observations",
+    "grasp": "grasp as in the task file",
     "variation": "plain task",
     "settings": "its own settings",
 }
@@ -154,6 +155,7 @@ def _traits(run: RunLog) -> dict[str, str]:
         "frame": f"frame {plan.frame}",
         "rotation": f"rotation {plan.rotation}",
         "distances": f"distances in {plan.distances}",
+        "grasp": f"grasp {plan.grasp}" if plan.grasp != "task" else "",
         "variation": f"variation {plan.variation}" if plan.variation else "",
         "settings": ", ".join(f"{key} {value}" for key, value in sorted(plan.settings.items())),
     }

@@ -22,6 +22,7 @@ from taskbuilder.machine import processor, system, versions
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.grasping import grasp_rules
 from taskbuilder.task import Task, load_task
 
 START_EPISODES = 50
@@ -137,10 +138,12 @@ def check_task(plan: Plan, task: Task) -> None:
     """Check that the task has what the plan needs.
 
     Raises:
-        UsageError: The task lacks an expert or progress, or the data set is not of this task.
+        UsageError: The task lacks an expert or progress, no robot can have the plan's rule of
+            grasping, or the data set is not of this task.
     """
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
+    grasp_rules(task.file, plan.grasp)
     if plan.data:
         check_recorded(Path(plan.data), task, plan.env)
         return
@@ -302,6 +305,7 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         **({"teachers": list(plan.teachers)} if plan.teachers else {}),
         **({"init": plan.init} if plan.init else {}),
         "env": plan.env,
+        "grasp_rules": dict(grasp_rules(task.file, plan.grasp)),
         "stages": list(task.description.stages),
         "seed": plan.seed,
         "command": load_plan(folder)[1]["command"],

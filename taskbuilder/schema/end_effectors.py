@@ -44,6 +44,13 @@ def check_end_effectors(
             path = ("scene", "robots", name, "action", "gripper")
             message = f"the suction of {name} is on or off; write gripper: binary"
             yield Finding("TB216", message, dotted(path), source.locate(path))
+    for name, entry in scene.robots.items():
+        if entry.grasp is not None and name in robots and robots[name].spec.gripper is None:
+            path = ("scene", "robots", name, "grasp")
+            model = robots[name]
+            has = "a suction cup" if model.takes_hold else "no gripper"
+            message = f"{name} is a {model.name}, which has {has}, and grasp is for fingers"
+            yield finding(path, f"{message}; leave it out")
     for path, robot, order in each_order(stages):
         if robot in handless and order.verb in _HOLDING:
             message = f"{_lacks(robot, handless)}, and cannot {order}; {_instead(order)}"

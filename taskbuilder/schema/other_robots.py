@@ -49,7 +49,8 @@ def with_robots(file: TaskFile, robots: OtherRobots, catalogue: Catalogue) -> Ta
     """Put other robots in the places of a scene's.
 
     Base, action mode and a home given as a tool's pose stay. Joint angles are of no use to another
-    arm: a home given by them becomes the new model's own, and postures are dropped.
+    arm: a home given by them becomes the new model's own, and postures are dropped. So is what the
+    scene says of grasping, for a model without fingers.
 
     Args:
         file: The task file.
@@ -73,10 +74,10 @@ def with_robots(file: TaskFile, robots: OtherRobots, catalogue: Catalogue) -> Ta
     _check_postures(file, models)
     references = {name: reference for name, reference in robots if name in models}
     spec, written = (
-        each.model_copy(update={"scene": _changed(each.scene, references)})
+        each.model_copy(update={"scene": _changed(each.scene, references, models)})
         for each in (file.spec, file.written)
     )
-    scenes = tuple(_changed(scene, references) for scene in file.scenes)
+    scenes = tuple(_changed(scene, references, models) for scene in file.scenes)
     return replace(
         file, spec=spec, written=written, scenes=scenes, robots={**file.robots, **models}
     )
@@ -93,15 +94,22 @@ def _check_postures(file: TaskFile, models: Mapping[str, RobotModel]) -> None:
             )
 
 
-def _changed(scene: SceneSpec, references: Mapping[str, str]) -> SceneSpec:
+def _changed(
+    scene: SceneSpec, references: Mapping[str, str], models: Mapping[str, RobotModel]
+) -> SceneSpec:
     robots = {
-        name: _replaced(entry, references[name]) if name in references else entry
+        name: _replaced(entry, references[name], models[name]) if name in references else entry
         for name, entry in scene.robots.items()
     }
     return scene.model_copy(update={"robots": frozen(robots)})
 
 
-def _replaced(entry: RobotEntry, model: str) -> RobotEntry:
+def _replaced(entry: RobotEntry, reference: str, model: RobotModel) -> RobotEntry:
     keeps = entry.home is not None and entry.home.joints_deg is None
-    home = entry.home if keeps else None
-    return entry.model_copy(update={"model": model, "home": home, "postures": frozen({})})
+    update = {
+        "model": reference,
+        "home": entry.home if keeps else None,
+        "postures": frozen({}),
+        "grasp": entry.grasp if model.spec.gripper is not None else None,
+    }
+    return entry.model_copy(update=update)

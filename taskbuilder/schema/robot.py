@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -43,6 +43,30 @@ class GripperJoint(Model):
     closed: float
 
 
+GraspRule = Literal["friction", "attach"]
+
+
+class GraspSpec(Model):
+    """How a gripper with fingers holds objects."""
+
+    rule: GraspRule | None = Field(
+        None,
+        description="`friction`: objects are held by the friction of the fingers. `attach`: when "
+        "the gripper closes, the nearest object is fixed to it; when it opens, the object is let "
+        "go. By default `friction`.",
+    )
+    distance: Annotated[float, Field(gt=0.0, le=0.2)] | None = Field(
+        None,
+        description="For `attach`: maximum distance from the tcp to the surface of an object that "
+        "a closing gripper takes, in metres; by default 0.04.",
+    )
+    force: Positive | None = Field(
+        None,
+        description="For `attach`: force in newtons above which an object comes off; by default "
+        "none, so that no load is too heavy.",
+    )
+
+
 class GripperSpec(Model):
     """A gripper of one degree of freedom: its joints move together from closed to open."""
 
@@ -60,6 +84,9 @@ class GripperSpec(Model):
         20.0, description="Force of each finger in N, or torque in N m for revolute joints."
     )
     friction: Friction = Field(1.2, description="Lateral friction coefficient of the finger links.")
+    grasp: GraspSpec | None = Field(
+        None, description="How it holds objects; by default by the friction of its fingers."
+    )
 
 
 class SuctionSpec(Model):

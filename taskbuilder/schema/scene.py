@@ -17,6 +17,8 @@ from taskbuilder.schema.arrangement import ARRANGEMENTS, MAX_COUNT, Arrangement
 from taskbuilder.schema.camera import CameraSpec
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.names import Refers
+from taskbuilder.schema.postures import Base, Home, NamedPosture
+from taskbuilder.schema.robot import GraspSpec
 from taskbuilder.schema.values import (
     Color,
     Coordinate,
@@ -296,53 +298,6 @@ class SiteSpec(_Placed):
         return self
 
 
-class Base(Model):
-    """Where a robot stands."""
-
-    position: Position
-    rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
-
-    @property
-    def pose(self) -> Pose:
-        """The base frame in the world."""
-        return Pose.from_rpy_deg(self.position, self.rpy_deg)
-
-
-class TcpPose(Model):
-    """A pose of the tool centre point in the world; z is the direction of approach."""
-
-    position: Position
-    rpy_deg: RpyDeg = (180.0, 0.0, 0.0)
-
-    @property
-    def pose(self) -> Pose:
-        """The tcp frame in the world."""
-        return Pose.from_rpy_deg(self.position, self.rpy_deg)
-
-
-class Home(Model):
-    """Where an arm starts."""
-
-    tcp: TcpPose | None = None
-    joints_deg: tuple[float, ...] | None = Field(
-        None,
-        description="One value per arm joint: degrees, or metres for a prismatic joint.",
-    )
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Home:
-        exactly_one("home", self, "tcp", "joints_deg")
-        return self
-
-
-class NamedPosture(Model):
-    """A posture of an arm that its orders can name."""
-
-    joints_deg: tuple[float, ...] = Field(
-        description="One value per arm joint: degrees, or metres for a prismatic joint."
-    )
-
-
 class ActionSpec(Model):
     """What an agent's action means."""
 
@@ -376,6 +331,10 @@ class RobotEntry(Model):
         default_factory=lambda: frozen({}),
         description="Named joint configurations for the expert, such as {tucked: {joints_deg: "
         "[...]}}.",
+    )
+    grasp: GraspSpec | None = Field(
+        None,
+        description="How its gripper holds objects; by default as in the robot.yaml of the model.",
     )
     action: ActionSpec = ActionSpec()
 

@@ -1,5 +1,7 @@
 """Links held to other bodies by constraints that can be made and undone, as a suction cup holds.
 
+A gripper that attaches what it closes around holds by the same constraints.
+
 Bullet solves constraints in the order in which they were made, and a snapshot holds none of them.
 So all attachments of a client are made anew whenever one changes, in the order of their holders: a
 restored state then goes on as it did, bit for bit.
@@ -7,9 +9,9 @@ restored state then goes on as it did, bit for bit.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from taskbuilder.geometry import ORIGIN, Pose, Vec3, dot
 from taskbuilder.sim.body import Body, inertial_frame
@@ -25,6 +27,9 @@ FACING = -0.75
 YIELDING = 2.0
 """A constraint exerts up to this multiple of the force at which its owner undoes it."""
 
+UNLIMITED_N = 1e4
+"""Force that a constraint exerts at most if no force undoes it; arms exert far less."""
+
 
 @dataclass(frozen=True, slots=True)
 class Attachment:
@@ -39,6 +44,10 @@ class Attachment:
     body: int
     link: int
     at: Pose
+
+
+Graspable = tuple[Body, Collection[int] | None]
+"""A body, and those of its links that can be held; None for all of them."""
 
 
 class Surface(NamedTuple):
@@ -62,17 +71,17 @@ class Holder:
         body: Its body.
         link: Its index.
         frame: The frame in which it holds, in the link's frame; it feels along z.
-        force: Force in newtons that the constraint can bear.
+        force: Force in newtons at which its owner undoes the constraint; None for no such force.
 
     Attributes:
         attachment: What it holds, or None.
     """
 
-    def __init__(self, body: Body, link: int, frame: Pose, force: float) -> None:
+    def __init__(self, body: Body, link: int, frame: Pose, force: float | None) -> None:
         self.attachment: Attachment | None = None
         self._client, self._body, self._link, self._frame = body.client, body, link, frame
         self._in_com = inertial_frame(body.client, body.id, link).inverse() @ frame
-        self._force = force
+        self._most = UNLIMITED_N if force is None else YIELDING * force
         self._constraint: int | None = None
         self._ball: int = body.client.bullet.createCollisionShape(p.GEOM_SPHERE, radius=PROBE_M)
         body.client.holders.append(self)
@@ -108,22 +117,39 @@ class Holder:
 
     def surface_at(self, pose: Pose, bodies: Sequence[Body], within: float) -> Surface | None:
         """The nearest surface that it would find in front of it at a pose in the world."""
-        x, y, z = pose.apply((0.0, 0.0, -PROBE_M))
         nearest: Surface | None = None
+        centre = pose.apply((0.0, 0.0, -PROBE_M))
         for body in bodies:
-            points = self._client.bullet.getClosestPoints(
-                bodyA=-1,
-                bodyB=body.id,
-                distance=within,
-                collisionShapeA=self._ball,
-                collisionShapePositionA=(x, y, z),
-                collisionShapeOrientationA=pose.quaternion,
-            )
-            for point in points:
+            for point in self._feel(centre, pose, body, within):
                 faces = dot(point[7], pose.axis(2)) < FACING
                 if faces and point[8] <= within and (nearest is None or point[8] < nearest.gap):
                     nearest = Surface(body, point[4], point[8])
         return nearest
+
+    def around(self, things: Iterable[Graspable], within: float) -> Surface | None:
+        """The surface nearest to the origin of its frame on any side, within a distance in metres.
+
+        Of equally near surfaces, the first. Of surfaces that it is inside, the deepest.
+        """
+        nearest: Surface | None = None
+        for body, links in things:
+            for point in self._feel(self.pose.position, self.pose, body, within):
+                gap = point[8] + PROBE_M
+                fits = gap <= within and (links is None or point[4] in links)
+                if fits and (nearest is None or gap < nearest.gap):
+                    nearest = Surface(body, point[4], gap)
+        return nearest
+
+    def _feel(self, centre: Vec3, pose: Pose, body: Body, within: float) -> Iterator[Any]:
+        """Where a body is near the ball, as Bullet says it."""
+        yield from self._client.bullet.getClosestPoints(
+            bodyA=-1,
+            bodyB=body.id,
+            distance=within,
+            collisionShapeA=self._ball,
+            collisionShapePositionA=centre,
+            collisionShapeOrientationA=pose.quaternion,
+        )
 
     def make(self) -> None:
         """Make the constraint of its attachment, if it has one; for this module."""
@@ -143,7 +169,7 @@ class Holder:
             self._in_com.quaternion,
             held.at.quaternion,
         )
-        bullet.changeConstraint(self._constraint, maxForce=YIELDING * self._force)
+        bullet.changeConstraint(self._constraint, maxForce=self._most)
 
     def unmake(self) -> None:
         """Remove its constraint, if it has one; for this module."""

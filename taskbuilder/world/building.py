@@ -11,6 +11,7 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.urdf import with_limits
 from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robots import RobotModel, joint_values
@@ -25,6 +26,7 @@ from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import Request, choose
 from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
+from taskbuilder.world.attaching import AttachingFingers
 from taskbuilder.world.end_effector import EndEffector, Tool
 from taskbuilder.world.fingers import Fingers
 from taskbuilder.world.loading import Loader
@@ -101,14 +103,17 @@ def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
         position_gain=ARM_GAIN,
     )
     home = _home(loader, name, entry, chain)
-    robot = Robot(name, model, body, chain, arm, _build_end(body, model), home)
+    robot = Robot(name, model, body, chain, arm, _build_end(body, entry, model), home)
     robot.go_home()
     return robot
 
 
-def _build_end(body: Body, model: RobotModel) -> EndEffector:
-    if model.spec.gripper is not None:
-        return Fingers(body, model, model.spec.gripper)
+def _build_end(body: Body, entry: RobotEntry, model: RobotModel) -> EndEffector:
+    how = grasping(entry, model)
+    if model.spec.gripper is not None and how is not None:
+        fingers = Fingers(body, model, model.spec.gripper)
+        attaches = how.rule == "attach"
+        return AttachingFingers(body, fingers, how, model.spec.tcp) if attaches else fingers
     if model.spec.suction is not None:
         return Suction(body, model.spec.suction, model.spec.tcp)
     return Tool(body.links[model.spec.tcp.link])

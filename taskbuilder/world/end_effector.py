@@ -6,10 +6,25 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from taskbuilder.geometry import Vec3, norm
+from taskbuilder.geometry import Vec3, add, norm, scale, subtract
+from taskbuilder.sim.attachments import Graspable
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.motors import FREE, Command
 from taskbuilder.sim.snapshots import Commanded
+
+SOFT_S = 0.03
+"""Time over which forces on what holds an object are averaged, in seconds, so that jolts pass."""
+
+
+def averaged(before: Vec3, now: Vec3, dt: float) -> Vec3:
+    """The running average of a force, over about `SOFT_S`, after one more physics step.
+
+    Args:
+        before: The average before this step, in newtons.
+        now: The force of this step.
+        dt: Length of a physics step in seconds.
+    """
+    return add(before, scale(subtract(now, before), min(1.0, dt / SOFT_S)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,11 +78,12 @@ class EndEffector(Commanded, Protocol):
     def words(self) -> str:
         """Its state, for messages."""
 
-    def drive(self, surfaces: Sequence[Body]) -> Iterator[None] | None:
+    def drive(self, things: Sequence[Graspable]) -> Iterator[None] | None:
         """What it does before each physics step and after the last, if anything, once a `next`.
 
         Args:
-            surfaces: The bodies that can be held.
+            things: Everything that has a surface, with the links that are free to move; suction
+                also holds on to what is fixed.
         """
 
 
@@ -119,5 +135,5 @@ class Tool:
         """It has no state."""
         return "it has no gripper"
 
-    def drive(self, surfaces: Sequence[Body]) -> None:
+    def drive(self, things: Sequence[Graspable]) -> None:
         """Nothing."""

@@ -14,6 +14,7 @@ from itertools import combinations, pairwise
 from taskbuilder.geometry import dot, norm, subtract, total
 from taskbuilder.schema.robot import GripperSpec
 from taskbuilder.schema.robots import RobotModel
+from taskbuilder.sim.attachments import Graspable
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import forget_turned
 from taskbuilder.sim.motors import Command, Motors, couple
@@ -111,7 +112,7 @@ class Fingers:
         """How far it is open, for messages."""
         return f"its gripper is {max(self.opening(), 0.0) * 100:.0f} % open"
 
-    def drive(self, surfaces: Sequence[Body]) -> None:
+    def drive(self, things: Sequence[Graspable]) -> None:
         """Nothing: motors go on with what they were told."""
 
 

@@ -48,6 +48,13 @@ class SceneObject:
     moving_links: tuple[str, ...] = ()
     passive: Mapping[str, PassiveJoint] = field(default_factory=dict)
 
+    @property
+    def free_links(self) -> frozenset[int] | None:
+        """Indices of its links that are not fixed to the world; None for all of them."""
+        if not self.spec.fixed:
+            return None
+        return frozenset(self.body.links[name] for name in self.moving_links)
+
 
 @dataclass
 class Site:

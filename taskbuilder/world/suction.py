@@ -6,14 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from taskbuilder.geometry import ORIGIN, Pose, Vec3, add, dot, norm, scale, subtract
+from taskbuilder.geometry import ORIGIN, Pose, Vec3, dot, norm, scale, subtract
 from taskbuilder.schema.robot import SuctionSpec, Tcp
-from taskbuilder.sim.attachments import Attachment, Holder, Surface
+from taskbuilder.sim.attachments import Attachment, Graspable, Holder, Surface
 from taskbuilder.sim.body import Body
-from taskbuilder.world.end_effector import Pushes
-
-SOFT_S = 0.03
-"""Time over which forces on a cup are averaged, in seconds: it is soft, so that jolts pass."""
+from taskbuilder.world.end_effector import Pushes, averaged
 
 FARTHEST_M = 0.1
 """Distance up to which a gap between a cup and a surface is measured, in metres."""
@@ -26,7 +23,8 @@ class SuctionState:
     Attributes:
         on: Whether it sucks.
         held: What it holds, or None.
-        force: Force in newtons that this exerts on it, averaged over about `SOFT_S`, in the world.
+        force: Force in newtons that this exerts on it, averaged over about `SOFT_S`,
+            in the world.
     """
 
     on: bool = False
@@ -53,7 +51,7 @@ class Suction:
         self.tips = ((body.links[spec.cup],),)
         self.command = SuctionState()
         self._spec = spec
-        self._share = min(1.0, body.client.dt / SOFT_S)
+        self._dt = body.client.dt
         self._holder = Holder(body, body.links[tcp.link], tcp.pose, spec.force)
 
     def issue(self, command: SuctionState) -> None:
@@ -101,14 +99,15 @@ class Suction:
         near = f"no surface is within {self._spec.reach * 1000:g} mm of its cup"
         return "its suction is on" if self.command.held else f"its suction is on, and {near}"
 
-    def drive(self, surfaces: Sequence[Body]) -> Iterator[None]:
+    def drive(self, things: Sequence[Graspable]) -> Iterator[None]:
         """Take a surface within reach; then let go as soon as it pulls too hard.
 
         Args:
-            surfaces: The bodies that can be held.
+            things: Everything that has a surface, what is fixed included.
         """
         if self.command.on and self.command.held is None:
-            surface = self._holder.surface(surfaces, self._spec.reach)
+            bodies = [body for body, _ in things]
+            surface = self._holder.surface(bodies, self._spec.reach)
             if surface is not None:
                 self.issue(SuctionState(on=True, held=self._holder.attach(surface)))
         while True:
@@ -118,8 +117,7 @@ class Suction:
 
     def _feel(self) -> None:
         """Average the force of the last physics step, and let go if it pulls too hard."""
-        before, now = self.command.force, self._holder.force()
-        force = add(before, scale(subtract(now, before), self._share))
+        force = averaged(self.command.force, self._holder.force(), self._dt)
         self.command = replace(self.command, force=force)
         if self.pull() > self._spec.force:
             self.issue(SuctionState(on=True))

@@ -98,7 +98,7 @@ class World(Single):
             joint for thing in objects.values() for joint in thing.passive.values() if joint.acts
         )
         self._ends = tuple(robot.gripper for robot in robots.values())
-        self._surfaces = tuple(thing.body for thing in objects.values())
+        self._graspable = tuple((thing.body, thing.free_links) for thing in objects.values())
         self._frames = SceneFrames(robots, objects, sites)
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
@@ -183,7 +183,7 @@ class World(Single):
         drives = [self.robots[name].ramp(to, substeps) for name, to in targets.items()]
         drives += [r.push() for n, r in self.robots.items() if r.pushes and n not in targets]
         drives += [joint.act() for joint in self._springs]
-        ends = [drive for end in self._ends if (drive := end.drive(self._surfaces)) is not None]
+        ends = [drive for end in self._ends if (drive := end.drive(self._graspable)) is not None]
         drives += ends
         if self.onlooker is not None:
             drives.append(self.onlooker)
