@@ -142,6 +142,15 @@ def closest_distance(body_a: Body, body_b: Body, within: float) -> float | None:
     return min((float(point[8]) for point in points), default=None)
 
 
+def links_touch(body: Body, links: Sequence[int], other_id: int, within: float) -> bool:
+    """Whether some links of a body come as near to another body as a distance in metres.
+
+    Needs no physics step or `Client.collide` before it.
+    """
+    closest = body.client.bullet.getClosestPoints
+    return any(closest(body.id, other_id, within, link) for link in links)
+
+
 def nearest_normal(
     body_a: Body, body_b: Body, within: float, *, link_a: int, link_b: int | None = None
 ) -> Vec3 | None:

@@ -1,4 +1,8 @@
-"""Fingers that attach what they close around, as grippers do in RLBench."""
+"""Fingers that attach what they close around, as grippers do in RLBench.
+
+Fingers that went on pressing on an object that is fixed to their own gripper would slowly push it
+out of its place, wherever they touch it on one side only. So they stop where they touch it.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +15,19 @@ from taskbuilder.schema.grasping import Grasping
 from taskbuilder.schema.robot import Tcp
 from taskbuilder.sim.attachments import Attachment, Graspable, Holder
 from taskbuilder.sim.body import Body
+from taskbuilder.sim.contacts import links_touch
 from taskbuilder.sim.motors import FREE, Command
 from taskbuilder.world.end_effector import Pushes, averaged
 from taskbuilder.world.fingers import Fingers
 
 HALF = 0.5
 """Commanded opening below which the gripper is closed, and holds what it has attached."""
+
+TOUCH_M = 1e-3
+"""Gap between a finger and an object at which the finger stops."""
+
+ARRIVED = 0.01
+"""Difference between opening and commanded opening at which fingers have arrived."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,15 +36,18 @@ class AttachingState:
 
     Attributes:
         fingers: The last command to the motors of its fingers.
+        told: The last commanded opening.
         phase: ``closing`` from the command to close until the next physics step, in which it takes
-            what is near. Then ``closed``, until it is told to open.
+            what is near. Then ``closed``, and ``stopped`` when its fingers have touched what it
+            took or have nothing left to close, until it is told to open.
         held: What it holds, or None.
         force: Force in newtons that this exerts on it, averaged as for a suction cup, in the world.
             It is only followed if the gripper has a limit.
     """
 
     fingers: Command = FREE
-    phase: Literal["open", "closing", "closed"] = "open"
+    told: float = 1.0
+    phase: Literal["open", "closing", "closed", "stopped"] = "open"
     held: Attachment | None = None
     force: Vec3 = ORIGIN
 
@@ -41,8 +55,7 @@ class AttachingState:
 class AttachingFingers:
     """Fingers that attach an object when they close, and let go of it when they open.
 
-    They are an `EndEffector`. The fingers themselves move as without attaching: they close until
-    they touch something, and press on it.
+    They are an `EndEffector`. Fingers that have attached nothing move as without attaching.
 
     Args:
         body: The robot.
@@ -53,7 +66,7 @@ class AttachingFingers:
 
     def __init__(self, body: Body, fingers: Fingers, grasping: Grasping, tcp: Tcp) -> None:
         self.tips, self.joints, self.rest = fingers.tips, fingers.joints, fingers.rest
-        self._fingers, self._grasping, self._dt = fingers, grasping, body.client.dt
+        self._body, self._fingers, self._grasping = body, fingers, grasping
         self._holder = Holder(body, body.links[tcp.link], tcp.pose, grasping.force)
         self._state = AttachingState()
 
@@ -73,25 +86,28 @@ class AttachingFingers:
         return self._fingers.opening()
 
     def told(self) -> float:
-        """The last commanded opening."""
-        return self._fingers.told()
+        """The last commanded opening, however far the fingers have come."""
+        return self._state.told
 
     def move(self, opening: float) -> None:
         """Drive it to an opening from 0 (closed) to 1 (open); let go if it passes half way."""
+        state = self._state
         if opening >= HALF:
-            self._let_go("open")
-        elif self._state.phase == "open":
-            self._state = replace(self._state, phase="closing")
+            self._holder.hold(None)
+            self._state = AttachingState(told=opening)
+        elif state.phase == "open":
+            self._state = replace(state, told=opening, phase="closing")
+        elif opening != state.told:
+            self._state = replace(state, told=opening, phase="closed")
+        else:
+            return  # fingers that have stopped stay
         self._fingers.move(opening)
 
     def go_home(self) -> None:
         """Let go, open it at once, past all motors, and hold it there."""
-        self._let_go("open")
-        self._fingers.go_home()
-
-    def _let_go(self, phase: Literal["open", "closed"]) -> None:
         self._holder.hold(None)
-        self._state = AttachingState(phase=phase)
+        self._state = AttachingState()
+        self._fingers.go_home()
 
     def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:
         """Whether a body, or a link of it, is attached, or held by friction all the same."""
@@ -119,7 +135,7 @@ class AttachingFingers:
         return f"{words}, and no object was within {near}"
 
     def drive(self, things: Sequence[Graspable]) -> Iterator[None] | None:
-        """Take the nearest object if it was told to close; then let go of it if it is too heavy.
+        """Take the nearest object if told to close, and stop the fingers where they touch it.
 
         Args:
             things: What can be held.
@@ -129,16 +145,35 @@ class AttachingFingers:
             held = self._holder.attach(surface) if surface is not None else None
             self._holder.hold(held)
             self._state = replace(self._state, phase="closed", held=held)
-        if self._state.held is None or self._grasping.force is None:
+        if self._state.held is None:
             return None
-        return self._feel(self._grasping.force)
+        settled = self._state.phase == "stopped" and self._grasping.force is None
+        return None if settled else self._follow()
 
-    def _feel(self, most: float) -> Iterator[None]:
-        """Average the force of each physics step, and let go if it is above a limit."""
+    def _follow(self) -> Iterator[None]:
+        """Before each physics step, see where the fingers are and what it bears."""
         while True:
+            held = self._state.held
+            if held is not None and self._state.phase == "closed":
+                self._see_fingers(held)
             yield
-            if self._state.held is not None:
-                force = averaged(self._state.force, self._holder.force(), self._dt)
-                self._state = replace(self._state, force=force)
-                if norm(force) > most:
-                    self._let_go("closed")
+            if self._state.held is not None and self._grasping.force is not None:
+                self._feel(self._grasping.force)
+
+    def _see_fingers(self, held: Attachment) -> None:
+        """Stop the fingers if they touch what is held."""
+        left = self._fingers.opening() - self._state.told
+        if abs(left) < ARRIVED:
+            self._state = replace(self._state, phase="stopped")
+        elif left > 0.0 and links_touch(self._body, self.joints, held.body, within=TOUCH_M):
+            self._fingers.stop()
+            self._state = replace(self._state, phase="stopped")
+
+    def _feel(self, most: float) -> None:
+        """Average the force of the last physics step, and let go if it is above a limit."""
+        force = averaged(self._state.force, self._holder.force(), self._body.client.dt)
+        self._state = replace(self._state, force=force)
+        if norm(force) > most:
+            self._holder.hold(None)
+            self._state = AttachingState(told=self._state.told, phase="closed")
+            self._fingers.move(self._state.told)

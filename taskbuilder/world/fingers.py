@@ -85,6 +85,10 @@ class Fingers:
             forget_turned(self._body)
         self._motors.position(positions)
 
+    def stop(self) -> None:
+        """Hold its joints where they are."""
+        self._motors.position(self._body.joint_states(self.joints)[0])
+
     def positions(self, opening: float) -> tuple[float, ...]:
         """Positions of its joints at an opening from 0 to 1."""
         return tuple(end.closed + opening * (end.open - end.closed) for end in self._ends)
