@@ -47,7 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.only:
         families_of(arguments.level, arguments.only)
     started = time.perf_counter()
-    pages = _Pages(arguments.report, catalogue, asked_robots(arguments))
+    grasp = arguments.grasp or "task"
+    pages = _Pages(arguments.report, catalogue, asked_robots(arguments), grasp)
     reports: list[TaskReport] = []
     try:
         with ending(_validated(names, catalogue, arguments)) as validated:
@@ -81,6 +82,7 @@ def _validated(
         seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
         catalogue=catalogue,
         robots=dict(asked_robots(arguments)),
+        grasp=arguments.grasp or "task",
         only=arguments.only,
     )
     if arguments.ray:
@@ -110,6 +112,7 @@ def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) 
     words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
     for robot, model in arguments.robot:
         words += ["--robot", f"{robot}={model}"]
+    words += ["--grasp", arguments.grasp] if arguments.grasp else []
     for folder in arguments.task_path or ():
         words += ["--task-path", str(folder)]
     return replace(report, making=replace(report.making, command=shlex.join(words)))
@@ -122,8 +125,11 @@ class _Pages:
         UsageError: There can be no such folder.
     """
 
-    def __init__(self, folder: Path | None, catalogue: Catalogue, robots: OtherRobots) -> None:
+    def __init__(
+        self, folder: Path | None, catalogue: Catalogue, robots: OtherRobots, grasp: str
+    ) -> None:
         self._folder, self._catalogue, self._robots = folder, catalogue, robots
+        self._grasp = grasp
         self._written: list[tuple[str, Page]] = []
         self._error: Exception | None = None
         if folder:
@@ -142,7 +148,7 @@ class _Pages:
         from taskbuilder.validate.html.page import make_page
 
         taken = [INDEX, *(file for file, _ in self._written)]
-        page = make_page(name, report, self._catalogue, robots=self._robots)
+        page = make_page(name, report, self._catalogue, robots=self._robots, grasp=self._grasp)
         return write_page(folder, page, taken).name, page
 
     def finish(self) -> str:

@@ -64,7 +64,7 @@ def _tasks(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str]:
     rates, counts = success_rates(index), variation_counts(about, index)
     for name, task in about["tasks"].items():
         yield from (f"## {name}", "", task["summary"], "")
-        robots = ", ".join(f"{agent} ({r['model']})" for agent, r in task["robots"].items())
+        robots = ", ".join(f"{agent} ({_model(robot)})" for agent, robot in task["robots"].items())
         yield f"Robots: {robots}. {task['control_hz']} control steps per second, at most "
         yield f"{task['max_episode_steps']} steps."
         yield from ("", "| policy | attempts | succeeded |", "|---|---|---|")
@@ -74,6 +74,12 @@ def _tasks(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str]:
         for variation, count in counts[name].items():
             yield f"| {variation} | {count.attempts} | {count.episodes} |"
         yield ""
+
+
+def _model(robot: Mapping[str, Any]) -> str:
+    """A robot's model, with its rule of grasping where that is not friction."""
+    attaches = robot.get("grasp") == "attach"
+    return f"{robot['model']}, grasp attach" if attaches else str(robot["model"])
 
 
 def _made(about: Mapping[str, Any]) -> Iterator[str]:

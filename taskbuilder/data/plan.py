@@ -19,6 +19,7 @@ from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.expert.named import has_expert
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.expert import stage_labels
+from taskbuilder.schema.grasping import rules_of
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.task import Task, load_task
 from taskbuilder.wording import suggestion
@@ -236,6 +237,7 @@ def _robot(env: TaskEnv, name: str) -> dict[str, Any]:
     robot = world.robots[name]
     return {
         "model": robot.model.name,
+        "grasp": rules_of(world.scene, world.task.robots).get(name),
         "action": world.scene.robots[name].action.model_dump(mode="json"),
         "action_names": list(actions.names),
         "action_low": actions.low.tolist(),

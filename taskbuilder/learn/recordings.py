@@ -19,6 +19,7 @@ from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.policy import Array
+from taskbuilder.schema.grasping import rules_of
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
@@ -250,12 +251,19 @@ def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Ite
         there, here = ", ".join(recorded), ", ".join(env.possible_agents)
         yield f"it has {there}, and the task {here}; collect anew"
         return
+    world = env.episode.world
+    rules = rules_of(world.scene, world.task.robots)
     for agent, robot in recorded.items():
-        action = env.episode.world.scene.robots[agent].action.model_dump(mode="json")
+        action = world.scene.robots[agent].action.model_dump(mode="json")
         for name in (name for name in action if action[name] != robot["action"].get(name)):
             yield (
                 f"action: {name} of {agent} was {robot['action'].get(name)} and is now "
                 f"{action[name]}; collect anew, or put the task file back"
+            )
+        if (rule := rules.get(agent)) != (was_rule := robot.get("grasp", rule and "friction")):
+            yield (
+                f"{agent} held objects by {was_rule}, and does by {rule} now; collect anew, or put "
+                "the task file back"
             )
         now = env.observation_names[agent]
         was = robot["observation_names"]

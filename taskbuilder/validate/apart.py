@@ -20,6 +20,7 @@ from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
 from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.validate.broken import broken_family
+from taskbuilder.task import Task, load_task
 from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport
@@ -82,6 +83,7 @@ class ValidationConfig:
         limits: The time limits.
         kept: Intermediate result of a process that was lost.
         robots: Other models for robots of the scene.
+        grasp: How grippers with fingers hold objects; see `load_task`.
     """
 
     reference: str
@@ -93,6 +95,21 @@ class ValidationConfig:
     limits: Limits = field(default_factory=lambda: LIMITS)
     kept: Kept | None = None
     robots: OtherRobots = ()
+    grasp: str = "task"
+
+    def load(self, *, guarded: bool = False) -> Task:
+        """Load the task; see `load_task`.
+
+        Args:
+            guarded: Whether to import the description in a child process first.
+        """
+        return load_task(
+            self.reference,
+            catalogue=self.catalogue,
+            guarded=guarded,
+            robots=dict(self.robots),
+            grasp=self.grasp,
+        )
 
 
 class Listener(Protocol):

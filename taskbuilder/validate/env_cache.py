@@ -40,12 +40,14 @@ class EnvSource:
         catalogue: The catalogue that names are looked up in.
         number: Number of the validation, so that files that have changed since another are reread.
         robots: Other models for robots of the scene.
+        grasp: How grippers with fingers hold objects; see `load_task`.
     """
 
     reference: str
     catalogue: Catalogue
     number: int
     robots: OtherRobots = ()
+    grasp: str = "task"
 
 
 class EnvCache:
@@ -120,7 +122,10 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
     """
     if source not in _CACHES:
         loaded = task or load_task(
-            source.reference, catalogue=source.catalogue, robots=dict(source.robots)
+            source.reference,
+            catalogue=source.catalogue,
+            robots=dict(source.robots),
+            grasp=source.grasp,
         )
         _CACHES[source] = EnvCache(loaded)
     return _CACHES[source]

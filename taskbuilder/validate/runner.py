@@ -23,9 +23,10 @@ from taskbuilder.errors import (
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import CHILDREN, owned
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.grasping import grasp_rules
 from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.schema.proofs import checksum
-from taskbuilder.task import Task, load_task
+from taskbuilder.task import Task
 from taskbuilder.validate.apart import (
     CHECK,
     IMPORT,
@@ -107,6 +108,7 @@ def validate_task(
     only: Collection[str] | None = None,
     apart: bool = True,
     robots: Mapping[str, str | Path] | None = None,
+    grasp: str = "task",
 ) -> TaskReport:
     """Validate a task.
 
@@ -127,18 +129,21 @@ def validate_task(
             no harm. Use False to debug a description in this process. Without a POSIX system,
             there are no such child processes, and the task is played in this one.
         robots: Robot models that replace those of the task file; see `load_task`.
+        grasp: How grippers with fingers hold objects; see `load_task`.
 
     Raises:
         UnknownNameError: There is no such task, or ``robots`` names an unknown model.
-        UsageError: ``only`` names an unknown family, or ``robots`` does not fit the task; see
-            `load_task`.
+        UsageError: ``only`` names an unknown family, or ``robots`` or ``grasp`` does not fit the
+            task; see `load_task`.
     """
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
     if wanted:
         families_of(level, wanted)  # a wrong name is refused before anything takes its time
     others = other_robots(robots or {})
-    config = ValidationConfig(str(reference), level, seeds, catalogue, jobs, wanted, robots=others)
+    config = ValidationConfig(
+        str(reference), level, seeds, catalogue, jobs, wanted, robots=others, grasp=grasp
+    )
     watched, summed = Stopwatch(), _checksum(config)
     if apart and CHILDREN:
         report = watch(validate_in_child, config, progress)
@@ -190,15 +195,13 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
 def _loaded(config: ValidationConfig, listener: Listener) -> Task:
     """Load the task; its description is imported first, so that its errors can be located."""
     if not owned():
-        return load_task(
-            config.reference, catalogue=config.catalogue, guarded=True, robots=dict(config.robots)
-        )
+        return config.load(guarded=True)
     entry = config.catalogue.task(config.reference)
     listener.begin(IMPORT, config.limits.import_s)
     with suppress(FileError):  # errors are reported with all others
         load_description(entry)
     listener.begin(CHECK, config.limits.import_s)
-    return load_task(config.reference, catalogue=config.catalogue, robots=dict(config.robots))
+    return config.load()
 
 
 def families_of(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
@@ -230,7 +233,7 @@ def _play(
     from taskbuilder.validate.context import Context
     from taskbuilder.validate.env_cache import EnvSource, close_cache
 
-    source = EnvSource(config.reference, config.catalogue, next(_RUNS), config.robots)
+    source = EnvSource(config.reference, config.catalogue, next(_RUNS), config.robots, config.grasp)
     context = Context(
         task, source, config.seeds, listener.progress, spread, limit_s, listener.alive
     )
@@ -304,7 +307,7 @@ def _checked(context: Context, family: Family) -> FamilyResult:
 
 
 def headline(task: Task, others: OtherRobots = ()) -> str:
-    """A task in one line: name, size, other robots than the file's, length, file."""
+    """A task in one line: name, size, other robots than the file's, grasping, length, file."""
     spec = task.file.spec
     robots, objects = len(spec.scene.robots), len(spec.scene.objects)
     return " · ".join(
@@ -312,6 +315,7 @@ def headline(task: Task, others: OtherRobots = ()) -> str:
             task.name,
             f"{robots} robot{'s' * (robots != 1)}",
             *(f"{name}: {model}" for name, model in others),
+            *(["grasp attach"] if "attach" in grasp_rules(task.file).values() else []),
             f"{objects} object{'s' * (objects != 1)}",
             f"{spec.timing.episode_steps} steps at {spec.timing.control_hz} Hz",
             display_path(task.file.entry.file),

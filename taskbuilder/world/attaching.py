@@ -124,6 +124,11 @@ class AttachingFingers:
         """Whether its joints have not stopped yet."""
         return self._fingers.moves()
 
+    def closes(self) -> bool:
+        """Whether its fingers still come up to what is attached."""
+        around = self._state.phase == "closed" and self._state.held is not None
+        return around and self.moves()
+
     def words(self) -> str:
         """How far it is open, and whether it attached something, for messages."""
         words = self._fingers.words()

@@ -75,6 +75,9 @@ class EndEffector(Commanded, Protocol):
     def moves(self) -> bool:
         """Whether it has not come to rest yet."""
 
+    def closes(self) -> bool:
+        """Whether fingers still close around what it holds already, as it is attached to them."""
+
     def words(self) -> str:
         """Its state, for messages."""
 
@@ -128,6 +131,10 @@ class Tool:
         return tuple(norm(push.force) for push in pushes())
 
     def moves(self) -> bool:
+        """It never does."""
+        return False
+
+    def closes(self) -> bool:
         """It never does."""
         return False
 

@@ -112,6 +112,10 @@ class Fingers:
         """Whether its joints have not stopped yet."""
         return max(map(abs, self._body.joint_speeds(self.joints))) >= STOPPED
 
+    def closes(self) -> bool:
+        """It never does: what it holds is between its fingers."""
+        return False
+
     def words(self) -> str:
         """How far it is open, for messages."""
         return f"its gripper is {max(self.opening(), 0.0) * 100:.0f} % open"

@@ -92,6 +92,10 @@ class Suction:
         """It never does."""
         return False
 
+    def closes(self) -> bool:
+        """It never does."""
+        return False
+
     def words(self) -> str:
         """Its state, for messages."""
         if not self.command.on:

@@ -359,7 +359,8 @@ class Executor:
             held = bool(grip.thing) and world.held(grip.thing, grip.robot)
             return not held and self.is_open(grip.robot)
         if grip.thing:
-            return world.held(grip.thing, grip.robot)
+            gripper = world.robots[grip.robot].gripper
+            return world.held(grip.thing, grip.robot) and not gripper.closes()
         return not world.robots[grip.robot].gripper.moves()
 
     def _parted(self, grip: Grip) -> bool:

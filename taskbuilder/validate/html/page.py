@@ -57,6 +57,7 @@ def make_page(
     *,
     apart: bool = True,
     robots: OtherRobots = (),
+    grasp: str = "task",
 ) -> Page:
     """Gather what a page shows; pictures are taken here, unless no physics was asked for.
 
@@ -66,12 +67,13 @@ def make_page(
         catalogue: Where it was looked up.
         apart: Load the task and take its pictures in another process; see `validate_task`.
         robots: Other models for robots of the scene.
+        grasp: How grippers with fingers hold objects; see `load_task`.
     """
     if not apart:
-        return _made(reference, report, catalogue, robots)
+        return _made(reference, report, catalogue, robots, grasp)
     try:
         with worker_processes([{}], limit_s=PICTURES_LIMIT_S) as spread:
-            (page,) = spread(_made_apart, [(reference, report, catalogue, robots)])
+            (page,) = spread(_made_apart, [(reference, report, catalogue, robots, grasp)])
     except LostError as error:
         lost = f"The process that takes them {error.fault.cause}."
         return Page(report, pictures=Pictures(trouble=lost))
@@ -82,15 +84,17 @@ def make_page(
     return found
 
 
-def _made_apart(asked: tuple[str, TaskReport, Catalogue, OtherRobots]) -> Page:
+def _made_apart(asked: tuple[str, TaskReport, Catalogue, OtherRobots, str]) -> Page:
     """A page, without the description, which only the process that imported it knows."""
     page = _made(*asked)
     return replace(page, task=page.task and replace(page.task, description=Description))
 
 
-def _made(reference: str, report: TaskReport, catalogue: Catalogue, robots: OtherRobots) -> Page:
+def _made(
+    reference: str, report: TaskReport, catalogue: Catalogue, robots: OtherRobots, grasp: str
+) -> Page:
     try:
-        task = load_task(reference, catalogue=catalogue, robots=dict(robots))
+        task = load_task(reference, catalogue=catalogue, robots=dict(robots), grasp=grasp)
     except FileError:
         return Page(report)  # its findings say why
     if len(report.families) < 2:
