@@ -43,6 +43,7 @@ SECTIONS: Mapping[str, str] = {
     "GripperSpec": "gripper",
     "SuctionSpec": "suction",
     "GripperJoint": "gripper joint",
+    "GraspSpec": "grasp",
 }
 """Model -> heading of the section that explains it."""
 
@@ -176,6 +177,7 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "fingers": "The links that touch held objects: one list of links per finger.",
         "stroke": "Distance between the finger pads when the gripper is open, in metres.",
     },
+    "GraspSpec": {},
     "SuctionSpec": {
         "cup": "The link that touches the held object.",
         "force": "Pulling force in newtons above which the suction cup lets go of an object.",
@@ -195,6 +197,8 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("TaskSpec", "variations"): "list of [changes](#variations-and-randomisation)",
     ("TaskSpec", "randomize"): "mapping: `NAME.KEY` → [distribution](#distribution)",
     ("RobotEntry", "model"): "name or path of a robot",
+    ("RobotEntry", "grasp"): "[grasp](#grasp), or its rule",
+    ("GripperSpec", "grasp"): "[grasp](task-file.md#grasp), or its rule",
     ("Shape", "mesh"): "path",
     ("Shape", "urdf"): "path",
     ("RobotSpec", "urdf"): "path",

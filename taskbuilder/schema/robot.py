@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
 
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.values import (
@@ -47,7 +48,7 @@ GraspRule = Literal["friction", "attach"]
 
 
 class GraspSpec(Model):
-    """How a gripper with fingers holds objects."""
+    """How a gripper with fingers holds objects; files may write its rule alone."""
 
     rule: GraspRule | None = Field(
         None,
@@ -65,6 +66,17 @@ class GraspSpec(Model):
         description="For `attach`: force in newtons above which an object comes off; by default "
         "none, so that no load is too heavy.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_rule(cls, value: Any) -> Any:
+        return {"rule": value} if isinstance(value, str) else value
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"enum": list(get_args(GraspRule))}, handler(schema)]}
 
 
 class GripperSpec(Model):

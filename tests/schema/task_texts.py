@@ -84,7 +84,10 @@ scene:
       home: {joints_deg: [0, -45, 0, -135, 0, 90, 45]}
       postures: {tucked: {joints_deg: [0, -60, 0, -150, 0, 90, 45]}}
       action: {arm: joint_position, gripper: continuous}
-    third: {model: xarm6, base: {position: [0, 0.8, 0.4]}}
+    third:
+      model: xarm6
+      base: {position: [0, 0.8, 0.4]}
+      grasp: {rule: attach, distance: 0.03, force: 30}
   objects:
     table: {shape: {box: [1.8, 1.2, 0.04]}, fixed: true, position: [0, 0, 0.38], color: wood}
     ball:
