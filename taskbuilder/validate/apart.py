@@ -19,8 +19,8 @@ from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import read_task
 from taskbuilder.schema.other_robots import OtherRobots
-from taskbuilder.validate.broken import broken_family
 from taskbuilder.task import Task, load_task
+from taskbuilder.validate.broken import broken_family
 from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
 from taskbuilder.validate.report import Progress, TaskReport

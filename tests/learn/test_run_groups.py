@@ -54,6 +54,7 @@ def test_runs_are_alike_if_nothing_but_their_seeds_differs(make):
         ({"observe": "scene"}, ["own observations", "whole scene"]),
         ({"frame": "task"}, ["frame base", "frame task"]),
         ({"rotation": "quaternion"}, ["rotation matrix", "rotation quaternion"]),
+        ({"grasp": "attach"}, ["grasp as in the task file", "grasp attach"]),
         ({"variation": 1}, ["plain task", "variation 1"]),
         ({"settings": {"noise": 0.1, "lr": 0.01}}, ["its own settings", "lr 0.01, noise 0.1"]),
         ({"observe": "scene", "demos": 9}, None),
