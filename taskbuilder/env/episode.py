@@ -6,7 +6,6 @@ All views of an environment (multi-agent, joint, vector) wrap an `Episode`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -15,38 +14,15 @@ from numpy.typing import NDArray
 
 from taskbuilder.description.description import Outcome, Referee
 from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.course import Actions, Course
+from taskbuilder.env.episode_state import EpisodeState, fingerprint, snapshot_of
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
-from taskbuilder.interpreters import Lineage
 from taskbuilder.schema.instructions import fill, longest_instruction
-from taskbuilder.schema.scene import ActionSpec
-from taskbuilder.schema.task import LOOK_PARTS, LookPart
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
-from taskbuilder.world.building import build_world
-from taskbuilder.world.randomness import EpisodeRandomness, delay_of, longest_delay
-from taskbuilder.world.state import WorldState
+from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.world import World
-
-Actions = Mapping[str, NDArray[np.float64]]
-
-
-@dataclass(frozen=True)
-class EpisodeState:
-    """A saved state of an episode, for the same environment and process."""
-
-    seed: int
-    variation: int
-    world: WorldState
-    memory: Any
-    steps: int
-    outcome: Outcome
-    succeeded: bool
-    failed: bool
-    over: bool
-    previous: Mapping[str, NDArray[np.float64]]
-    noise: Mapping[str, Any]
-    waiting: Mapping[str, tuple[NDArray[np.float64], ...]]
 
 
 class Episode(Single):
@@ -56,7 +32,6 @@ class Episode(Single):
         task: The task.
         options: The options of the environment.
         agents: The robots, in file order.
-        actions: The actions of each agent.
         outcome: The referee's outcome of the current control step.
         steps: Control steps taken in this episode.
         succeeded: Success has held at a control step of this episode, before any failure.
@@ -64,36 +39,25 @@ class Episode(Single):
         exploded: The physics diverged; the episode is over and its world is discarded.
         over: No further step is possible before a reset.
         begun: A reset has succeeded.
-        taken: All actions since the reset; None if they do not lead to the current state.
         noise_rng: Generator of the observation noise.
-        quantities: Values in this episode of what the task lists under ``randomize``.
     """
 
     def __init__(self, task: Task, options: Options) -> None:
         self.task = task
         self.options = options
-        self._file = options.applied(task)
         self.agents = task.agents
-        self._worlds: dict[int, World] = {}
-        self._closed = False
-        self._forks = Lineage.forks
-        self._variation = 0 if options.variation == "random" else options.variation
         self._referee = Referee(task.description, self.agents)
-        self._force_pairs = self._referee.force_pairs
-        self.seed = 0
+        self._course = Course(task, options, self._referee.force_pairs)
+        self._file = self._course.file
         self.steps = 0
         self.succeeded = self.failed = self.exploded = False
         self.over = True
         self.begun = False
-        self.taken: list[Actions] | None = []
         self.noise_rng = np.random.default_rng(0)
-        self.actions = self._make_actions()
-        self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
-        self._waiting: dict[str, tuple[NDArray[np.float64], ...]] = {}
+        self._previous = self._no_actions()
         self.outcome = self._referee.start(self.world)
-        self.quantities = self.world.quantities
 
-    # --- stepping
+    # --- the course of the episode
 
     @property
     def world(self) -> World:
@@ -102,14 +66,7 @@ class Episode(Single):
         Raises:
             UsageError: The environment was closed.
         """
-        self.check_usable()
-        if self._variation not in self._worlds:
-            world = build_world(
-                self._file, variation=self._variation, renderer=self.options.renderer
-            )
-            world.watch_forces(self._force_pairs)
-            self._worlds[self._variation] = world
-        return self._worlds[self._variation]
+        return self._course.world
 
     def check_usable(self) -> None:
         """Check that the environment is open, and was made in this process.
@@ -117,11 +74,43 @@ class Episode(Single):
         Raises:
             UsageError: It cannot be used here.
         """
-        if self._closed:
-            raise UsageError("this environment is closed; make another")
-        if Lineage.forks != self._forks:
-            what = "this environment is used in another process than the one that made it"
-            raise UsageError(f"{what}; make one there")
+        self._course.check_usable()
+
+    @property
+    def actions(self) -> Mapping[str, RobotActions]:
+        """The actions of each agent."""
+        return self._course.actions
+
+    @property
+    def seed(self) -> int:
+        """The seed of this episode."""
+        return self._course.seed
+
+    @property
+    def variation(self) -> int:
+        """The variation of this episode."""
+        return self._course.variation
+
+    @property
+    def quantities(self) -> Mapping[str, Any]:
+        """Values in this episode of what the task lists under ``randomize``."""
+        return self._course.quantities
+
+    def delay(self, agent: str) -> int:
+        """After how many control steps a robot carries out its actions in this episode."""
+        return self._course.delay(agent)
+
+    @property
+    def longest_delay(self) -> int:
+        """The longest delay that any robot can have with these options, in control steps."""
+        return self._course.longest_delay
+
+    def waiting(self, agent: str) -> list[list[float]]:
+        """The actions of a delayed robot that it has yet to carry out, in physical units."""
+        course = self._course
+        return [course.physical(agent, values) for values in course.waiting.get(agent, ())]
+
+    # --- stepping
 
     @property
     def referee(self) -> Referee:
@@ -130,12 +119,10 @@ class Episode(Single):
 
     def meter_robots(self) -> None:
         """Also measure the forces between all pairs of robots; nothing else changes."""
-        known = {frozenset(pair) for pair in self._force_pairs}
+        known = {frozenset(pair) for pair in self._course.force_pairs}
         pairs = [pair for pair in combinations(self.agents, 2) if frozenset(pair) not in known]
         if pairs:
-            self._force_pairs += tuple(pairs)
-            for world in self._worlds.values():
-                world.watch_forces(self._force_pairs)
+            self._course.meter(pairs)
 
     def robot_force(self) -> float:
         """The largest force between two robots in the last control step, in newtons.
@@ -145,11 +132,6 @@ class Episode(Single):
         """
         pairs = combinations(self.agents, 2)
         return max((self.world.contact_force(*pair) for pair in pairs), default=0.0)
-
-    @property
-    def variation(self) -> int:
-        """The variation of this episode."""
-        return self._variation
 
     @property
     def horizon(self) -> int:
@@ -166,7 +148,7 @@ class Episode(Single):
         if not texts:
             return self._file.spec.summary
         chosen = int(EpisodeRandomness(self.seed).instruction().integers(len(texts)))
-        return fill(texts[chosen], self._file.scenes[self._variation], self.quantities)
+        return fill(texts[chosen], self._file.scenes[self.variation], self.quantities)
 
     @property
     def longest_instruction(self) -> int:
@@ -194,38 +176,19 @@ class Episode(Single):
             ExplosionError: The physics diverged at once.
         """
         self.check_usable()
-        randomness = EpisodeRandomness(seed)
         self.over, self.begun = True, False  # until the reset has succeeded
-        self.taken = []
-        if self.options.variation == "random":
-            count = len(self._file.scenes)
-            before = self._variation
-            self._variation = int(randomness.variation().integers(count))
-            if self._variation != before:
-                self.actions = self._make_actions()
-        self.seed = seed
         self.exploded = self.succeeded = False
         self.steps = 0
-        self._waiting = {}
-        self.noise_rng = randomness.noise()
-        self._previous = {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
+        self.noise_rng = EpisodeRandomness(seed).noise()
         try:
-            self.world.reset(seed, randomized=self.options.draws_quantities, looks=self._looks)
+            self._course.begin(seed)
         except ExplosionError:
             self._give_up()
             raise
-        self.quantities = self.world.quantities
-        self.outcome = self._referee.start(self.world)
-        self.world.set_locks(self.outcome.conditions)
+        self._previous = self._no_actions()
+        self._take(self._referee.start(self.world))
         self.failed = self.outcome.failure
         self.over, self.begun = False, True
-
-    @property
-    def _looks(self) -> tuple[LookPart, ...]:
-        """The parts of the look that are drawn in each episode."""
-        if self.options.randomize in ("looks", "all"):
-            return LOOK_PARTS
-        return self.world.spec.looks if self.options.randomize else ()
 
     def step(self, actions: Mapping[str, NDArray[np.float64]]) -> None:
         """Run one control step, and evaluate the description.
@@ -235,82 +198,34 @@ class Episode(Single):
                 or in physical units, depending on the options.
         """
         self.check_usable()
-        targets: dict[str, Sequence[float]] = {}
-        for agent, values in self._due(actions).items():
-            target = self.actions[agent].command(self._physical(agent, values))
-            if target is not None:
-                targets[agent] = target
         self._previous = dict(actions)
-        if self.taken is not None:
-            self.taken.append(self._previous)
         self.steps += 1
         try:
-            self.world.step(targets)
+            self._course.step(self._previous)
         except ExplosionError:
             self._give_up()
             return
-        self.outcome = self._referee.judge(self.world)
-        self.world.set_locks(self.outcome.conditions)
+        self._take(self._referee.judge(self.world))
         self.failed = self.failed or self.outcome.failure
         self.succeeded = self.succeeded or (self.outcome.success and not self.failed)
         self.over = self.terminated or self.truncated
 
-    def delay(self, agent: str) -> int:
-        """After how many control steps a robot carries out its actions in this episode."""
-        return delay_of(agent, self.quantities)
-
-    @property
-    def longest_delay(self) -> int:
-        """The longest delay that any robot can have with these options, in control steps."""
-        listed = self.world.spec.randomize if self.options.draws_quantities else {}
-        return max(longest_delay(agent, listed) for agent in self.agents)
-
-    def waiting(self, agent: str) -> list[list[float]]:
-        """The actions of a delayed robot that it has yet to carry out, in physical units."""
-        return [self._physical(agent, values) for values in self._waiting.get(agent, ())]
-
-    def _physical(self, agent: str, values: NDArray[np.float64]) -> list[float]:
-        mode, numbers = self.actions[agent], values.tolist()
-        return mode.physical(numbers) if self.options.normalize else mode.clipped(numbers)
-
-    def _due(self, actions: Actions) -> Actions:
-        """The actions to carry out now: those given, or earlier ones where a robot has a delay."""
-        if not any(map(self.delay, self.agents)):
-            return actions
-        due: dict[str, NDArray[np.float64]] = {}
-        for agent, values in actions.items():
-            waiting = (*self._waiting.get(agent, ()), values)
-            if len(waiting) > self.delay(agent):
-                due[agent], *rest = waiting
-                waiting = tuple(rest)
-            self._waiting[agent] = waiting
-        return due
-
     def close(self) -> None:
         """Close the physics engine."""
-        for world in self._worlds.values():
-            world.close()
-        self._worlds.clear()
-        self.over = self._closed = True
+        self._course.close()
+        self.over = True
+
+    def _take(self, outcome: Outcome) -> None:
+        self.outcome = outcome
+        self._course.lock(outcome.conditions)
 
     def _give_up(self) -> None:
         """End an episode whose physics diverged, and discard its corrupted client."""
         self.exploded = self.over = True
-        self._worlds.pop(self._variation).close()
-        self.actions = self._make_actions()
+        self._course.discard_world()
 
-    def _make_actions(self) -> dict[str, RobotActions]:
-        dt = 1.0 / self._file.spec.timing.control_hz
-        scene = self._file.scenes[self._variation]
-        return {
-            name: RobotActions(self.world, robot, self._framed(scene.robots[name].action), dt)
-            for name, robot in self.world.robots.items()
-        }
-
-    def _framed(self, action: ActionSpec) -> ActionSpec:
-        if self.options.frame == "base" and action.frame == "world":
-            return action.model_copy(update={"frame": "base"})
-        return action
+    def _no_actions(self) -> Actions:
+        return {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
 
     # --- for observations
 
@@ -346,50 +261,68 @@ class Episode(Single):
 
     # --- saving and restoring
 
-    def save(self) -> EpisodeState:
+    def save(self, *, snapshot: bool = True) -> EpisodeState:
         """Save the state of the episode.
+
+        Args:
+            snapshot: Whether to take a snapshot of the physics engine, where it is of use.
 
         Raises:
             UsageError: There was no reset yet, or the physics diverged.
         """
-        if self._closed or self.exploded or not self.begun:
+        if self._course.closed or self.exploded or not self.begun:
             raise UsageError("there is no state to save; reset first")
+        course = self._course
         return EpisodeState(
-            self.seed,
-            self._variation,
-            self.world.save(),
-            self._referee.memory,
-            self.steps,
-            self.outcome,
-            self.succeeded,
-            self.failed,
-            self.over,
-            dict(self._previous),
-            self.noise_rng.bit_generator.state,
-            dict(self._waiting),
+            task=self.task.name,
+            options=self.options.decisive,
+            seed=course.seed,
+            variation=course.variation,
+            actions=tuple(course.taken),
+            locking=tuple(course.locking),
+            memory=self._referee.memory,
+            outcome=self.outcome,
+            succeeded=self.succeeded,
+            failed=self.failed,
+            over=self.over,
+            noise=self.noise_rng.bit_generator.state,
+            waiting=dict(course.waiting),
+            fingerprint=fingerprint(course.world),
+            snapshot=snapshot_of(course.world) if snapshot else None,
         )
 
     def load(self, state: EpisodeState) -> None:
-        """Restore a saved state of this environment.
+        """Go back to a saved state: by its snapshot, or by carrying out its actions again.
 
         Raises:
-            UsageError: The world of the state no longer exists.
+            UsageError: The state is of another task, or of other options, or its actions do not
+                lead to it.
         """
         self.check_usable()
-        world = self._worlds.get(state.variation)
-        if world is None or state.world.snapshot.client is not world.client:
-            raise UsageError("the state belongs to another environment, or to a world given up")
-        if state.variation != self._variation:
-            self._variation = state.variation
-            self.actions = self._make_actions()
-        self.seed = state.seed
-        world.restore(state.world)
-        self.quantities = world.quantities
-        self._referee.memory = state.memory
-        self.steps, self.outcome = state.steps, state.outcome
-        self.succeeded, self.failed = state.succeeded, state.failed
-        self.over, self.exploded = state.over, False
-        self.begun, self.taken = True, None
-        self._previous = dict(state.previous)
+        state.check_fits(self.task, self.options)
+        self.over, self.begun = True, False  # until it is done
+        course = self._course
+        course.set_variation(state.variation)
+        course.seed, course.taken, course.locking = state.seed, [*state.actions], [*state.locking]
+        if not state.restored(course.world):
+            self._replay(state.fingerprint)
+        course.waiting, course.quantities = dict(state.waiting), course.world.quantities
+        self._referee.memory, self.outcome = state.memory, state.outcome
+        self.steps = len(state.actions)
+        self.succeeded, self.failed, self.exploded = state.succeeded, state.failed, False
+        self.over, self.begun = state.over, True
+        self._previous = state.actions[-1] if state.actions else self._no_actions()
         self.noise_rng.bit_generator.state = state.noise
-        self._waiting = dict(state.waiting)
+
+    def _replay(self, wanted: str) -> None:
+        """Play the physics of a saved state again, whose fingerprint is then the wanted one."""
+        try:
+            self._course.replay()
+        except ExplosionError:
+            self._give_up()
+        if self.exploded or fingerprint(self.world) != wanted:
+            raise UsageError(
+                "the actions of the saved state do not lead to it: something else moved the world "
+                "before it was saved, or the task has changed since (other processors calculate "
+                "otherwise, too); reset the environment to go on"
+            )

@@ -35,6 +35,10 @@ _FOR_TRAINING = {
 }
 """Former options, and the training wrapper that replaces each."""
 
+_DECISIVE = (
+    *("normalize", "horizon", "control_hz", "variation", "randomize", "frame", "robots", "grasp"),
+)
+
 
 @dataclass(frozen=True)
 class Options:
@@ -112,6 +116,11 @@ class Options:
     def draws_quantities(self) -> bool:
         """Whether what the task lists under ``randomize`` is drawn in each episode."""
         return self.randomize in (True, "all")
+
+    @property
+    def decisive(self) -> dict[str, Any]:
+        """The options on which the course of an episode depends, for given actions and seed."""
+        return {name: getattr(self, name) for name in _DECISIVE}
 
     def applied(self, task: Task) -> TaskFile:
         """The task file with the horizon, control rate, robots and grasping of these options.

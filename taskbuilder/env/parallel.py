@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from taskbuilder.env.copying import Copyable
-from taskbuilder.env.episode import Episode, EpisodeState
+from taskbuilder.env.episode import Episode
+from taskbuilder.env.episode_state import EpisodeState
 from taskbuilder.env.errors import AgentError, EpisodeOverError
 from taskbuilder.env.infos import make_info
 from taskbuilder.env.observing import Observer
@@ -35,7 +36,10 @@ Infos = dict[str, dict[str, Any]]
 
 @dataclass(frozen=True)
 class EnvState:
-    """A saved state, for `load_state` of the same environment."""
+    """A saved state, for `load_state`.
+
+    It can be copied and pickled, and loaded in any environment of the same task and options.
+    """
 
     episode: EpisodeState
     agents: tuple[str, ...]
@@ -53,8 +57,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     `reset` also have the text "instruction".
 
     A copy (including one made by pickle) has its own physics engine. It rebuilds the scene and
-    replays the actions of the current episode, because a snapshot in memory, which is exact
-    to the bit, belongs to one engine.
+    replays the actions of the current episode, because a snapshot of a physics engine belongs
+    to this engine.
 
     Args:
         task: The task.
@@ -259,28 +263,35 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     # --- saving and restoring
 
     def save_state(self) -> EnvState:
-        """Save the state, random generators included; `load_state` restores it bit for bit.
+        """Save the state, including the random-number generators.
 
-        It is valid only in this environment and process. To continue in another process, keep the
-        options, the seed of `reset`, and the actions since.
+        It consists of the seed and the actions since the reset. A snapshot of the physics engine
+        of about 250 KB is added where `load_state` can use it.
 
         Raises:
-            UsageError: There was no reset.
+            UsageError: There was no reset, or the physics diverged.
         """
         episode, seeds = self.episode.save(), self._seeds.bit_generator.state
         state = EnvState(episode, tuple(self.agents), seeds, self._noise)
-        # A quarter of a megabyte of Bullet's, which goes when the state does.
-        finalize(state, _forget, self.episode.world, state.episode.world)
+        if episode.snapshot is not None:
+            # A quarter of a megabyte of Bullet's, which goes when the state does.
+            finalize(state, _forget, self.episode.world, episode.snapshot)
         return state
 
     def load_state(self, state: EnvState) -> Observations:
-        """Restore a saved state of this environment.
+        """Restore a saved state, bit for bit, so that the same actions have the same results.
+
+        This takes about a millisecond where a snapshot of this environment's physics engine leads
+        to the same. Otherwise the actions of the episode are played again, which takes the time of
+        these control steps. While an episode goes on from a snapshot, a control step does that
+        too, if robots or objects then touch in a way that the snapshot may not have prepared.
 
         Returns:
             The observations in that state.
 
         Raises:
-            UsageError: The state belongs to another environment.
+            UsageError: The state is of another task or of other options, or its actions do not
+                lead to it, because something else moved the world.
         """
         self.episode.load(state.episode)
         self.agents = list(state.agents)

@@ -89,7 +89,7 @@ class Client(Single):
         self,
         substeps: int,
         drives: Sequence[Iterator[object]] = (),
-        watch: Callable[[], object] | None = None,
+        watches: Sequence[Callable[[], object]] = (),
         holds: Sequence[Callable[[], object]] = (),
     ) -> None:
         """Advance by physics steps.
@@ -98,7 +98,7 @@ class Client(Single):
             substeps: How many.
             drives: Each is advanced before each step, for commands that change within a control
                 step or last a single physics step.
-            watch: Called after each step; it must change nothing.
+            watches: Each is called after each step; it must change nothing.
             holds: Each is called after each step, for what the engine does not hold.
         """
         advance = self.bullet.stepSimulation
@@ -108,7 +108,7 @@ class Client(Single):
             advance()
             for hold in holds:
                 hold()
-            if watch is not None:
+            for watch in watches:
                 watch()
 
     def collide(self) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
-from taskbuilder.geometry import Vec3, dot
+from taskbuilder.geometry import Pose, Vec3, dot
 from taskbuilder.sim.body import BASE, Body
 from taskbuilder.sim.client import Client
 
@@ -66,6 +66,22 @@ def contacts(
         ContactPoint(a, link_of_a, b, link_of_b, position, normal, force, distance)
         for _, a, b, link_of_a, link_of_b, _, position, normal, distance, force, *_ in found
     )
+
+
+def sorted_contacts(client: Client) -> tuple[ContactPoint, ...]:
+    """All contacts, in an order that does not depend on the order in which Bullet lists them."""
+    return tuple(sorted(contacts(client)))
+
+
+def part(client: Client, bodies: Iterable[Body]) -> None:
+    """Move everything apart, so that nothing touches.
+
+    Bullet restores the contacts of a snapshot, but where it has none it keeps the present ones,
+    whose forces would carry over.
+    """
+    for number, body in enumerate(bodies, start=1):
+        body.place(Pose((0.0, 0.0, FAR_M * number)))
+    client.collide()
 
 
 def forget_turned(body: Body) -> None:

@@ -22,7 +22,7 @@ class WorldState:
         time: Seconds since the episode began.
         sites: Pose of each site, in the world or in the frame that it moves with.
         quantities: Values of the quantities that the task can randomise.
-        touches: A contact of each pair of touching links.
+        contacts: All contacts.
         forces: Forces between the watched pairs of bodies.
         look: How the episode looks.
     """
@@ -31,6 +31,6 @@ class WorldState:
     time: float
     sites: Mapping[str, Pose]
     quantities: Mapping[str, Any]
-    touches: tuple[ContactPoint, ...]
+    contacts: tuple[ContactPoint, ...]
     forces: Mapping[Pair, ForceReading]
     look: Look

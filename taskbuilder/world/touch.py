@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from operator import attrgetter
 
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import ORIGIN, Vec3, add, scale, total
@@ -15,6 +16,7 @@ from taskbuilder.world.end_effector import Push
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject
 
+_LINKS = attrgetter("body_b", "link_a", "link_b")
 _SKIN_M = 2e-3  # of two that touch, the gap that Bullet may leave
 
 
@@ -86,9 +88,13 @@ class Touch:
         )
 
     def _read(self, body: Body) -> Mapping[int, tuple[ContactPoint, ...]]:
-        """All contacts of a body, by the other body: mostly none, and one call finds them all."""
+        """All contacts of a body, by the other body: mostly none, and one call finds them all.
+
+        In the order of links, for sums depend on their order, and Bullet lists pairs of links in
+        the order in which they came near each other.
+        """
         found: dict[int, tuple[ContactPoint, ...]] = {}
-        for contact in contacts(self._client, body):
+        for contact in sorted(contacts(self._client, body), key=_LINKS):
             found[contact.body_b] = (*found.get(contact.body_b, ()), contact)
         return found
 

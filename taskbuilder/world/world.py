@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -17,6 +16,8 @@ from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.contact_order import ContactOrder
+from taskbuilder.sim.contacts import part, sorted_contacts
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, release, restore, save
 from taskbuilder.world.cameras import camera_view
@@ -26,19 +27,12 @@ from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
 from taskbuilder.world.looks import AS_WRITTEN, Look, Painter, draw_look, furniture
 from taskbuilder.world.piles import PILES, Piles
-from taskbuilder.world.placement import PlacementPlan, place_all
+from taskbuilder.world.placement import PlacementPlan, place_all, settling_steps
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
-from taskbuilder.world.restored_contacts import part, press, touches_to_restore
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 from taskbuilder.world.state import WorldState
 from taskbuilder.world.touch import Touch
-
-MANY = 50
-"""Members of groups from which on a reset settles for `MANY_SETTLE_S` only, to stay fast."""
-
-MANY_SETTLE_S = 1 / 60
-"""Enough to come down on a surface; a hundred things take 2 ms for every physics step."""
 
 
 class World(Single):
@@ -66,6 +60,7 @@ class World(Single):
         onlooker: None, or a generator that is advanced before each physics step and can thus read
             the state in the middle of a control step. The generator must not change the world, and
             must call `refresh` before it reads any values.
+        contact_order: Whether the order of contacts is certain although a state was restored.
     """
 
     def __init__(
@@ -91,6 +86,7 @@ class World(Single):
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
         self.look = AS_WRITTEN
+        self.contact_order = ContactOrder(client, self._bodies)
         self._painter = Painter(client, objects, floor, furniture(task.spec, scene))
         self.onlooker: Iterator[None] | None = None
         self._locks = locks_of(objects)
@@ -103,6 +99,7 @@ class World(Single):
         self._touch = Touch(client, robots, objects)
         self._forces = ForceMeter(client.physics_hz, self._touch)
         self.plan = PlacementPlan.of(scene)
+        self._settling_steps = settling_steps(task)
         self._piles = Piles(task, scene)
         self.piled: Mapping[str, Pose] = {}
         self._built: WorldState | None = None
@@ -133,6 +130,7 @@ class World(Single):
         if self._piles:
             self._pile(int(randomness.piles().integers(PILES)))
         self.restore(self._built or self.keep_as_built())
+        self.contact_order.begun_anew()
         if randomized:
             self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
         place_all(self, randomness.placement())
@@ -144,14 +142,6 @@ class World(Single):
             self._set_look(look)
         self.time = 0.0
         self._forces.clear()
-
-    @cached_property
-    def _settling_steps(self) -> int:
-        """Physics steps of a reset: a control step, or less where there are very many things."""
-        substeps = self.spec.timing.substeps
-        if sum(map(len, self.task.names.groups.values())) < MANY:
-            return substeps
-        return min(substeps, math.ceil(MANY_SETTLE_S * self.spec.timing.physics_hz))
 
     def _pile(self, number: int) -> None:
         """Take one of the piles, and settle it if that was never done."""
@@ -188,8 +178,9 @@ class World(Single):
         if self.onlooker is not None:
             drives.append(self.onlooker)
         self._forces.begin()
-        read = self._forces.read if self._forces else None
-        self.client.step(substeps, drives, read, self._locks.holds)
+        watches = [self._forces.read] if self._forces else []
+        watches += [self.contact_order.look] if self.contact_order.watched else []
+        self.client.step(substeps, drives, watches, self._locks.holds)
         for end in ends:
             next(end)
         self.time += substeps / self.spec.timing.physics_hz
@@ -203,6 +194,11 @@ class World(Single):
             conditions: Whether each condition of the description holds, by name.
         """
         self._locks.obey(conditions)
+
+    @property
+    def has_locks(self) -> bool:
+        """Whether any joint has a ``lock`` in the task file."""
+        return bool(self._locks.of)
 
     @property
     def locked(self) -> Mapping[str, str]:
@@ -223,21 +219,19 @@ class World(Single):
         for robot in self.robots.values():
             motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        touches = touches_to_restore(self.client)
-        snapshot = save(self.client, motors)
+        snapshot, met = save(self.client, motors), sorted_contacts(self.client)
         return WorldState(
-            *(snapshot, self.time, sites, self.quantities, touches),
-            *(self._forces.readings, self.look),
+            *(snapshot, self.time, sites, self.quantities, met, self._forces.readings, self.look)
         )
 
     def restore(self, state: WorldState) -> None:
-        """Restore a saved state of this world, bit for bit."""
-        if state.touches:
-            restore(state.snapshot)
-            press(self.client, self._bodies, state.touches)
-        else:
-            part(self.client, self._bodies)
+        """Restore a saved state of this world.
+
+        It goes on to the bit as it did unless `contact_order` becomes uncertain.
+        """
+        part(self.client, self._bodies)
         restore(state.snapshot)
+        self.contact_order.restored(sorted_contacts(self.client) == state.contacts)
         self.time = state.time
         for name, pose in state.sites.items():
             self.sites[name].pose = pose
