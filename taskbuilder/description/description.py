@@ -61,6 +61,14 @@ class Description:
         first = {"success": cls.success, "failure": cls.failure}
         return {**first, **cls.stages, **cls.attributes()}
 
+    @classmethod
+    def nodes(cls) -> tuple[Node, ...]:
+        """Every distinct expression, parts first."""
+        progress = (cls.progress,) if cls.progress is not None else ()
+        return tuple(
+            walk((*cls.conditions().values(), *cls.stages.values(), *cls.reward, *progress))
+        )
+
 
 def with_members(description: type[Description], names: SceneNames) -> type[Description]:
     """A checked description with the groups of its scene written out, member by member.
@@ -144,11 +152,8 @@ class Referee:
     def __init__(self, description: type[Description], agents: Sequence[str]) -> None:
         self.description = description
         self.agents = tuple(agents)
-        named = description.conditions()
-        progress = (description.progress,) if description.progress is not None else ()
-        stages = description.stages.values()
-        roots: tuple[Node, ...] = (*named.values(), *stages, *description.reward, *progress)
-        self._nodes = tuple(walk(roots))
+        named, stages = description.conditions(), description.stages.values()
+        self._nodes = description.nodes()
         # Values of a description's own nodes are checked; those of the library need no check.
         self._updates = tuple(
             node.update if is_ours(type(node).update) else partial(_looked_at, node)
@@ -160,7 +165,7 @@ class Referee:
         self._conditions = tuple((name, index[node]) for name, node in named.items())
         self._stages = tuple(index[node] for node in stages)
         self._terms = tuple((t.label, t.agent, index[t]) for t in description.reward)
-        self._progress = index[progress[0]] if progress else None
+        self._progress = None if description.progress is None else index[description.progress]
         pairs = (pair for node in self._nodes for pair in node.force_pairs())
         self.force_pairs = tuple(dict.fromkeys(pairs))
         self.memory: tuple[tuple[Memory, ...], int] = ((), 0)

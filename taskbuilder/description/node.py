@@ -85,6 +85,14 @@ class Node:
         return (place_of(function) if function else None) or self.origin
 
     @property
+    def has_own_code(self) -> bool:
+        """Whether code of the description, and not only of this package, says its value."""
+        methods = (
+            getattr(type(self), name, None) for name in ("holds", "value", "start", "update")
+        )
+        return _function_of(self) is not None or any(m and not is_ours(m) for m in methods)
+
+    @property
     def parts(self) -> tuple[Node, ...]:
         """The nodes that this one is made of, in a fixed order."""
         return ()

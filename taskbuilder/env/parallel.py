@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Unpack
-from weakref import finalize
 
 import numpy as np
 from gymnasium import spaces
@@ -24,11 +22,9 @@ from taskbuilder.env.infos import make_info
 from taskbuilder.env.observing import Observer
 from taskbuilder.env.options import EnvOptions, Options, RenderMode, make_options
 from taskbuilder.env.spaces import action_space, read_action
-from taskbuilder.errors import SimulationError, UsageError
+from taskbuilder.errors import UsageError
 from taskbuilder.sim.cameras import capture
 from taskbuilder.task import Task, load_task
-from taskbuilder.world.state import WorldState
-from taskbuilder.world.world import World
 
 Observations = dict[str, Any]
 Infos = dict[str, dict[str, Any]]
@@ -272,11 +268,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             UsageError: There was no reset, or the physics diverged.
         """
         episode, seeds = self.episode.save(), self._seeds.bit_generator.state
-        state = EnvState(episode, tuple(self.agents), seeds, self._noise)
-        if episode.snapshot is not None:
-            # A quarter of a megabyte of Bullet's, which goes when the state does.
-            finalize(state, _forget, self.episode.world, episode.snapshot)
-        return state
+        return EnvState(episode, tuple(self.agents), seeds, self._noise)
 
     def load_state(self, state: EnvState) -> Observations:
         """Restore a saved state, bit for bit, so that the same actions have the same results.
@@ -303,11 +295,6 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         """Close the environment."""
         self.episode.close()
         self.agents = []
-
-
-def _forget(world: World, state: WorldState) -> None:
-    with suppress(SimulationError):  # the world may be closed by now, and the state with it
-        world.release(state)
 
 
 def parallel_env(

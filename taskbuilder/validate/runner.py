@@ -263,15 +263,26 @@ FATAL = ("TB314", "TB315")
 """Codes of findings after which no other family can run."""
 
 
+HARMLESS = ("TB504",)
+"""Codes of checks whose failure leaves the families that come after meaningful."""
+
+
 def _with(report: TaskReport, context: Context, family: Family) -> TaskReport:
     """Add the result of one more family to a report, or its name if it is skipped."""
     fatal = any(finding.code in FATAL for finding in report.findings)
-    wrong = {*report.skipped, *(found.name for found in report.families if not found.ok)}
+    wrong = {*report.skipped, *(found.name for found in report.families if _blocks(found))}
     if fatal or wrong & set(family.after):
         return replace(report, skipped=(*report.skipped, family.name))
     started = time.perf_counter()
     result = _timed(_checked(context, family), started)
     return replace(report, families=(*report.families, result))
+
+
+def _blocks(result: FamilyResult) -> bool:
+    """Whether families that come after this one would not be meaningful."""
+    codes = {check.code for check in result.checks if not check.ok}
+    codes |= {finding.code for finding in result.findings if finding.severity == "error"}
+    return not codes <= {*HARMLESS}
 
 
 def _checked(context: Context, family: Family) -> FamilyResult:

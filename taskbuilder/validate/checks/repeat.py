@@ -9,6 +9,7 @@ within a process. Only the first difference that explains the others is reported
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from typing import NamedTuple
 
 from taskbuilder.description.description import Referee
@@ -20,7 +21,7 @@ from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.fresh_process import fresh_processes
-from taskbuilder.validate.locate import finding_in_description
+from taskbuilder.validate.locate import finding_in_description, finding_of_scene
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.report import Check, FamilyResult, Result
 from taskbuilder.validate.traces import (
@@ -35,8 +36,11 @@ from taskbuilder.validate.traces import (
 )
 
 EPISODES = 3
-SAVED_AT = (0.25, 0.5, 0.75)
-"""Fractions of an episode at which its state is saved and restored."""
+SAVED = 8
+"""Control steps of an episode, evenly spaced, at which its state is saved and restored."""
+
+AHEAD = 10
+"""Control steps for which an episode continues from a restored state; to its end from the first."""
 
 
 class Script(NamedTuple):
@@ -206,26 +210,43 @@ def _check_restores(
     findings: list[Finding] = []
     for script, found in zip(scripts, restored, strict=True):
         if found and not findings:
-            findings = [_differs(context.task, "TB504", script.start, found)]
+            findings = [_restored_otherwise(context, script.start, found)]
     count = sum(found is not None for found in restored)
     return Check("TB504", _NAMES["TB504"], not count, count, 0, "episodes"), findings
+
+
+def _restored_otherwise(context: Context, start: Start, found: Difference) -> Finding:
+    """A finding at the description, if it can be its fault, and otherwise at the scene."""
+    task = context.task
+    moved = physical(context.cache.env(start.variation).episode.world)
+    own = any(node.has_own_code for node in task.description.nodes())
+    if own and not any(part in moved for part in found.parts):
+        return _differs(task, "TB504", start, found)
+    return finding_of_scene(task, "TB504", f"{_WHY['TB504']}: {start}, {found}; {_NOT_YOURS}")
+
+
+_NOT_YOURS = "the description is not the cause, so this is a fault of taskbuilder: please report it"
 
 
 def _with_restores(
     env: TaskEnv, seed: int, actions: Sequence[Actions]
 ) -> tuple[Trace, Difference | None]:
-    """An episode, and its differences after restoring saved states, the latest first."""
-    marks = {round(share * len(actions)) for share in SAVED_AT}
+    """An episode, and its differences after restoring saved states, the latest first.
+
+    Every other state is a copy, which is restored by playing its actions again.
+    """
+    marks = {number * len(actions) // (SAVED + 1) for number in range(1, SAVED + 1)}
     saved = []
     steps = list(trace(env, seed, ()))
     for number, action in enumerate(actions):
         if number in marks and env.agents:
-            saved.append((number, env.save_state()))
+            state = env.save_state()
+            saved.append((number, deepcopy(state) if len(saved) % 2 else state))
         steps += go_on(env, [action])
     found = None
-    if not env.episode.exploded:  # otherwise its states are gone with its world
-        for number, state in reversed(saved):
-            env.load_state(state)
-            again = list(go_on(env, actions[number:]))
-            found = found or difference(steps[number + 1 :], again, number + 1)
+    for number, state in reversed(saved):
+        env.load_state(state)
+        end = len(actions) if number == min(marks) else number + AHEAD
+        again = list(go_on(env, actions[number:end]))
+        found = found or difference(steps[number + 1 : end + 1], again, number + 1)
     return tuple(steps), found
