@@ -300,7 +300,7 @@ class Episode(Single):
         """
         self.check_usable()
         state.check_fits(self.task, self.options)
-        self.over, self.begun = True, False  # until it is done
+        self.over, self.begun, self.exploded = True, False, False  # until it is done
         course = self._course
         course.set_variation(state.variation)
         course.seed, course.taken, course.locking = state.seed, [*state.actions], [*state.locking]
@@ -309,7 +309,7 @@ class Episode(Single):
         course.waiting, course.quantities = dict(state.waiting), course.world.quantities
         self._referee.memory, self.outcome = state.memory, state.outcome
         self.steps = len(state.actions)
-        self.succeeded, self.failed, self.exploded = state.succeeded, state.failed, False
+        self.succeeded, self.failed = state.succeeded, state.failed
         self.over, self.begun = state.over, True
         self._previous = state.actions[-1] if state.actions else self._no_actions()
         self.noise_rng.bit_generator.state = state.noise

@@ -78,7 +78,7 @@ class EpisodeState:
             UsageError: It is of another task, or plays with other options.
         """
         if self.task != task.name:
-            raise UsageError(f"the state is one of {self.task}; this environment plays {task.name}")
+            raise UsageError(f"the state is of {self.task}; this environment plays {task.name}")
         for name, value in options.decisive.items():
             if self.options[name] != value:
                 raise UsageError(

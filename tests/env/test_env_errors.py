@@ -188,16 +188,6 @@ def test_a_closed_environment_refuses_everything_but_being_closed(make, call):
     assert env.action_space("left").shape == (5,)
 
 
-def test_a_state_of_another_environment_is_refused(make):
-    env, other = make(facing()), make(facing())
-    env.reset(seed=0)
-    other.reset(seed=0)
-    before = digest(moment(env))
-    with pytest.raises(UsageError, match="another environment"):
-        env.load_state(other.save_state())
-    assert digest(moment(env)) == before
-
-
 @pytest.mark.parametrize("seed", [-1, 1.5, "three"])
 def test_a_seed_that_is_none_is_refused_and_nothing_has_changed(pair, seed):
     env, twin = pair
