@@ -166,8 +166,6 @@ def play_solo(expert: Expert, seed: int, solo: Solo) -> Rollout:
     if not saved or tried.success:
         return tried
     holding = resume(env, HoldStill(), tried)
-    if holding.exploded:
-        return holding
     env.load_state(saved[0])
     letting_go = resume(env, DropAll(), tried)
     return max(holding, letting_go, key=lambda play: (play.success, play.team_return))

@@ -1,5 +1,7 @@
 """The block at the goal, and the right tool at the lamp."""
 
+from weakref import WeakKeyDictionary
+
 from taskbuilder.description import (
     Bonus,
     Description,
@@ -13,16 +15,14 @@ from taskbuilder.description import (
     measure,
 )
 
-steps = []
+steps = WeakKeyDictionary()
 
 
 @measure
 def weariness(world: WorldView) -> float:
     """Control steps of this episode so far."""
-    if world.time == 0.0:
-        steps.clear()
-    steps.append(world.time)
-    return len(steps)
+    steps[world] = 0 if world.time == 0.0 else steps[world] + 1
+    return steps[world]
 
 
 class Errand(Description):
