@@ -11,7 +11,8 @@ from taskbuilder._lazy import exported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
-    from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, make_from
+    from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
+    from taskbuilder.data.environment import make_from
     from taskbuilder.env.joint import JointEnv
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
@@ -91,7 +92,7 @@ _HOMES = {
     "load_dataset": "taskbuilder.data.dataset",
     "load_policy": "taskbuilder.learn.zoo",
     "load_task": "taskbuilder.task",
-    "make_from": "taskbuilder.data.dataset",
+    "make_from": "taskbuilder.data.environment",
     "make_vec": "taskbuilder.env.vector",
     "parallel_env": "taskbuilder.env.parallel",
     "play": "taskbuilder.rollout.play",

@@ -82,7 +82,20 @@ def read_arrays(
     name = display_path(path)
     if largest is not None and path.stat().st_size > largest:
         raise StoreError(f"{name}: is larger than a {kind} may be ({largest >> 20} MiB)")
-    content = path.read_bytes()
+    return unpacked_arrays(path.read_bytes(), kind, name)
+
+
+def unpacked_arrays(content: bytes, kind: str, name: str) -> tuple[Arrays, dict[str, Any]]:
+    """The arrays and words of a file; see `read_arrays`.
+
+    Args:
+        content: What the file contains.
+        kind: What its words must say it is.
+        name: Its path, for messages.
+
+    Raises:
+        StoreError: It is cut off, changed, or another kind of file.
+    """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as file:
             _check_sums(file, content)

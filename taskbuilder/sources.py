@@ -34,6 +34,17 @@ def digests_of_task(task: Task) -> Digests:
     return digests(_files(task), bases)
 
 
+def files_to_carry(task: Task) -> frozenset[Path]:
+    """The files of a task that come with no package; none if the task itself is in a package."""
+    if task.file.entry.trusted:
+        return frozenset()
+    data = pybullet_data_folder()
+    packaged = [model.entry.root for model in task.file.robots.values() if model.entry.trusted]
+    folders = [*packaged, *([data] if data is not None else [])]
+    files = {file.resolve() for file in _files(task)}
+    return frozenset(f for f in files if not any(f.is_relative_to(folder) for folder in folders))
+
+
 def _files(task: Task) -> Iterator[Path]:
     entry = task.file.entry
     yield entry.file

@@ -36,6 +36,18 @@ def suggestion(
     return f"{what}: {', '.join(names)}" if names else "there are none"
 
 
+def printable(text: str) -> str:
+    """A text with escapes in place of control characters other than new lines and tabs.
+
+    Messages quote files that may come from anybody, and a terminal obeys control characters.
+    """
+    return "".join(c if c.isprintable() or c in "\n\t" else _escaped(c) for c in text)
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode()
+
+
 def quoted(text: str) -> str:
     """A name as messages show it: in double quotes, with what cannot be seen escaped."""
     import json  # `list` and `--version` start without it

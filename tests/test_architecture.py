@@ -66,13 +66,14 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *SIMULATED,
     ),
     "data": (
-        *("expert", "rollout", "env", "sources", "jobs", "machine", "digests", "arrays", "files"),
-        *SIMULATED,
+        *("expert", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
+        *("arrays", "files", "untrusted", *SIMULATED),
     ),
     "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
     "env": ("processes", *SIMULATED),
+    "carried": ("sources", "task", "digests", "schema", "errors"),
     "sources": ("task", "assets", "digests"),
     "reference": ("diagnostics", "description", *FILES),
     "task": ("description", *FILES),
@@ -89,6 +90,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "digests": (),
     "arrays": ("files", *FOUNDATION),
     "files": (),
+    "untrusted": (),
     "diagnostics": (),
     "engine": ("errors",),
     "geometry": (),
@@ -106,7 +108,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/engine_output.py"),
-    "pydantic": ("taskbuilder/schema/", "taskbuilder/reference/"),
+    "pydantic": ("taskbuilder/schema/", "taskbuilder/reference/", "taskbuilder/data/records.py"),
     "pydantic_core": ("taskbuilder/schema/",),
     "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),

@@ -68,18 +68,21 @@ def _run(words: Sequence[str]) -> int:
 
 
 def _fail(error: Exception) -> int:
+    from taskbuilder.wording import printable
+
+    said = printable(str(error))
     if isinstance(error, FileError | PlacementError):
-        print(error, file=sys.stderr)
+        print(said, file=sys.stderr)
         return FINDINGS
     if isinstance(error, UnknownNameError | UsageError):
-        print(f"taskbuilder: {error}", file=sys.stderr)
+        print(f"taskbuilder: {said}", file=sys.stderr)
         return USAGE
     if isinstance(error, TaskbuilderError):
-        print(f"taskbuilder: {error}", file=sys.stderr)
+        print(f"taskbuilder: {said}", file=sys.stderr)
         return FINDINGS
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
-        print(f"taskbuilder: {where}{error.strerror or error}", file=sys.stderr)
+        print(printable(f"taskbuilder: {where}{error.strerror or error}"), file=sys.stderr)
         return USAGE
     import traceback  # takes a fifth of the time of `taskbuilder --version`
 

@@ -170,6 +170,15 @@ def add_dataset(adder: CommandAdder) -> None:
         metavar="WxH",
         help="film: size of the picture of each camera, in pixels",
     )
+    parser.add_argument(
+        "--trust",
+        nargs="?",
+        const=True,
+        default=False,
+        metavar="SHA256",
+        help="check, film: run the task that comes with the data set, or the one of this SHA-256; "
+        "a task is a program, so read it first",
+    )
     _add_format(parser, "export: format to export to")
     parser.add_argument(
         "--pictures",

@@ -9,17 +9,27 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.cli.output import paint, print_json, print_table, progress
+from taskbuilder.cli.output import (
+    can_ask,
+    confirmed,
+    paint,
+    print_json,
+    print_table,
+    progress,
+    warn,
+)
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.data.checking import CheckResult, check_dataset
-from taskbuilder.data.dataset import load_dataset, make_from
+from taskbuilder.data.dataset import load_dataset
+from taskbuilder.data.environment import make_from, tasks_to_trust, where_carried
 from taskbuilder.data.formats import ExportOptions, export_dataset
 from taskbuilder.data.summary import summarize_dataset
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.visual.film import save_film
-from taskbuilder.wording import suggestion
+from taskbuilder.wording import printable, suggestion
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -101,7 +111,8 @@ def _size(count: int) -> str:
 
 def _check(arguments: argparse.Namespace) -> int:
     catalogue = catalogue_of(arguments)
-    result = check_dataset(arguments.folder, arguments.replay, catalogue=catalogue)
+    trust = bool(arguments.replay) and _trust(arguments, catalogue)
+    result = check_dataset(arguments.folder, arguments.replay, catalogue=catalogue, trust=trust)
     if arguments.json:
         print_json({"ok": result.ok, **asdict(result)})
     else:
@@ -111,13 +122,18 @@ def _check(arguments: argparse.Namespace) -> int:
 
 def _print_check(result: CheckResult) -> None:
     for line in result.damaged:
-        print(f"  {paint('damaged', 'red')}  {line}")
+        print(f"  {paint('damaged', 'red')}  {printable(line)}")
     if result.damaged:
         print(f"{len(result.damaged)} of {result.files} files are not as they were written")
         return
     print(f"{result.files} files are as they were written")
+    for line in result.invalid:
+        print(f"  {paint('invalid', 'red')}  {printable(line)}")
+    if result.invalid:
+        return
     if result.unplayed:
         print(f"no episode could be played again: {result.unplayed}")
+        print("give --replay 0 to check the files alone")
     differs = result.differs or {}
     for name, said in differs.items():
         print(f"  {name}: {said}")
@@ -128,6 +144,25 @@ def _print_check(result: CheckResult) -> None:
         print("this is no sign of damage, because something else is not the same here:")
     for line in result.elsewhere if differs or result.unplayed else ():
         print(f"  {line}")
+
+
+def _trust(
+    arguments: argparse.Namespace, catalogue: Catalogue, task: str | None = None
+) -> bool | str:
+    """What --trust says, or the answer of whoever sits at the terminal."""
+    if arguments.trust or not can_ask():
+        return arguments.trust or False
+    about = load_dataset(arguments.folder).about
+    tasks = tasks_to_trust(about, arguments.folder, catalogue, task)
+    for carried in tasks:
+        where = where_carried(arguments.folder, carried)
+        question = (
+            f"The task {carried.name} comes with the data set. It is a Python program of whoever "
+            f"made the data set ({where}, SHA-256 {carried.digest}). Run it?"
+        )
+        if not confirmed(question):
+            return False
+    return bool(tasks)
 
 
 # --- film
@@ -142,13 +177,16 @@ def _film(arguments: argparse.Namespace) -> int:
             f"{display_path(arguments.folder)} has {len(dataset)} episodes, numbered from 0"
         )
     episode = dataset[arguments.episode]
+    catalogue = catalogue_of(arguments)
+    trust = _trust(arguments, catalogue, episode.task)
     out: Path = arguments.out or Path("films")
     env = make_from(
         arguments.folder,
         task=episode.task,
         variation=episode.variation,
         cameras=False,
-        catalogue=catalogue_of(arguments),
+        catalogue=catalogue,
+        trust=trust,
     )
     with closing(env):
         scene = env.episode.world.scene.cameras
@@ -184,7 +222,7 @@ def _export(arguments: argparse.Namespace) -> int:
     if not arguments.out:
         raise UsageError("where to? name a new folder by --out")
     dataset = load_dataset(arguments.folder)
-    options = ExportOptions(pictures=arguments.pictures)
+    options = ExportOptions(pictures=arguments.pictures, warn=warn)
     out = export_dataset(dataset, arguments.export, arguments.out, options)
     told = {"format": arguments.export, "folder": display_path(out), "episodes": len(dataset)}
     if arguments.json:

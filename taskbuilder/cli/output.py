@@ -157,6 +157,22 @@ def _counted(items: Iterable[Item], label: str, total: int | None) -> Iterator[I
         yield item
 
 
+def warn(text: str) -> None:
+    """Print a warning on standard error."""
+    print(f"taskbuilder: warning: {text}", file=sys.stderr, flush=True)
+
+
+def can_ask() -> bool:
+    """Whether there is somebody at a terminal who can answer a question."""
+    return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def confirmed(question: str) -> bool:
+    """Ask a question on the terminal; whether the answer is yes."""
+    print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
 def say(line: str) -> None:
     """Print a line at once, above a bar of `progress` if there is one."""
     if not sys.stderr.isatty():

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import html
+import json
+import re
 from collections.abc import Iterator, Mapping
 from statistics import median
 from typing import Any
@@ -42,7 +45,8 @@ _TAGS = {"lerobot": "LeRobot"}
 
 
 def _header(about: Mapping[str, Any]) -> Iterator[str]:
-    yield from ("---", f"license: {about['license'].lower()}", "task_categories: [robotics]")
+    yield from ("---", f"license: {_scalar(about['license'].lower())}")
+    yield "task_categories: [robotics]"
     yield from ("tags: [taskbuilder, multi-agent, simulation]", "---", "")
 
 
@@ -57,19 +61,19 @@ def _summary(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str
     if about["collected"]["cameras"]:
         cameras = ", ".join(about["collected"]["cameras"])
         yield f"Cameras: {cameras} (renderer {about['renderer']})."
-    yield from (f"Licence: {about['license']}.", "")
+    yield from (f"Licence: {_plain(about['license'])}.", "")
 
 
 def _tasks(about: Mapping[str, Any], index: Mapping[str, Any]) -> Iterator[str]:
     rates, counts = success_rates(index), variation_counts(about, index)
     for name, task in about["tasks"].items():
-        yield from (f"## {name}", "", task["summary"], "")
+        yield from (f"## {name}", "", _plain(task["summary"]), "")
         robots = ", ".join(f"{agent} ({_model(robot)})" for agent, robot in task["robots"].items())
         yield f"Robots: {robots}. {task['control_hz']} control steps per second, at most "
         yield f"{task['max_episode_steps']} steps."
         yield from ("", "| policy | attempts | succeeded |", "|---|---|---|")
         for policy, (won, played) in rates.get(name, {}).items():
-            yield f"| {policy} | {played} | {won} |"
+            yield f"| {_plain(policy)} | {played} | {won} |"
         yield from ("", "| variation | attempts | episodes |", "|---|---|---|")
         for variation, count in counts[name].items():
             yield f"| {variation} | {count.attempts} | {count.episodes} |"
@@ -80,6 +84,21 @@ def _model(robot: Mapping[str, Any]) -> str:
     """A robot's model, with its rule of grasping where that is not friction."""
     attaches = robot.get("grasp") == "attach"
     return f"{robot['model']}, grasp attach" if attaches else str(robot["model"])
+
+
+def _scalar(text: str) -> str:
+    """A text as a value in YAML; one that could mean anything else is quoted."""
+    word = re.fullmatch("[a-z][a-z0-9.+-]*", text) and text not in _YAML_WORDS
+    return text if word else json.dumps(text)  # the quoted texts of JSON are those of YAML too
+
+
+_YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
+"""Words that are no text in YAML."""
+
+
+def _plain(text: str) -> str:
+    """A text without meaning in Markdown: on one line, without markup or cells of tables."""
+    return html.escape(" ".join(text.split()), quote=False).replace("|", "\\|")
 
 
 def _made(about: Mapping[str, Any]) -> Iterator[str]:

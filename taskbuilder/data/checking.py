@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
@@ -13,7 +12,8 @@ import numpy as np
 
 from taskbuilder.arrays import StoreError
 from taskbuilder.data import layout
-from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, make_from
+from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
+from taskbuilder.data.environment import Trust, make_from
 from taskbuilder.data.machines import (
     PICTURE_PACKAGES,
     machine_changes,
@@ -37,6 +37,8 @@ class CheckResult:
     Attributes:
         files: Number of files that were hashed.
         damaged: What is wrong with files: changed, missing or additional ones, by name.
+        invalid: What is wrong with files that are as they were written: values, arrays and videos
+            that no episode of the task has, by name.
         replayed: Names of the episodes that were played again.
         differs: What differs when they are played again, by name of the episode.
         unplayed: Why episodes could not be played again, or "".
@@ -46,6 +48,7 @@ class CheckResult:
 
     files: int
     damaged: tuple[str, ...]
+    invalid: tuple[str, ...] = ()
     replayed: tuple[str, ...] = ()
     differs: Mapping[str, str] | None = None
     unplayed: str = ""
@@ -53,17 +56,21 @@ class CheckResult:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong with the data set itself."""
-        return not self.damaged and not (self.differs and not self.elsewhere)
+        """Whether all that was asked for was checked, and nothing is wrong with the data set."""
+        different = self.differs and not self.elsewhere
+        return not (self.damaged or self.invalid or self.unplayed or different)
 
 
-def check_dataset(folder: Path, share: float, *, catalogue: Catalogue | None = None) -> CheckResult:
+def check_dataset(
+    folder: Path, share: float, *, catalogue: Catalogue | None = None, trust: Trust = False
+) -> CheckResult:
     """Check a data set.
 
     Args:
         folder: Where it is.
         share: Fraction of the episodes to play again, from 0 to 1; at least one if it is not 0.
         catalogue: The catalogue that its tasks are looked up in.
+        trust: Whether to run tasks that come with the data set; see `make_from`.
 
     Raises:
         UsageError: The folder is no data set.
@@ -74,22 +81,28 @@ def check_dataset(folder: Path, share: float, *, catalogue: Catalogue | None = N
     except StoreError as error:
         return CheckResult(0, (f"{layout.ABOUT} ({error})",))
     files = len(layout.files_of(folder)) + 1
-    if damaged or not share:
+    if damaged:
         return CheckResult(files, damaged)
-    dataset = load_dataset(folder)
+    try:
+        dataset = load_dataset(folder)
+        invalid = tuple(_invalid(dataset))
+    except StoreError as error:
+        invalid = (str(error),)
+    if invalid or not share:
+        return CheckResult(files, (), invalid)
     chosen = _chosen(dataset, share)
     differs: dict[str, str] = {}
     elsewhere = [*_elsewhere(dataset.about), *_on_nodes(dataset.about, chosen)]
     try:
-        with closing(_Replayer(dataset, catalogue)) as replayer:
+        with closing(_Replayer(dataset, catalogue, trust)) as replayer:
             elsewhere += replayer.changed_files()
             for episode in chosen:
                 if said := replayer.difference(episode):
                     differs[episode.name] = said
     except TaskbuilderError as error:
-        return CheckResult(files, (), unplayed=str(error), elsewhere=tuple(elsewhere))
+        return CheckResult(files, (), (), unplayed=str(error), elsewhere=tuple(elsewhere))
     names = tuple(episode.name for episode in chosen)
-    return CheckResult(files, (), names, differs, elsewhere=tuple(elsewhere))
+    return CheckResult(files, (), (), names, differs, elsewhere=tuple(elsewhere))
 
 
 def _damaged(folder: Path) -> Iterator[str]:
@@ -99,13 +112,14 @@ def _damaged(folder: Path) -> Iterator[str]:
             f"{folder} is not finished; run the command again that began to collect it"
         )
     try:
-        manifest = layout.read_json(folder / layout.MANIFEST)
-        files: Mapping[str, str] = manifest["files"]
-        whole = json.dumps(layout.sealed(files), indent=1, ensure_ascii=True) + "\n"
-    except (StoreError, KeyError, TypeError, AttributeError, ValueError):
+        manifest = layout.read_manifest(folder)
+    except StoreError:
         yield f"{layout.MANIFEST} is damaged"
         return
-    same = (folder / layout.MANIFEST).read_bytes() == whole.encode()
+    files: Mapping[str, str] = manifest["files"]
+    same = layout.digest_file(folder, layout.MANIFEST) == digest(
+        layout.json_bytes(layout.sealed(files))
+    )
     if manifest.get("seal") != digest_of(files) or not same:
         yield f"{layout.MANIFEST} was changed"
     there = layout.files_of(folder)
@@ -114,8 +128,29 @@ def _damaged(folder: Path) -> Iterator[str]:
             yield f"{name} is new"
         elif name not in there:
             yield f"{name} is gone"
-        elif digest((folder / name).read_bytes()) != files[name]:
-            yield f"{name} was changed"
+        elif said := _changed(folder, name, files[name]):
+            yield f"{name} {said}"
+
+
+def _changed(folder: Path, name: str, known: str) -> str:
+    """What is wrong with a file, or ""."""
+    try:
+        return "" if layout.digest_file(folder, name) == known else "was changed"
+    except StoreError as error:
+        return f"cannot be read ({error})"
+
+
+def _invalid(dataset: Dataset) -> Iterator[str]:
+    """What is wrong with episodes whose files are as they were written."""
+    for episode in dataset:
+        try:
+            _ = episode.arrays
+            for camera, about in episode.about["cameras"].items():
+                episode.check_video(camera)
+                if about.get("depth"):
+                    episode.check_video(camera, depth=True)
+        except TaskbuilderError as error:
+            yield str(error)
 
 
 def _chosen(dataset: Dataset, share: float) -> list[RecordedEpisode]:
@@ -146,8 +181,8 @@ def _on_nodes(about: Mapping[str, Any], episodes: Sequence[RecordedEpisode]) -> 
 class _Replayer:
     """Plays recorded episodes again."""
 
-    def __init__(self, dataset: Dataset, catalogue: Catalogue | None) -> None:
-        self._dataset, self._catalogue = dataset, catalogue
+    def __init__(self, dataset: Dataset, catalogue: Catalogue | None, trust: Trust) -> None:
+        self._dataset, self._catalogue, self._trust = dataset, catalogue, trust
         self._stack = ExitStack()
         self._envs: dict[tuple[str, int], TaskEnv] = {}
 
@@ -191,6 +226,7 @@ class _Replayer:
                 variation=variation,
                 cameras=False,
                 catalogue=self._catalogue,
+                trust=self._trust,
             )
             self._envs[key] = self._stack.enter_context(closing(made))
         return self._envs[key]

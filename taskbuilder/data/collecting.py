@@ -19,6 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from taskbuilder.carried import carry
 from taskbuilder.data import layout
 from taskbuilder.data.card import card_text
 from taskbuilder.data.index import make_index
@@ -120,6 +121,7 @@ def collect(
         with layout.locked(folder):
             about = describe(plan, loaded)
             _begin(folder, about)
+            _write_tasks(folder, loaded)
             # A node draws as this machine does, whatever else is installed there.
             drawn = replace(plan, renderer=about["renderer"] or plan.renderer)
             job = CollectJob(drawn, folder, other)
@@ -148,6 +150,8 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
         UsageError: Something else is there.
     """
     where = display_path(folder)
+    if links := [name for name in layout.OWN if (folder / name).is_symlink()]:
+        raise UsageError(f"{where}: {links[0]} is a link; name a folder without links")
     strange = sorted(
         file.name
         for file in folder.iterdir()
@@ -173,6 +177,17 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
             f"{where} holds other files beside the data set ({', '.join(strange[:3])}); move them "
             "away"
         )
+
+
+def _write_tasks(folder: Path, tasks: Sequence[Task]) -> None:
+    """Write the files of tasks that come with no package, so that others can play them."""
+    for task in tasks:
+        carried = carry(task)
+        for name, content in carried.files.items() if carried else ():
+            file = folder / layout.TASKS / task.name / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            if not file.exists():
+                write_whole(file, content, sync=True)
 
 
 # --- the owner's side

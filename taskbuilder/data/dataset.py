@@ -1,16 +1,17 @@
-"""Reading data sets: episodes with their arrays, and the environment that they came from.
+"""Reading data sets: episodes with their arrays and images.
 
     dataset = load_dataset("data/handover")
     for episode in dataset:
         episode.observations["left"], episode.actions["left"], episode.rewards["left"]
 
-Reading executes nothing: the files are JSON, arrays and videos. `make_from` imports the task, which
-it looks up by its name in the catalogue.
+A data set may come from anybody. Reading executes nothing of it: the files are JSON, arrays and
+videos, and each is checked against what the data set says of it before it is used.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any, overload
@@ -18,19 +19,25 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.arrays import Arrays, StoreError
+from taskbuilder.arrays import Arrays
 from taskbuilder.data import layout
-from taskbuilder.data.videos import Frames, decoded, decoded_depth
-from taskbuilder.env.options import Options, Renderer, make_options
-from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.data.array_schema import check_arrays, expected_arrays, largest_file
+from taskbuilder.data.records import check_episode
+from taskbuilder.data.videos import (
+    Frames,
+    VideoError,
+    VideoSize,
+    check_header,
+    depths_of,
+    images_of,
+    stacked,
+)
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.task import Task, load_task
 from taskbuilder.wording import suggestion
 
 
 class RecordedEpisode:
-    """An episode of a data set; its arrays are read when they are first used.
+    """An episode of a data set; its files are read and checked when they are first used.
 
     Some arrays have ``steps`` rows, one per control step. Others have ``steps`` + 1 rows: one for
     the state after reset, and one for the state after each control step.
@@ -40,19 +47,41 @@ class RecordedEpisode:
         name: Name of the episode, such as ``handover-000000007``.
     """
 
-    def __init__(self, place: Path) -> None:
-        self.place = place
-        self.name = place.name
+    def __init__(self, folder: Path, line: Mapping[str, Any], about: Mapping[str, Any]) -> None:
+        self._folder, self._line, self._about = folder, line, about
+        self.name = str(line["name"])
+        self.place = folder / layout.EPISODES / self.name
 
     @cached_property
     def about(self) -> Mapping[str, Any]:
-        """Contents of ``episode.json``: seed, variation, policy, instruction, sub-tasks, ..."""
-        return layout.read_episode(self.place)
+        """Contents of ``episode.json``: seed, variation, policy, instruction, sub-tasks, ...
+
+        Raises:
+            StoreError: The file is damaged.
+        """
+        about = layout.read_episode(self._folder, self.name)
+        check_episode(about, self._line, self._of_task, display_path(self.place / layout.EPISODE))
+        return about
 
     @cached_property
     def arrays(self) -> Arrays:
-        """All arrays by name, such as ``agents/left/joint_target``."""
-        return layout.read_episode_arrays(self.place)
+        """All arrays by name, such as ``agents/left/joint_target``.
+
+        Raises:
+            StoreError: The file is damaged, or an array is missing, has another shape or type than
+                it must have, or has numbers that are not finite.
+        """
+        normalized = bool(self._about["options"].get("normalize", True))
+        expected = expected_arrays(self._of_task, self.about, normalized=normalized)
+        largest = largest_file(expected, self.steps)
+        arrays = layout.read_episode_arrays(self._folder, self.name, largest)
+        check_arrays(arrays, expected, self.steps, display_path(self.place / layout.ARRAYS))
+        return arrays
+
+    @property
+    def _of_task(self) -> Mapping[str, Any]:
+        about: Mapping[str, Any] = self._about["tasks"][self._line["task"]]
+        return about
 
     @property
     def task(self) -> str:
@@ -148,36 +177,99 @@ class RecordedEpisode:
 
         Raises:
             UnknownNameError: The camera was not recorded.
+            StoreError: It cannot be read, or is too large.
         """
         return self._file(camera, "video")
+
+    def video_size(self, camera: str) -> VideoSize:
+        """Width, height and number of the images of a camera.
+
+        Raises:
+            UnknownNameError: The camera was not recorded.
+        """
+        self._check_recorded(camera, "video")
+        about = self.about["cameras"][camera]
+        return VideoSize(about["width"], about["height"], about["frames"])
 
     def images(self, camera: str) -> Frames:
         """The colour images of a camera: (steps + 1, height, width, 3) uint8.
 
         Raises:
             UnknownNameError: The camera was not recorded.
-            VideoError: The video is damaged.
+            VideoError: The video is damaged, or is not of the recorded size and length; or its
+                images take more than 1 GiB.
         """
-        return decoded(self.video(camera))
+        images, size = self.each_image(camera), self.video_size(camera)
+        with self._video_file(camera, "video"):
+            return stacked(images, size)
+
+    def each_image(self, camera: str) -> Iterator[Frames]:
+        """The colour images of a camera, decoded one after the other: (height, width, 3) uint8.
+
+        Raises:
+            UnknownNameError: The camera was not recorded.
+            VideoError: The video is damaged, or is not of the recorded size and length.
+        """
+        content = self.video(camera)
+        with self._video_file(camera, "video"):
+            yield from images_of(content, self.video_size(camera))
 
     def depth(self, camera: str) -> NDArray[np.float32]:
         """The depth images of a camera, in metres: (steps + 1, height, width) float32.
 
         Raises:
             UnknownNameError: The depth images of the camera were not recorded.
-            VideoError: The video is damaged.
+            VideoError: The video is damaged, or is not of the recorded size and length; or its
+                images take more than 1 GiB.
         """
-        return decoded_depth(self._file(camera, "depth"))
+        depths, size = self.each_depth(camera), self.video_size(camera)
+        with self._video_file(camera, "depth"):
+            return stacked(depths, size)
+
+    def each_depth(self, camera: str) -> Iterator[NDArray[np.float32]]:
+        """The depth images of a camera, in metres, one after the other: (height, width) float32.
+
+        Raises:
+            UnknownNameError: The depth images of the camera were not recorded.
+            VideoError: The video is damaged, or is not of the recorded size and length.
+        """
+        content = self._file(camera, "depth")
+        with self._video_file(camera, "depth"):
+            yield from depths_of(content, self.video_size(camera))
+
+    def check_video(self, camera: str, *, depth: bool = False) -> None:
+        """Check what the header of a camera's video says; no image is decoded.
+
+        Raises:
+            UnknownNameError: The camera, or its depth, was not recorded.
+            VideoError: The video is damaged, or is not of the recorded size and length.
+        """
+        what = "depth" if depth else "video"
+        content = self._file(camera, what)
+        with self._video_file(camera, what):
+            check_header(content, self.video_size(camera), depth=depth)
 
     def _file(self, camera: str, what: str) -> bytes:
-        known = {name: files for name, files in self.about["cameras"].items() if what in files}
+        self._check_recorded(camera, what)
+        name = f"{layout.EPISODES}/{self.name}/{self.about['cameras'][camera][what]}"
+        return layout.read_file(self._folder, name, self.video_size(camera).largest_file)
+
+    def _check_recorded(self, camera: str, what: str) -> None:
+        known = [name for name, files in self.about["cameras"].items() if files.get(what)]
         if camera not in known:
             help_ = suggestion(camera, known, what="it has")
             raise UnknownNameError(f'{self.name} has no {what} of "{camera}"; {help_}')
-        name = str(known[camera][what])
-        if Path(name).name != name:  # a file of another folder
-            raise StoreError(f"{display_path(self.place)} is damaged: {name} is no file of it")
-        return (self.place / name).read_bytes()
+
+    @contextmanager
+    def _video_file(self, camera: str, what: str) -> Iterator[None]:
+        """Have errors name the file of a video."""
+        try:
+            yield
+        except VideoError as error:
+            where = display_path(self.place / self.about["cameras"][camera][what])
+            if str(error).startswith(where):
+                raise
+            raise VideoError(f"{where}: {error}") from None
 
 
 class Dataset(Sequence[RecordedEpisode]):
@@ -191,17 +283,11 @@ class Dataset(Sequence[RecordedEpisode]):
             entry for every episode that was played but not kept.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        about: Mapping[str, Any],
-        contents: Mapping[str, Any],
-        names: Sequence[str],
-    ) -> None:
+    def __init__(self, folder: Path, about: Mapping[str, Any], contents: Mapping[str, Any]) -> None:
         self.folder = folder
         self.about = about
         self.contents = contents
-        self._names = tuple(names)
+        self._lines = tuple(contents["episodes"])
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -217,13 +303,17 @@ class Dataset(Sequence[RecordedEpisode]):
         if task not in self.about["tasks"]:
             help_ = suggestion(task, self.tasks, what="it has")
             raise UnknownNameError(f'{display_path(self.folder)} has no task "{task}"; {help_}')
-        lines = [line for line in self.contents["episodes"] if line["task"] == task]
+        lines = [line for line in self._lines if line["task"] == task]
         about = {**self.about, "tasks": {task: self.about["tasks"][task]}}
-        names = [line["name"] for line in lines]
-        return Dataset(self.folder, about, {**self.contents, "episodes": lines}, names)
+        return Dataset(self.folder, about, {**self.contents, "episodes": lines})
+
+    def with_steps(self) -> Dataset:
+        """The episodes that have at least one control step."""
+        lines = [line for line in self._lines if line["steps"]]
+        return Dataset(self.folder, self.about, {**self.contents, "episodes": lines})
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self._lines)
 
     @overload
     def __getitem__(self, index: int) -> RecordedEpisode: ...
@@ -233,14 +323,14 @@ class Dataset(Sequence[RecordedEpisode]):
 
     def __getitem__(self, index: int | slice) -> RecordedEpisode | list[RecordedEpisode]:
         if isinstance(index, slice):
-            return [self._episode(name) for name in self._names[index]]
-        return self._episode(self._names[index])
+            return [self._episode(line) for line in self._lines[index]]
+        return self._episode(self._lines[index])
 
     def __iter__(self) -> Iterator[RecordedEpisode]:
-        return map(self._episode, self._names)
+        return map(self._episode, self._lines)
 
-    def _episode(self, name: str) -> RecordedEpisode:
-        return RecordedEpisode(self.folder / layout.EPISODES / name)
+    def _episode(self, line: Mapping[str, Any]) -> RecordedEpisode:
+        return RecordedEpisode(self.folder, line, self.about)
 
 
 def load_dataset(folder: str | Path) -> Dataset:
@@ -255,96 +345,7 @@ def load_dataset(folder: str | Path) -> Dataset:
     """
     place = Path(folder)
     about = layout.read_about(place)
-    where = display_path(place)
     if not layout.is_finished(place):
+        where = display_path(place)
         raise UsageError(f"{where} is not finished; run the command again that began to collect it")
-    try:
-        index = layout.read_json(place / layout.INDEX)
-        names = [str(line["name"]) for line in index["episodes"]]
-    except (KeyError, TypeError, FileNotFoundError) as error:
-        raise StoreError(f"{where} is damaged: its {layout.INDEX} lacks {error}") from None
-    if any(Path(name).name != name for name in names):
-        raise StoreError(f"{where} is damaged: an episode lies in another folder")
-    return Dataset(place, about, index, names)
-
-
-def make_from(
-    folder: str | Path,
-    *,
-    task: str | Path | Task | None = None,
-    variation: int | None = None,
-    cameras: bool = True,
-    renderer: Renderer | None = None,
-    catalogue: Catalogue | None = None,
-) -> TaskEnv:
-    """Make the environment in which a data set was recorded, with the same options.
-
-    Args:
-        folder: Folder of the data set.
-        task: The task, if the data set has several tasks; or the path of the task file, if the task
-            is not in the catalogue.
-        variation: Number of the variation; by default the first variation that was recorded.
-        cameras: Whether agents observe the images of the recorded cameras, with the image size and
-            the renderer of the data set.
-        renderer: Renderer to use instead of the data set's own; the images then differ from the
-            recorded images.
-        catalogue: Catalogue in which to look up the task; by default the catalogue of this
-            installation.
-
-    Raises:
-        UsageError: The folder is not a data set, or the data set has several tasks and ``task`` is
-            not given.
-        UnknownNameError: The task is not in the catalogue.
-        FileError: The task has errors.
-        SimulationError: The renderer of the data set does not work on this machine; give another
-            as ``renderer``.
-    """
-    about = layout.read_about(Path(folder))
-    loaded = _task_of(about, Path(folder), task, catalogue)
-    options = options_of_dataset(about, cameras=cameras)
-    if renderer is not None:
-        options["renderer"] = renderer
-    if variation is None:
-        played = about["collected"]["variations"]
-        variation = 0 if played == "all" else played[0]
-    return TaskEnv(loaded, make_options(**{**options, "variation": variation}))
-
-
-def options_of_dataset(about: Mapping[str, Any], *, cameras: bool) -> dict[str, Any]:
-    """The options of the environment of a data set, besides the variation.
-
-    Args:
-        about: What the data set says of itself.
-        cameras: Whether agents observe the recorded cameras.
-    """
-    known = set(Options.__dataclass_fields__)
-    options = {
-        name: tuple(value) if isinstance(value, list) else value
-        for name, value in about["options"].items()
-        if name in known
-    }
-    collected = about["collected"]
-    if cameras and collected["cameras"]:
-        options["cameras"] = tuple(collected["cameras"])
-        options["camera_size"] = tuple(collected["size"]) if collected["size"] else None
-        options["renderer"] = about["renderer"]
-    return options
-
-
-def _task_of(
-    about: Mapping[str, Any],
-    folder: Path,
-    task: str | Path | Task | None,
-    catalogue: Catalogue | None,
-) -> Task:
-    """The task of a data set; its name alone leads nowhere but to the catalogue."""
-    names = list(about["tasks"])
-    if isinstance(task, Task):
-        return task
-    if task is None and len(names) > 1:
-        raise UsageError(f"{display_path(folder)} has several tasks; name one: {', '.join(names)}")
-    catalogue = catalogue or Catalogue.discover()
-    if task is not None and str(task) not in names:
-        return load_task(task, catalogue=catalogue)
-    name = str(task) if task is not None else names[0]
-    return load_task(catalogue.named_task(name).file, catalogue=catalogue)
+    return Dataset(place, about, layout.read_index(place, about))

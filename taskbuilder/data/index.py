@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from taskbuilder.data.layout import EPISODES, FAILURES, read_episode, read_json
+from taskbuilder.data.layout import FAILURES, read_episode, read_json
 
 _SHOWN = (
     *("name", "task", "seed", "variation", "policy", "instruction"),
@@ -24,8 +24,8 @@ def make_index(folder: Path, names: Sequence[str], failed: Sequence[str]) -> dic
         names: The episodes, in order.
         failed: Files of the attempts that were not kept.
     """
-    abouts = (read_episode(folder / EPISODES / name) for name in names)
-    lost = [read_json(folder / FAILURES / name) for name in failed]
+    abouts = (read_episode(folder, name) for name in names)
+    lost = [read_json(folder, f"{FAILURES}/{name}") for name in failed]
     return {
         "episodes": [{key: about[key] for key in _SHOWN} for about in abouts],
         "not_kept": [{key: about[key] for key in _NOT_KEPT} for about in lost],

@@ -11,26 +11,33 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
-from taskbuilder.arrays import Arrays, StoreError, packed_arrays, read_arrays
+from taskbuilder.arrays import Arrays, StoreError, packed_arrays, unpacked_arrays
+from taskbuilder.data import records
 from taskbuilder.data.recording import EpisodeData
 from taskbuilder.data.videos import DEPTH, VIDEO, encoded, encoded_depth
 from taskbuilder.digests import digest, digest_of
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim, write_whole
+from taskbuilder.untrusted import digest_within, names_within, parse_json, read_within
 
 FORMAT = 1
 """Version of the format; others are refused."""
 
 KIND = "taskbuilder data set"
 ABOUT, INDEX, MANIFEST, CARD = "dataset.json", "index.json", "manifest.json", "README.md"
-EPISODES, FAILURES, PARTIAL = "episodes", "failures", ".partial"
+EPISODES, FAILURES, TASKS, PARTIAL = "episodes", "failures", "tasks", ".partial"
 EPISODE, ARRAYS = "episode.json", "arrays.npz"
 
-OWN = (ABOUT, INDEX, MANIFEST, CARD, EPISODES, FAILURES, PARTIAL)
+OWN = (ABOUT, INDEX, MANIFEST, CARD, EPISODES, FAILURES, TASKS, PARTIAL)
 """Everything that may lie in the folder of a data set."""
 
 _ARRAYS_KIND = "episode"
-_LARGEST_JSON = 256 << 20
+_LARGEST_JSON = 4 << 20
+_LINE = 16 << 10
+"""Most bytes that the index and the manifest have for each episode or file."""
+
+LARGEST_FILE = 2 << 30
+"""Most bytes of any file of a data set."""
 
 
 def write_json(path: Path, data: Any) -> None:
@@ -47,22 +54,65 @@ def json_bytes(data: Any) -> bytes:
     return (json.dumps(data, indent=1, ensure_ascii=True) + "\n").encode()
 
 
-def read_json(path: Path) -> dict[str, Any]:
-    """Read a JSON object of a data set.
+def read_file(folder: Path, name: str, largest: int = LARGEST_FILE) -> bytes:
+    """The contents of a file of a data set.
+
+    Args:
+        folder: Of the data set.
+        name: Path of the file in it.
+        largest: Bytes that it may have at most.
 
     Raises:
-        StoreError: It is damaged.
-        OSError: It cannot be read.
+        StoreError: It is missing, is no plain file, is a link, is too large, or cannot be read.
     """
-    name = display_path(path)
-    if path.stat().st_size > _LARGEST_JSON:
-        raise StoreError(f"{name} is too large to be a part of a data set")
+    with _reading(folder, name):
+        return read_within(folder, name, largest)
+
+
+def digest_file(folder: Path, name: str) -> str:
+    """The digest of a file of a data set.
+
+    Raises:
+        StoreError: As `read_file` does.
+    """
+    with _reading(folder, name):
+        return digest_within(folder, name, LARGEST_FILE)
+
+
+@contextmanager
+def _reading(folder: Path, name: str) -> Iterator[None]:
+    where = display_path(folder / name)
     try:
-        data = json.loads(path.read_bytes())
-    except (ValueError, RecursionError) as error:
-        raise StoreError(f"{name} is damaged ({error})") from None
+        yield
+    except FileNotFoundError:
+        raise StoreError(f"{where} is missing") from None
+    except OSError as error:
+        raise StoreError(f"{where} {_cannot(error)}") from None
+
+
+def _cannot(error: OSError) -> str:
+    said = error.strerror or str(error)
+    return said if said.startswith(("is ", "has ", "leads ")) else f"cannot be read: {said}"
+
+
+def read_json(folder: Path, name: str, largest: int = _LARGEST_JSON) -> dict[str, Any]:
+    """Read a JSON object of a data set.
+
+    Args:
+        folder: Of the data set.
+        name: Path of the file in it.
+        largest: Bytes that it may have at most.
+
+    Raises:
+        StoreError: It is damaged, or cannot be read.
+    """
+    where = display_path(folder / name)
+    try:
+        data = parse_json(read_file(folder, name, largest))
+    except ValueError as error:
+        raise StoreError(f"{where} is damaged ({error})") from None
     if not isinstance(data, dict):
-        raise StoreError(f"{name} is damaged: it is no object")
+        raise StoreError(f"{where} is damaged: it is no object")
     return data
 
 
@@ -74,15 +124,51 @@ def read_about(folder: Path) -> dict[str, Any]:
         StoreError: It is damaged.
     """
     file = folder / ABOUT
-    if not file.is_file():
+    if not file.exists() and not file.is_symlink():
         raise UsageError(f"{display_path(folder)} is no data set; it has no {ABOUT}")
-    about = read_json(file)
+    about = read_json(folder, ABOUT)
     if about.get("kind") != KIND:
         raise UsageError(f"{display_path(folder)} is no data set of taskbuilder")
     if about.get("format") != FORMAT:
         found = about.get("format")
         raise UsageError(f"{display_path(folder)} has format {found}; this version reads {FORMAT}")
+    records.check_about(about, display_path(file))
     return about
+
+
+def read_index(folder: Path, about: Mapping[str, Any]) -> dict[str, Any]:
+    """The index of a data set.
+
+    Args:
+        folder: Of the data set.
+        about: What it says of itself.
+
+    Raises:
+        StoreError: It is damaged, or lists other episodes than there are.
+    """
+    there = [*_entries(folder / EPISODES), *_entries(folder / FAILURES)]
+    index = read_json(folder, INDEX, _LARGEST_JSON + _LINE * len(there))
+    records.check_index(index, about, display_path(folder / INDEX))
+    return index
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """The manifest of a data set.
+
+    Raises:
+        StoreError: It is damaged.
+    """
+    largest = _LARGEST_JSON + _LINE * len(files_of(folder))
+    manifest = read_json(folder, MANIFEST, largest)
+    records.check_manifest(manifest, display_path(folder / MANIFEST))
+    return manifest
+
+
+def _entries(folder: Path) -> list[str]:
+    """The names in a folder; none if it is not there, or is a link."""
+    if folder.is_symlink() or not folder.is_dir():
+        return []
+    return [each.name for each in folder.iterdir()]
 
 
 @contextmanager
@@ -152,39 +238,45 @@ def write_episode(folder: Path, name: str, files: Mapping[str, bytes]) -> None:
         try:
             aside.rename(place)
         except OSError:  # a process that was about to end has written the same
-            if not is_whole(place):
+            if not is_whole(folder, name):
                 raise
     finally:
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def read_episode(place: Path) -> dict[str, Any]:
-    """What an episode says of itself.
+def read_episode(folder: Path, name: str) -> dict[str, Any]:
+    """What an episode says of itself, unchecked.
 
     Raises:
-        StoreError: It is damaged.
-        OSError: It cannot be read.
+        StoreError: It is no JSON, or cannot be read.
     """
-    return read_json(place / EPISODE)
+    return read_json(folder, f"{EPISODES}/{name}/{EPISODE}")
 
 
-def read_episode_arrays(place: Path) -> Arrays:
-    """The arrays of an episode.
+def read_episode_arrays(folder: Path, name: str, largest: int = LARGEST_FILE) -> Arrays:
+    """The arrays of an episode, unchecked.
+
+    Args:
+        folder: Of the data set.
+        name: Of the episode.
+        largest: Bytes that their file may have at most.
 
     Raises:
-        StoreError: They are damaged.
-        OSError: They cannot be read.
+        StoreError: Their file is damaged, or cannot be read.
     """
-    return read_arrays(place / ARRAYS, _ARRAYS_KIND)[0]
+    file = f"{EPISODES}/{name}/{ARRAYS}"
+    content = read_file(folder, file, largest)
+    return unpacked_arrays(content, _ARRAYS_KIND, display_path(folder / file))[0]
 
 
-def is_whole(place: Path) -> bool:
+def is_whole(folder: Path, name: str) -> bool:
     """Whether all files of an episode are there as they were written."""
+    place = f"{EPISODES}/{name}"
     try:
-        files = read_episode(place)["files"]
-        there = {file.name for file in place.iterdir()} - {EPISODE}
+        files = read_episode(folder, name)["files"]
+        there = {file.name for file in (folder / place).iterdir()} - {EPISODE}
         return there == set(files) and all(
-            digest((place / name).read_bytes()) == known for name, known in files.items()
+            digest_file(folder, f"{place}/{file}") == known for file, known in files.items()
         )
     except (StoreError, OSError, KeyError, TypeError, AttributeError):
         return False
@@ -195,8 +287,8 @@ def is_whole(place: Path) -> bool:
 
 def files_of(folder: Path) -> list[str]:
     """All files of a data set but the manifest, by their paths in it, in order."""
-    found = (file.relative_to(folder) for file in folder.rglob("*") if not file.is_dir())
-    return sorted(name.as_posix() for name in found if name.parts[0] not in (MANIFEST, PARTIAL))
+    names = names_within(folder)
+    return sorted(name for name in names if name.partition("/")[0] not in (MANIFEST, PARTIAL))
 
 
 def write_manifest(folder: Path) -> None:
@@ -207,7 +299,7 @@ def write_manifest(folder: Path) -> None:
     """
     for left in folder.glob(f".{MANIFEST}.*"):  # by one that was killed while it wrote this
         left.unlink()
-    files = {name: digest((folder / name).read_bytes()) for name in files_of(folder)}
+    files = {name: digest_file(folder, name) for name in files_of(folder)}
     write_json(folder / MANIFEST, sealed(files))
 
 

@@ -8,10 +8,12 @@ from dataclasses import asdict, dataclass, field
 from secrets import token_hex
 from typing import Any
 
+from taskbuilder.carried import carry, digests_of
 from taskbuilder.data.layout import FORMAT, KIND
 from taskbuilder.data.machines import machine_changes, machine_here
 from taskbuilder.data.policies import PolicyShare, is_named, needs_expert, policy_of, round_of
 from taskbuilder.data.recording import Cameras
+from taskbuilder.data.videos import LARGEST_SIDE
 from taskbuilder.digests import differences, digest_of
 from taskbuilder.env.options import Options, Renderer
 from taskbuilder.env.parallel import TaskEnv, parallel_env
@@ -139,6 +141,8 @@ def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
         UsageError: A task has no expert or no such variation, or a picture has an odd size.
         UnknownNameError: A task has no such camera.
     """
+    if not plan.license.isprintable() or not 1 <= len(plan.license) <= 200:
+        raise UsageError("the licence is a name on one line, of at most 200 letters, such as MIT")
     names = [task.name for task in tasks]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
@@ -167,6 +171,11 @@ def _check_task(plan: CollectPlan, task: Task) -> None:
             raise UsageError(
                 f"{name} has {width}x{height} pixels; videos need an even width and height, so "
                 "give another --size"
+            )
+        if max(width, height) > LARGEST_SIDE:
+            raise UsageError(
+                f"{name} has {width}x{height} pixels; videos have at most {LARGEST_SIDE} in width "
+                "and height, so give another --size"
             )
     Options(**plan.options).applied(task)
 
@@ -228,8 +237,18 @@ def _described(plan: CollectPlan, task: Task) -> tuple[str, dict[str, Any]]:
             "state_names": list(env.state_names),
             "cameras": {name: _camera(plan, env, name) for name in plan.cameras.names},
             "files": dict(digests_of_task(task)),
+            "carried": _carried(task),
             "renderer": world.client.renderer,
         }
+
+
+def _carried(task: Task) -> dict[str, Any] | None:
+    """What is recorded of a task that comes with the data set; None if a package has it."""
+    carried = carry(task)
+    if carried is None:
+        return None
+    files = digests_of(carried.files)
+    return {"file": carried.file, "folders": list(carried.folders), "files": files}
 
 
 def _robot(env: TaskEnv, name: str) -> dict[str, Any]:

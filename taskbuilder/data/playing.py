@@ -43,12 +43,14 @@ class CollectJob:
         place = self.folder / layout.EPISODES / attempt.name
         failure = self._failure(attempt.name)
         if place.exists():
-            if layout.is_whole(place):
-                return AttemptResult(attempt.name, True, why_not(layout.read_episode(place)))
+            if layout.is_whole(self.folder, attempt.name):
+                about = layout.read_episode(self.folder, attempt.name)
+                return AttemptResult(attempt.name, True, why_not(about))
             shutil.rmtree(place)
         if failure.exists():
             try:
-                return AttemptResult(attempt.name, False, why_not(layout.read_json(failure)))
+                about = layout.read_json(self.folder, f"{layout.FAILURES}/{failure.name}")
+                return AttemptResult(attempt.name, False, why_not(about))
             except TaskbuilderError:
                 failure.unlink()
         return None

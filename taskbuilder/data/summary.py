@@ -11,6 +11,7 @@ from taskbuilder.data.dataset import Dataset
 from taskbuilder.data.index import success_rates, variation_counts
 from taskbuilder.data.layout import FAILURES, read_json
 from taskbuilder.data.playing import why_not
+from taskbuilder.untrusted import names_within
 
 
 def summarize_dataset(dataset: Dataset) -> dict[str, Any]:
@@ -21,14 +22,14 @@ def summarize_dataset(dataset: Dataset) -> dict[str, Any]:
     """
     about, index = dataset.about, dataset.contents
     rates, counts = success_rates(index), variation_counts(about, index)
-    files = [file for file in dataset.folder.rglob("*") if file.is_file()]
+    files = [dataset.folder / name for name in names_within(dataset.folder)]
     return {
         "folder": str(dataset.folder),
         "format": about["format"],
         "license": about["license"],
         "episodes": len(dataset),
         "steps": sum(line["steps"] for line in index["episodes"]),
-        "bytes": sum(file.stat().st_size for file in files),
+        "bytes": sum(file.lstat().st_size for file in files),
         "cameras": list(about["collected"]["cameras"]),
         "depth": about["collected"]["depth"],
         "renderer": about["renderer"],
@@ -123,5 +124,5 @@ def _reason(dataset: Dataset, task: str, variation: int) -> str:
     """Why the first attempt at a variation that was not kept did not succeed, or ""."""
     for line in dataset.contents["not_kept"]:
         if line["task"] == task and line.get("variation") == variation:
-            return why_not(read_json(dataset.folder / FAILURES / f"{line['name']}.json"))
+            return why_not(read_json(dataset.folder, f"{FAILURES}/{line['name']}.json"))
     return ""

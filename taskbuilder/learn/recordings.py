@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.data import layout
-from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset, options_of_dataset
+from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
+from taskbuilder.data.environment import options_of_dataset
 from taskbuilder.data.policies import is_named
 from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
@@ -28,6 +29,9 @@ OPTIONS = ("observe", "frame", "rotation", "distances", "grasp", "randomize")
 
 SMALLEST_PICTURE = 24
 """Minimum width and height of pictures; the convolutions leave two by two positions of it."""
+
+LARGEST_PICTURE = 512
+"""Maximum width and height of pictures, all of which are held in memory."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +206,11 @@ def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dic
             f"{where} has pictures of {size[0]}x{size[1]} pixels; bc needs at least "
             f"{SMALLEST_PICTURE}x{SMALLEST_PICTURE}"
         )
+    if max(size) > LARGEST_PICTURE:
+        raise UsageError(
+            f"{where} has pictures of {size[0]}x{size[1]} pixels; bc takes at most "
+            f"{LARGEST_PICTURE}x{LARGEST_PICTURE}; collect smaller ones by --size, such as 128"
+        )
     return {"camera_size": size, "renderer": about["renderer"]}
 
 
@@ -227,7 +236,13 @@ def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None
     successes(dataset, task.name)
     robots = dataset.about["tasks"][task.name]["robots"]
     recorded = options_of_dataset(dataset.about, cameras=False).get("observe", Options.observe)
+    longest = dataset.about["tasks"][task.name]["max_episode_steps"]
     with closing(parallel_env(task, **{**options, "observe": recorded})) as env:
+        if longest > env.max_episode_steps:
+            raise UsageError(
+                f"{where} does not fit {task.name} as it is now: its episodes may have {longest} "
+                f"control steps, and the task has {env.max_episode_steps}; collect anew"
+            )
         for difference in _differences(robots, env):
             raise UsageError(f"{where} does not fit {task.name} as it is now: {difference}")
     for agent, names in observed_names(task, options).items():
@@ -281,4 +296,4 @@ def identity(folder: Path) -> str:
         UsageError: There is no such data set, or collecting has not come to its end.
     """
     load_dataset(folder)
-    return str(layout.read_json(folder / layout.MANIFEST)["seal"])
+    return str(layout.read_manifest(folder)["seal"])

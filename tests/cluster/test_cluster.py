@@ -229,13 +229,13 @@ def test_a_node_that_dies_while_it_collects_costs_its_time_alone(
 def test_collecting_on_nodes_goes_on_where_it_was(nodes: Cluster, tmp_path: Path) -> None:
     plan = CollectPlan(("reach",), 3)
     collect(plan, tmp_path / "out")
-    before = layout.read_json(tmp_path / "out" / layout.MANIFEST)
+    before = layout.read_manifest(tmp_path / "out")
     (tmp_path / "out" / layout.MANIFEST).unlink()
     episode = next((tmp_path / "out" / layout.EPISODES).iterdir())
     (episode / layout.ARRAYS).write_bytes(b"half")
     with cluster(nodes.address) as spread:
         collect(plan, tmp_path / "out", nodes=spread)
-    assert layout.read_json(tmp_path / "out" / layout.MANIFEST) == before
+    assert layout.read_manifest(tmp_path / "out") == before
 
 
 @pytest.mark.slow

@@ -62,7 +62,7 @@ def test_a_changed_manifest_is_named_even_if_it_is_consistent(copied):
 def edited(copied):
     """A number of an episode is changed, and everything is sealed again."""
     place = copied / "episodes/handover-000000000"
-    arrays = layout.read_episode_arrays(place)
+    arrays = layout.read_episode_arrays(copied, place.name)
     arrays["agents/left/joint_position"] = arrays["agents/left/joint_position"].copy()
     arrays["agents/left/joint_position"][7, 2] += 1e-9
     write_arrays(place / layout.ARRAYS, arrays, {"kind": "episode"})
@@ -111,12 +111,14 @@ def test_another_kernel_is_no_excuse(copied, monkeypatch):
     assert (result.ok, result.elsewhere) == (False, ())
 
 
-def test_a_task_that_is_not_here_is_said_and_is_no_damage(copied):
-    about = json.loads((copied / layout.ABOUT).read_text())
-    about["tasks"] = {"elsewhere": about["tasks"]["handover"]}
-    layout.write_json(copied / layout.ABOUT, about)
+def test_a_check_that_could_play_nothing_is_not_passed(copied):
+    for file in (layout.ABOUT, layout.INDEX, *copied.glob("episodes/*/episode.json")):
+        text = (copied / file).read_text()
+        renamed = text.replace('"handover":', '"elsewhere":')
+        (copied / file).write_text(renamed.replace(': "handover"', ': "elsewhere"'))
     (copied / layout.MANIFEST).unlink()
     layout.write_manifest(copied)
     result = check_dataset(copied, 0.1)
-    assert result.ok
+    assert (result.ok, result.damaged, result.replayed) == (False, (), ())
     assert 'no task "elsewhere"' in result.unplayed
+    assert check_dataset(copied, 0.0).ok  # where no episode was to be played

@@ -19,7 +19,8 @@ from tree import bytes_of
 
 from taskbuilder.data import layout
 from taskbuilder.data.collecting import CollectingError, collect
-from taskbuilder.data.dataset import make_from
+from taskbuilder.data.dataset import load_dataset
+from taskbuilder.data.environment import make_from
 from taskbuilder.data.machines import machine_of_episode
 from taskbuilder.data.plan import CollectPlan, attempt_of
 from taskbuilder.data.policies import read_share
@@ -177,7 +178,7 @@ def test_a_file_in_the_way_is_refused(tmp_path):
 
 def test_every_episode_names_the_machine_that_played_it(whole):
     about = layout.read_about(whole)
-    machine = layout.read_episode(next((whole / layout.EPISODES).iterdir()))["machine"]
+    machine = layout.read_episode(whole, load_dataset(whole)[0].name)["machine"]
     assert machine == machine_of_episode(about)
     assert machine["processor"] in about["processor"].values()
 

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
+import yaml
 from tree import bytes_of
 
 from taskbuilder.data import formats
+from taskbuilder.data.card import export_card_text
+from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset
-from taskbuilder.data.formats import FORMATS, export_dataset
+from taskbuilder.data.formats import FORMATS, ExportOptions, export_dataset
 from taskbuilder.data.names import FORMAT_NAMES
+from taskbuilder.data.plan import CollectPlan
 from taskbuilder.errors import UsageError
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*hardly varies")
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "data-sets.md"
 
@@ -72,3 +79,43 @@ def test_an_export_that_fails_leaves_nothing(pictured, tmp_path, monkeypatch):
     with pytest.raises(OSError, match="No space left"):
         export_dataset(load_dataset(pictured), "lerobot", tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_export_goes_beside_the_data_set(copied):
+    dataset = load_dataset(copied)
+    before = bytes_of(copied)
+    for out in (copied, copied / "out", copied / "episodes" / "out", copied.parent):
+        with pytest.raises(UsageError, match="is not apart from the data set"):
+            export_dataset(dataset, "lerobot", out)
+    assert bytes_of(copied) == before
+
+
+LICENCES = ("MIT", "no", "a: b", 'a "quoted" one', "# none", "- a", "1.0", "&a", "<b>|c</b>", "!!x")
+
+
+@pytest.mark.parametrize("licence", LICENCES)
+def test_a_licence_is_a_text_in_the_header_of_the_card(licence, pictured):
+    dataset = load_dataset(pictured)
+    card = export_card_text({**dataset.about, "license": licence}, dataset.contents, "lerobot")
+    _, header, body = card.split("---\n", 2)
+    told = yaml.safe_load(header)
+    assert told["license"] == licence.lower()
+    assert told["tags"] == ["taskbuilder", "multi-agent", "LeRobot"]
+    assert "<b>" not in body
+
+
+@pytest.mark.parametrize("licence", ["MIT\n---", "", "\x1b[2J", "x" * 201])
+def test_a_licence_is_one_line(licence, tmp_path):
+    with pytest.raises(UsageError, match="the licence is a name on one line"):
+        collect(CollectPlan(("reach",), 1, license=licence), tmp_path / "out")
+
+
+def test_numbers_that_hardly_vary_are_named(pictured, tmp_path):
+    told: list[str] = []
+    options = ExportOptions(warn=told.append)
+    out = export_dataset(load_dataset(pictured), "lerobot", tmp_path / "out", options)
+    (line,) = [line for line in told if "left.joint_5" in line]
+    assert "standard deviation in meta/stats.json is set to 0.01" in line
+    stats = json.loads((out / "meta" / "stats.json").read_text())
+    for feature in ("observation.state", "action"):
+        assert min(stats[feature]["std"]) >= 0.01

@@ -12,7 +12,8 @@ import torch
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.data.collecting import collect
-from taskbuilder.data.dataset import load_dataset, make_from
+from taskbuilder.data.dataset import load_dataset
+from taskbuilder.data.environment import make_from
 from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras

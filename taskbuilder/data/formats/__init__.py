@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,13 +23,16 @@ class ExportOptions:
 
     Attributes:
         pictures: Keep pictures as PNG instead of videos, where the format has both.
+        warn: Called with what users should know about an export; by default, it is shown as a
+            warning of Python's.
     """
 
     pictures: bool = False
+    warn: Callable[[str], None] = warnings.warn
 
 
 def _lerobot(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
-    write_lerobot(dataset, folder, pictures=options.pictures)
+    write_lerobot(dataset, folder, pictures=options.pictures, warn=options.warn)
 
 
 def _robomimic(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
@@ -67,12 +71,17 @@ def export_dataset(
         StoreError: The data set is damaged.
         OSError: It cannot be written.
     """
+    place, source = out.resolve(), dataset.folder.resolve()
+    if place.is_relative_to(source) or source.is_relative_to(place):
+        raise UsageError(
+            f"{display_path(out)} is not apart from the data set {display_path(dataset.folder)}; "
+            "name a folder beside it"
+        )
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(f"{display_path(out)} exists; name a new or empty folder")
     if not len(dataset):
         raise UsageError(f"{display_path(dataset.folder)} has no episodes")
     out.parent.mkdir(parents=True, exist_ok=True)
-    place = out.resolve()
     for left in place.parent.glob(f".{place.name}.{'[0-9a-f]' * 8}"):  # by one that was killed
         shutil.rmtree(left)
     aside = place.with_name(f".{place.name}.{token_hex(4)}")
@@ -81,7 +90,11 @@ def export_dataset(
         for task in dataset.tasks:
             part = aside if len(dataset.tasks) == 1 else aside / task.replace("/", "-")
             part.mkdir(parents=True, exist_ok=True)
-            episodes = dataset.of_task(task)
+            episodes = dataset.of_task(task).with_steps()
+            if len(episodes) < len(dataset.of_task(task)):
+                options.warn(f"episodes of {task} that end before their first step are left out")
+            if not len(episodes):
+                raise UsageError(f"{display_path(dataset.folder)} has no control step of {task}")
             FORMATS[form](episodes, part, options)
             card = export_card_text(episodes.about, episodes.contents, form)
             (part / CARD).write_text(card, encoding="utf-8")

@@ -7,13 +7,15 @@ the last step is therefore in the data set itself alone.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taskbuilder.data.dataset import Dataset, RecordedEpisode
+from taskbuilder.data.environment import carried_task
 from taskbuilder.data.formats.lerobot_env import ENV_FILE, env_text
 from taskbuilder.data.formats.lerobot_tables import (
     episode_table,
@@ -22,8 +24,15 @@ from taskbuilder.data.formats.lerobot_tables import (
     require_parquet,
     write_table,
 )
-from taskbuilder.data.formats.statistics import Stats, combined, image_stats, stats_of
-from taskbuilder.data.videos import decoded, joined, png
+from taskbuilder.data.formats.statistics import (
+    LEAST_STD,
+    Stats,
+    combined,
+    floored,
+    image_stats,
+    stats_of,
+)
+from taskbuilder.data.videos import VideoSize, joined, png
 from taskbuilder.files import write_whole
 from taskbuilder.schema.expert import DONE
 
@@ -41,13 +50,20 @@ NO_SUBTASK = "none"
 Features = dict[str, dict[str, Any]]
 
 
-def write_lerobot(dataset: Dataset, folder: Path, *, pictures: bool = False) -> None:
+def write_lerobot(
+    dataset: Dataset,
+    folder: Path,
+    *,
+    pictures: bool = False,
+    warn: Callable[[str], None] = lambda _: None,
+) -> None:
     """Write the episodes of one task as a LeRobot data set.
 
     Args:
         dataset: Episodes of one task.
         folder: An empty folder.
         pictures: Keep pictures as PNG in the tables instead of videos.
+        warn: Called with what users should know about the export.
 
     Raises:
         UsageError: A package is not installed.
@@ -55,12 +71,24 @@ def write_lerobot(dataset: Dataset, folder: Path, *, pictures: bool = False) -> 
         OSError: It cannot be written.
     """
     require_parquet()
-    _Writer(dataset, folder, pictures=pictures).write()
+    _Writer(dataset, folder, pictures=pictures, warn=warn).write()
+
+
+def _idle_words(names: Sequence[str]) -> str:
+    return (
+        f"{', '.join(names)}: hardly varies in this data set; its standard deviation in "
+        f"meta/stats.json is set to {LEAST_STD:g}, so that policies do not amplify noise"
+    )
 
 
 class _Writer:
-    def __init__(self, dataset: Dataset, folder: Path, *, pictures: bool) -> None:
+    def __init__(
+        self, dataset: Dataset, folder: Path, *, pictures: bool, warn: Callable[[str], None]
+    ) -> None:
         self._dataset, self._folder, self._pictures = dataset, folder, pictures
+        self._warn = warn
+        (name,) = dataset.about["tasks"]
+        self._carried = carried_task(dataset.about, dataset.folder, name)
         (self._task,) = dataset.about["tasks"].values()
         self._features = features_of(self._task, pictures=pictures)
         self._columns = {n: f for n, f in self._features.items() if f["dtype"] != "video"}
@@ -71,7 +99,9 @@ class _Writer:
         self._data = _Files(DATA_MB)
         self._tables: list[Any] = []
         self._videos = {name: _Files(VIDEO_MB) for name in self._task["cameras"]}
-        self._reels: dict[str, list[bytes]] = {name: [] for name in self._task["cameras"]}
+        self._reels: dict[str, list[tuple[bytes, VideoSize]]] = {
+            name: [] for name in self._task["cameras"]
+        }
 
     def write(self) -> None:
         rows, every = [], []
@@ -90,9 +120,13 @@ class _Writer:
         subtasks = indexed_table([*self._subtasks], "subtask", "subtask_index")
         write_table(meta / "subtasks.parquet", [subtasks])
         total = {name: combined([stats[name] for stats in every]) for name in every[0]}
+        for feature in ("observation.state", "action"):
+            total[feature], idle = floored(total[feature])
+            if idle:
+                self._warn(_idle_words([self._features[feature]["names"][n] for n in idle]))
         self._write_json("stats.json", {n: _listed(stats) for n, stats in total.items()})
         self._write_json("info.json", self._info())
-        write_whole(self._folder / ENV_FILE, env_text(self._dataset.about).encode())
+        write_whole(self._folder / ENV_FILE, env_text(self._dataset.about, self._carried).encode())
 
     def _write_json(self, name: str, data: Any) -> None:
         write_whole(self._folder / "meta" / name, (json.dumps(data, indent=4) + "\n").encode())
@@ -138,14 +172,11 @@ class _Writer:
             "length": steps,
         }
         for camera in self._videos:
-            content = episode.video(camera)
-            images = decoded(content)[:steps]
             key = camera_key(camera)
-            stats[key] = image_stats(images[::IMAGE_STATS_EVERY])
-            if self._pictures:
-                columns[key] = [png(image) for image in images]
-            else:
-                row |= self._add_video(camera, content, steps)
+            columns[key] = []
+            stats[key] = image_stats(self._sampled(episode, camera, columns[key]))
+            if not self._pictures:
+                row |= self._add_video(camera, episode, steps)
         table = frame_table(self._columns, columns)
         if self._data.is_full(table.nbytes):
             self._flush_data()
@@ -156,18 +187,31 @@ class _Writer:
         self._frames += steps
         return row, stats
 
+    def _sampled(
+        self, episode: RecordedEpisode, camera: str, files: list[bytes]
+    ) -> Iterator[NDArray[np.uint8]]:
+        """Every tenth image of an episode but the last; each becomes a PNG file where asked."""
+        for number, image in enumerate(episode.each_image(camera)):
+            if number == episode.steps:
+                continue  # the images are decoded to the end, which checks the rest of the video
+            if self._pictures:
+                files.append(png(image))
+            if number % IMAGE_STATS_EVERY == 0:
+                yield image
+
     def _subtask_index(self, episode: RecordedEpisode) -> Any:
         labels = {part["stage"]: part["label"] for part in episode.subtasks}
         numbers = {0: 0, **{stage: self._subtasks[label] for stage, label in labels.items()}}
         return np.array([numbers[stage] for stage in episode.arrays["subtask"].tolist()])
 
-    def _add_video(self, camera: str, content: bytes, steps: int) -> dict[str, Any]:
+    def _add_video(self, camera: str, episode: RecordedEpisode, steps: int) -> dict[str, Any]:
+        content = episode.video(camera)
         files, fps = self._videos[camera], self._task["control_hz"]
         if files.is_full(len(content)):
             self._flush_video(camera)
         begin = files.frames
         place = files.add(len(content), steps)
-        self._reels[camera].append(content)
+        self._reels[camera].append((content, episode.video_size(camera)))
         spans = {"from_timestamp": begin / fps, "to_timestamp": (begin + steps) / fps}
         key = f"videos/{camera_key(camera)}"
         return {f"{key}/{name}": value for name, value in {**place, **spans}.items()}

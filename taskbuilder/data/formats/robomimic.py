@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.extras import extra_needed
@@ -82,13 +83,35 @@ def _write_demo(demo: Any, episode: RecordedEpisode) -> None:
             demo[f"agents/{agent}/{key}"] = arrays[f"agents/{agent}/{key}"]
     for key, values in _observations(episode).items():
         for group, rows in (("obs", values[:steps]), ("next_obs", values[1:])):
-            pictures = {"chunks": (1, *rows.shape[1:]), "compression": "gzip"}
-            more = pictures if rows.ndim == 4 else {}
-            demo.create_dataset(f"{group}/{key}", data=rows, **more)
+            demo.create_dataset(f"{group}/{key}", data=rows)
+    for camera in episode.cameras:
+        size = episode.video_size(camera)
+        shape = size.height, size.width
+        _write_images(demo, f"{camera}_image", episode.each_image(camera), (*shape, 3), steps)
+        if episode.about["cameras"][camera].get("depth"):
+            depths = (image[..., None] for image in episode.each_depth(camera))
+            _write_images(demo, f"{camera}_depth", depths, (*shape, 1), steps)
+
+
+def _write_images(
+    demo: Any, key: str, images: Iterable[NDArray[Any]], shape: tuple[int, ...], steps: int
+) -> None:
+    """Write the images of steps + 1 states, of which one is held at a time."""
+    dtype = np.float32 if shape[-1] == 1 else np.uint8
+    chunks = {"shape": (steps, *shape), "dtype": dtype, "chunks": (1, *shape)}
+    now, then = (
+        demo.create_dataset(f"{group}/{key}", compression="gzip", **chunks)
+        for group in ("obs", "next_obs")
+    )
+    for number, image in enumerate(images):
+        if number < steps:
+            now[number] = image
+        if number:
+            then[number - 1] = image
 
 
 def _observations(episode: RecordedEpisode) -> dict[str, Any]:
-    """By key: (steps + 1, ...); ``left_tcp`` is a robot's own, and ``joints`` all robots'."""
+    """By key: (steps + 1, n); ``left_tcp`` is a robot's own, and ``joints`` all robots'."""
     found: dict[str, Any] = {}
     for agent in episode.agents:
         for what in _OBSERVED:
@@ -104,8 +127,4 @@ def _observations(episode: RecordedEpisode) -> dict[str, Any]:
     for name, values in episode.arrays.items():
         if name.startswith("objects/"):
             found[f"{name.split('/')[1]}_pose"] = values
-    for camera in episode.cameras:
-        found[f"{camera}_image"] = episode.images(camera)
-        if "depth" in episode.about["cameras"][camera]:
-            found[f"{camera}_depth"] = episode.depth(camera)[..., None]
     return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,15 +28,63 @@ def stats_of(values: NDArray[Any]) -> Stats:
     return {**found, **dict(zip(QUANTILES, quantiles, strict=True))}
 
 
-def image_stats(images: NDArray[np.uint8]) -> Stats:
+def image_stats(images: Iterable[NDArray[np.uint8]]) -> Stats:
     """The statistics of each colour, scaled to 0 to 1: (3, 1, 1) each.
 
     Args:
-        images: (frames, height, width, 3); not every frame of an episode is needed.
+        images: (height, width, 3) each, of which one is held at a time; not every frame of an
+            episode is needed.
     """
-    found = stats_of(images.reshape(-1, 3) / 255.0)
-    shaped = {name: value.reshape(3, 1, 1) for name, value in found.items() if name != "count"}
-    return {**shaped, "count": np.array([len(images)])}
+    counts = np.zeros((3, 256), dtype=np.int64)
+    frames = 0
+    for image in images:
+        frames += 1
+        for color in range(3):
+            counts[color] += np.bincount(image[..., color].reshape(-1), minlength=256)
+    values = np.arange(256) / 255.0
+    pixels = int(counts[0].sum())
+    mean = counts @ values / pixels
+    spread = np.sqrt((counts * (values - mean[:, None]) ** 2).sum(axis=1) / pixels)
+    found: Stats = {
+        "min": values[(counts > 0).argmax(axis=1)],
+        "max": values[255 - (counts[:, ::-1] > 0).argmax(axis=1)],
+        "mean": mean,
+        "std": spread,
+    }
+    found |= {name: _quantile(counts, share) / 255.0 for name, share in QUANTILES.items()}
+    shaped = {name: value.reshape(3, 1, 1) for name, value in found.items()}
+    return {**shaped, "count": np.array([frames])}
+
+
+def _quantile(counts: NDArray[np.int64], share: float) -> NDArray[np.float64]:
+    """A quantile of whole numbers from 0 by how often each occurs, interpolated: (rows,)."""
+    place = share * (counts[0].sum() - 1)
+    below, above = int(np.floor(place)), int(np.ceil(place))
+    ends = np.cumsum(counts, axis=1)
+    low, high = ((ends <= rank).sum(axis=1) for rank in (below, above))
+    weighted: NDArray[np.float64] = low + (high - low) * (place - below)
+    return weighted
+
+
+LEAST_STD = 0.01
+"""Least standard deviation that a number is divided by: rad, m, or a part of an action.
+
+The code of ACT (Zhao et al., 2023) has the same bound. LeRobot itself only adds 1e-8.
+"""
+
+
+def floored(stats: Mapping[str, NDArray[Any]]) -> tuple[Stats, tuple[int, ...]]:
+    """Statistics whose standard deviations are not so small that noise would be amplified.
+
+    The joints of an arm that stands still differ by some 1e-7 rad, so that a policy would see a
+    move of 0.001 rad as thousands of standard deviations.
+
+    Returns:
+        The statistics, and the places of the numbers that hardly vary.
+    """
+    small = np.flatnonzero(stats["std"] < LEAST_STD)
+    found = {**stats, "std": np.maximum(stats["std"], LEAST_STD)}
+    return found, tuple(int(place) for place in small)
 
 
 def combined(parts: Sequence[Mapping[str, NDArray[Any]]]) -> Stats:
