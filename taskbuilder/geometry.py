@@ -148,6 +148,22 @@ def from_axes(x: Vec3, y: Vec3, z: Vec3) -> Quat:
     return normalized(raw)
 
 
+def turn_onto(a: Vec3, b: Vec3) -> Quat:
+    """The shortest rotation that takes the direction of a to that of b.
+
+    If they are opposite, any half turn is the shortest; it is then about an axis of no meaning.
+
+    Raises:
+        ValueError: One of them has no length.
+    """
+    a, b = unit(a), unit(b)
+    cosine = dot(a, b)
+    if cosine < -1.0 + 1e-12:
+        across = cross(a, (1.0, 0.0, 0.0) if abs(a[0]) < 0.9 else (0.0, 1.0, 0.0))
+        return (*unit(across), 0.0)
+    return normalized((*cross(a, b), 1.0 + cosine))
+
+
 def turn_between(a: Quat, b: Quat) -> float:
     """Angle of the rotation that leads from a to b, in radians, 0 to pi."""
     x, y, z, w = multiply(conjugate(a), b)

@@ -51,7 +51,7 @@ _NOUNS = ("number", "name", "text", "list")
 HEAD = ("key", "value", "default", "meaning")
 
 _UNITS = {"_deg": "degrees", "_hz": "Hz"}
-_METRES = {"max_step", "stroke"}
+_METRES = {"max_step", "stroke", "near", "far"}
 _UNBOUNDED = (values.Name, values.Reference, values.Text, order.Condition, robot.LinkName)
 
 

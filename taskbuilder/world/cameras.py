@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.geometry import Pose, add, dot, norm, subtract
+from taskbuilder.geometry import Pose, Vec3, add, norm, rotate, subtract, turn_onto
 from taskbuilder.schema.camera import CameraSpec
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.wording import suggestion
@@ -39,10 +39,23 @@ def camera_view(
     spec, change = cameras[name], look.cameras.get(name, CameraChange())
     mount = pose(spec.mount) if spec.mount else Pose()
     width, height = size or spec.size
-    eye, aim = mount.apply(add(spec.eye, change.eye)), mount.apply(add(spec.aim, change.aim))
-    up = mount.axis(2)
-    sight = subtract(aim, eye)
-    if abs(dot(sight, up)) > 0.999 * norm(sight):  # straight along z
-        up = mount.axis(0 if spec.mount else 1)
+    eye, aim = add(spec.eye, change.eye), add(spec.aim, change.aim)
+    turn = turn_onto(subtract(spec.aim, spec.eye), subtract(aim, eye))
+    up = rotate(mount.quaternion, rotate(turn, _up(spec)))
     fov_deg = min(spec.fov_deg * change.zoom, WIDEST_DEG)
-    return CameraView(eye, aim, up, fov_deg, width, height)
+    return CameraView(
+        mount.apply(eye), mount.apply(aim), up, fov_deg, width, height, spec.near, spec.far_plane
+    )
+
+
+def _up(spec: CameraSpec) -> Vec3:
+    """What points up in the pictures of a camera, in its frame.
+
+    It is chosen for the camera as written. A randomised camera turns no further than its line of
+    sight does; if up were chosen again, a camera that looks nearly straight down could turn about
+    its line of sight by any angle.
+    """
+    sight = subtract(spec.aim, spec.eye)
+    if abs(sight[2]) <= 0.999 * norm(sight):
+        return (0.0, 0.0, 1.0)
+    return (1.0, 0.0, 0.0) if spec.mount else (0.0, 1.0, 0.0)

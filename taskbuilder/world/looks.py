@@ -45,7 +45,13 @@ SHIFT_M = 0.06
 its point by half of that."""
 
 MOUNTED_SHIFT_M = 0.006
-"""The same for one on a robot, as mounts are stiff."""
+"""The same for one with a mount, as mounts are stiff."""
+
+SHIFT_SHARE = 0.1
+"""No shift is larger than this share of the distance between a camera and its point."""
+
+MOST_TURN_DEG = math.degrees(math.asin(1.5 * math.sqrt(3.0) * SHIFT_SHARE))
+"""How far a camera turns at most, 15.1°: when its position and its point move apart the most."""
 
 ZOOM = (0.97, 1.1)
 """Opening angles are rather wider than narrower, so that nothing leaves the picture."""
@@ -221,7 +227,8 @@ def _light(rng: np.random.Generator) -> Light:
 
 
 def _camera(camera: CameraSpec, rng: np.random.Generator) -> CameraChange:
-    reach = SHIFT_M if camera.mount is None else MOUNTED_SHIFT_M
+    most = SHIFT_M if camera.mount is None else MOUNTED_SHIFT_M
+    reach = min(most, SHIFT_SHARE * camera.distance)
     x, y, z = rng.uniform(-reach, reach, 3).tolist()
     u, v, w = rng.uniform(-reach / 2.0, reach / 2.0, 3).tolist()
     return CameraChange((x, y, z), (u, v, w), float(rng.uniform(*ZOOM)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -12,8 +13,9 @@ import numpy as np
 from taskbuilder.assets.model import Urdf
 from taskbuilder.errors import ExplosionError, FileError, Finding, PlacementError
 from taskbuilder.geometry import norm
+from taskbuilder.schema.camera import FURTHEST_M, NEAREST_M
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.cameras import capture
+from taskbuilder.sim.cameras import CameraView, capture
 from taskbuilder.sim.contacts import overlap
 from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
@@ -187,15 +189,27 @@ def check_cameras(task: Task, world: World) -> Result:
     named += [site.marker.id for site in world.sites.values() if site.marker]
     world.move_markers()
     for name in world.scene.cameras:
-        image = capture(world.client, world.camera(name, (64, 48)))
-        seen = float(np.mean(np.isin(image.bodies, named)))
+        view = world.camera(name, (64, 48))
+        seen = float(np.mean(np.isin(capture(world.client, view).bodies, named)))
         least = min(least, seen)
         if seen < SEEN_SHARE:
-            message = f"{name} sees nothing of the scene; move it, or turn it by look_at"
+            message = f"{name} sees nothing of the scene; {_help_to_see(world, view, named)}"
             location = task.file.source.locate(("scene", "cameras", name), key=True)
             findings.append(Finding("TB309", message, f"scene.cameras.{name}", location))
     check = Check("TB309", "cameras see the scene", not findings, least, SEEN_SHARE, "share")
     return check, findings
+
+
+def _help_to_see(world: World, view: CameraView, named: list[int]) -> str:
+    """What to change in a camera that does not see enough of these bodies."""
+    image = capture(world.client, replace(view, near=NEAREST_M, far=FURTHEST_M))
+    there = np.isin(image.bodies, named)
+    if np.mean(there) < SEEN_SHARE:
+        return "move it, or turn it by look_at"
+    nearest, furthest = float(image.depth[there].min()), float(image.depth[there].max())
+    if nearest > view.far:
+        return f"it begins {nearest:.3g} m away, beyond far: {view.far:g}; make far larger"
+    return f"it ends {furthest:.3g} m away, before near: {view.near:g}; make near smaller"
 
 
 def check_rest(task: Task, world: World) -> Iterator[Result]:
