@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from taskbuilder.description.check import check_description
 from taskbuilder.description.description import Description, with_members
 from taskbuilder.description.load import load_description, try_import
+from taskbuilder.description.named import things_named
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
@@ -105,7 +106,9 @@ def load_task(
         if file is not None and not any(finding.severity == "error" for finding in findings):
             file = with_robots(file, other_robots(robots or {}), catalogue)
             file = with_grasp(file, grasp)
-            return Task(file, with_members(description, file.names), tuple(findings))
+            description = with_members(description, file.names)
+            about = things_named(description, file.spec.instructions, file.names)
+            return Task(replace(file, named=about), description, tuple(findings))
     raise FileError(findings)
 
 

@@ -48,6 +48,8 @@ class TaskFile:
         written: Its content as it is in the file.
         warnings: What is doubtful.
         catalogue: Where its robots were looked up.
+        named: The objects and sites that the task is about, and how far around each of them that
+            extends, in metres. `load_task` fills it in from the description and the instructions.
     """
 
     entry: CatalogueEntry
@@ -60,6 +62,7 @@ class TaskFile:
     written: TaskSpec
     warnings: tuple[Finding, ...] = ()
     catalogue: Catalogue = field(default_factory=Catalogue)
+    named: Mapping[str, float] = field(default_factory=dict)
 
 
 class TaskFileError(FileError):

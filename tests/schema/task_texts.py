@@ -170,9 +170,9 @@ scene:
       position: [0, 0, 0.1]
     tip: {marker: {sphere: 0.01}, in: left.tcp, position: [0, 0, 0.02], rpy_deg: [0, 0, 45]}
   cameras:
-    front: {position: [0, -1.4, 1.3], look_at: [0, 0, 0.5], fov_deg: 50, size: [320, 240], near: 0.1, far: 4}
+    front: {position: [0, -1.4, 1.3], look_at: [0, 0, 0.5], fov_deg: 50, size: [320, 240]}
     wrist: {mount: left.tcp, fov_deg: 75}
-    lid: {mount: cabinet.door, position: [0, 0, 0.2], look_at: [0, 0, 0]}
+    lid: {mount: cabinet.door, position: [0, 0, 0.2], look_at: [0, 0, 0], near: 0.1, far: 4}
 
 observe:
   left:

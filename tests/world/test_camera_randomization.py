@@ -17,10 +17,11 @@ from taskbuilder.world.cameras import camera_view
 from taskbuilder.world.looks import AS_WRITTEN, MOST_TURN_DEG, SHIFT_M, draw_look
 
 TASK = load_task("handover").file.spec
+AT_ORIGIN = Pose()
 ANGLES = st.floats(-math.pi, math.pi)
 
 
-def views(camera: CameraSpec, seed: int, mount: Pose = Pose()):
+def views(camera: CameraSpec, seed: int, mount: Pose = AT_ORIGIN):
     """The view of a camera as written, and in an episode with random looks."""
     scene = TASK.scene.model_copy(update={"cameras": {"one": camera}})
     look = draw_look(TASK, scene, np.random.default_rng(seed), ("cameras",))
@@ -68,7 +69,7 @@ def test_a_camera_turns_no_further_than_its_line_of_sight(
         position=eye,
         look_at=add(eye, scale(direction, distance)),
     )
-    mount = Pose((1.0, 2.0, 0.5), from_rpy(roll, 0.3, yaw)) if mounted else Pose()
+    mount = Pose((1.0, 2.0, 0.5), from_rpy(roll, 0.3, yaw)) if mounted else AT_ORIGIN
     written, varied = views(camera, seed, mount)
     assert turn_deg(written, varied) == pytest.approx(sight_turn_deg(written, varied), abs=1e-4)
     assert turn_deg(written, varied) <= MOST_TURN_DEG + 1e-6 < 15.1
@@ -87,7 +88,7 @@ def test_a_camera_that_does_not_vary_is_as_written():
     scene = TASK.scene.model_copy(update={"cameras": {"one": camera}})
     look = draw_look(TASK, scene, np.random.default_rng(0), ("light",))
     one, other = (
-        camera_view(scene.cameras, "one", lambda _: Pose(), each) for each in (AS_WRITTEN, look)
+        camera_view(scene.cameras, "one", lambda _: AT_ORIGIN, each) for each in (AS_WRITTEN, look)
     )
     assert one == other
     assert one.up == (0.0, 1.0, 0.0)
