@@ -114,7 +114,7 @@ ENTRIES = {
         "Invalid name",
         "A name must start with a letter, contain only letters, digits and `_`, and have at most "
         "40 characters. These words are reserved: `self`, `world`, `all`, `together`, `until`, "
-        "`repeat`, `nothing`, `time_left`, `description`.",
+        "`repeat`, `nothing`, `time_left`, `description`, `background`.",
         within(
             "scene.sites",
             "2nd_goal: {position: [0, 0, 0.6]}",

@@ -17,6 +17,7 @@ from taskbuilder._lazy import exported
 if TYPE_CHECKING:
     from taskbuilder.env.action_encoder import ActionEncoder
     from taskbuilder.env.backends import WorkerError
+    from taskbuilder.env.camera import Camera
     from taskbuilder.env.errors import ActionError, AgentError
     from taskbuilder.env.joint import JointEnv
     from taskbuilder.env.options import Options
@@ -27,6 +28,7 @@ __all__ = [
     "ActionEncoder",
     "ActionError",
     "AgentError",
+    "Camera",
     "EnvState",
     "JointEnv",
     "Options",
@@ -41,6 +43,7 @@ _HOMES = {
     "ActionEncoder": "taskbuilder.env.action_encoder",
     "ActionError": "taskbuilder.env.errors",
     "AgentError": "taskbuilder.env.errors",
+    "Camera": "taskbuilder.env.camera",
     "EnvState": "taskbuilder.env.parallel",
     "JointEnv": "taskbuilder.env.joint",
     "Options": "taskbuilder.env.options",

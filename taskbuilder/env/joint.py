@@ -14,6 +14,7 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
+from taskbuilder.env.camera import Camera
 from taskbuilder.env.errors import ActionError
 from taskbuilder.env.joint_observation import JointObservation, Pixels, check_pixels, joined_boxes
 from taskbuilder.env.options import EnvOptions, RenderMode
@@ -91,6 +92,15 @@ class JointEnv(gymnasium.Env[Any, Any]):
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
         self._spec = spec and replace(spec, max_episode_steps=self.max_episode_steps)
+
+    @property
+    def mask_names(self) -> tuple[str, ...]:
+        """The name of each number in a segmentation mask; see `TaskEnv.mask_names`."""
+        return self.parallel.mask_names
+
+    def cameras(self) -> dict[str, Camera]:
+        """The cameras of the scene as they are now; see `TaskEnv.cameras`."""
+        return self.parallel.cameras()
 
     @property
     def task_description(self) -> str:

@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.env.drawn_values import drawn_values
+from taskbuilder.env.camera import Camera, Segments, camera_of
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
     POSITIONS,
@@ -34,7 +35,16 @@ _Look = tuple[Image, CameraView]
 
 
 class Observer:
-    """Makes the observations of all agents and the centralised state."""
+    """Makes the observations of all agents and the centralised state.
+
+    Args:
+        task: The task.
+        options: The options of the environment.
+        world: The world of any variation; all variations have the same bodies.
+
+    Attributes:
+        segments: The numbers and names in segmentation masks.
+    """
 
     def __init__(self, task: Task, options: Options, world: World) -> None:
         spec, names = task.file.spec, task.file.names
@@ -44,6 +54,7 @@ class Observer:
             listed = {agent: surroundings(agent, world) for agent in task.agents}
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
         self._task, self._world = task, world
+        self.segments = Segments(world)
         self._own_frames, self._matrices = options.frame == "base", options.rotation == "matrix"
         self._log, self._position_noise = options.distances == "log", options.position_noise
         self._views = {
@@ -60,11 +71,17 @@ class Observer:
         self._sizes = {
             name: options.camera_size or camera.size for name, camera in spec.scene.cameras.items()
         }
+        self._furthest = {
+            name: max(scene.cameras[name].far_plane for scene in task.file.scenes)
+            for name in self._sizes
+        }
 
     def agent_spaces(self) -> dict[str, spaces.Space[Any]]:
         """The observation space of every agent."""
         return {
-            agent: observation_space(view, self._sizes, flat=self._flat)
+            agent: observation_space(
+                view, self._sizes, self._furthest, len(self.segments.names), flat=self._flat
+            )
             for agent, view in self._views.items()
         }
 
@@ -83,7 +100,7 @@ class Observer:
     def observe(self, episode: Episode) -> dict[str, Any]:
         """The current observation of every agent, in new arrays."""
         cameras = [camera for view in self._views.values() for camera in view.cameras]
-        images = self._look(episode, cameras) if cameras else {}
+        images = self._look(episode.world, cameras) if cameras else {}
         return {agent: self._seen(view, episode, images) for agent, view in self._views.items()}
 
     def state(self, episode: Episode) -> NDArray[np.float32]:
@@ -121,14 +138,18 @@ class Observer:
         if self._flat and not view.cameras:
             return vector
         shown = {
-            f"{c.subject}.{c.quantity}": image_values(c, *images[c.subject]) for c in view.cameras
+            f"{c.subject}.{c.quantity}": image_values(c, *images[c.subject], self.segments)
+            for c in view.cameras
         }
         numbers = {VECTOR: vector} if self._flat else view.split(vector)
         return {**numbers, **shown}
 
-    def _look(self, episode: Episode, cameras: Iterable[Channel]) -> dict[str, _Look]:
+    def cameras(self, world: World) -> dict[str, Camera]:
+        """The cameras of the scene as it stands, with the sizes of observed images."""
+        return {name: camera_of(world, name, size) for name, size in self._sizes.items()}
+
+    def _look(self, world: World, cameras: Iterable[Channel]) -> dict[str, _Look]:
         """Render each camera once, for all agents that observe it."""
-        world = episode.world
         world.move_markers()
         wanted = dict.fromkeys(camera.subject for camera in cameras)
         views = {name: world.camera(name, self._sizes[name]) for name in wanted}

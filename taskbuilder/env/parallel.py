@@ -14,6 +14,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from taskbuilder.env.camera import Camera
 from taskbuilder.env.copying import Copyable
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.episode_state import EpisodeState
@@ -123,6 +124,22 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
     def state_names(self) -> tuple[str, ...]:
         """The name of each number of `state`."""
         return self._observer.state_names()
+
+    @property
+    def mask_names(self) -> tuple[str, ...]:
+        """The name of each number in a segmentation mask, such as ``left.wrist_3_link``.
+
+        The names are the same in every episode, variation and process. Number 0 is the background.
+        """
+        return self._observer.segments.names
+
+    def cameras(self) -> dict[str, Camera]:
+        """The cameras of the scene as they are now, by name, with their matrices.
+
+        The camera randomisation of the episode is included. Those on robots and other moving frames
+        differ after every step.
+        """
+        return self._observer.cameras(self.episode.world)
 
     @property
     def task_description(self) -> str:

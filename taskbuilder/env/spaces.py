@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.camera import Segments
 from taskbuilder.env.errors import ActionError
 from taskbuilder.env.observations import View
 from taskbuilder.schema.channels import Channel
@@ -21,10 +22,28 @@ VECTOR = "vector"
 
 
 def observation_space(
-    view: View, sizes: Mapping[str, tuple[int, int]], *, flat: bool
+    view: View,
+    sizes: Mapping[str, tuple[int, int]],
+    furthest: Mapping[str, float],
+    segments: int,
+    *,
+    flat: bool,
 ) -> spaces.Space[Any]:
-    """The observation space of a view: a box, or a dictionary if it has images or is not flat."""
-    images = {f"{c.subject}.{c.quantity}": _image_space(c, sizes[c.subject]) for c in view.cameras}
+    """The observation space of a view: a box, or a dictionary if it has images or is not flat.
+
+    Args:
+        view: What is observed.
+        sizes: Width and height of the images of each camera.
+        furthest: The far plane of each camera, m.
+        segments: How many names masks have.
+        flat: Whether the numbers are one vector.
+    """
+    images = {
+        f"{c.subject}.{c.quantity}": _image_space(
+            c, sizes[c.subject], furthest[c.subject], segments
+        )
+        for c in view.cameras
+    }
     numbers = spaces.Box(view.low, view.high, dtype=np.float32)
     if flat:
         return spaces.Dict({VECTOR: numbers, **images}) if images else numbers
@@ -37,28 +56,30 @@ def observation_space(
     return spaces.Dict({**channels, **images})
 
 
-def _image_space(channel: Channel, size: tuple[int, int]) -> spaces.Box:
+def _image_space(channel: Channel, size: tuple[int, int], far: float, segments: int) -> spaces.Box:
     width, height = size
     match channel.quantity:
         case "rgb":
             return spaces.Box(0, 255, (height, width, 3), np.uint8)
         case "depth":
-            return spaces.Box(0.0, 100.0, (height, width), np.float32)
+            return spaces.Box(0.0, far, (height, width), np.float32)
         case "mask":
-            return spaces.Box(-1, 2**15 - 1, (height, width), np.int16)
+            return spaces.Box(0, segments - 1, (height, width), np.int16)
         case _:
             return spaces.Box(-200.0, 200.0, (height * width, 3), np.float32)
 
 
-def image_values(channel: Channel, image: Image, view: CameraView) -> NDArray[Any]:
+def image_values(
+    channel: Channel, image: Image, view: CameraView, segments: Segments
+) -> NDArray[Any]:
     """The values of a camera channel, in a new array."""
     match channel.quantity:
         case "rgb":
             return image.rgb.copy()
         case "depth":
-            return np.clip(image.depth, 0.0, 100.0)
+            return image.depth.copy()
         case "mask":
-            return image.bodies.astype(np.int16)
+            return segments.of(image.bodies, image.links)
         case _:
             return np.clip(point_cloud(image, view), -200.0, 200.0)
 

@@ -42,7 +42,7 @@ _CHANNELS: Mapping[str, str] = {
     "velocity": "linear and angular velocity, m/s and rad/s",
     "rgb": "colour image",
     "depth": "depth image",
-    "mask": "segmentation mask: PyBullet's body id at each pixel, −1 where there is no body",
+    "mask": "segmentation mask: a number at each pixel; `env.mask_names` has its name",
     "points": "point cloud",
     "time_left": "fraction of the episode that remains, from 1 to 0",
 }

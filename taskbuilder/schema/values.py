@@ -105,7 +105,8 @@ class OrNumber:
 
 
 RESERVED = {
-    *("self", "world", "all", "together", "until", "repeat", "nothing", "time_left", "description")
+    *("self", "world", "all", "together", "until", "repeat", "nothing", "time_left", "description"),
+    "background",
 }
 
 

@@ -16,6 +16,7 @@ from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose, Vec3, cross, from_axes, norm, scale, subtract, unit
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.renderers import Renderer
 
 LARGEST_SIDE = 4096  # Bullet ends the process when an image is too large
 NO_BODY = -1
@@ -181,10 +182,10 @@ def capture(
     chosen = (slice(row, None, supersample), slice(column, None, supersample))
     return Image(
         rgb=np.ascontiguousarray(rgb),
-        depth=depth[chosen],
+        depth=np.minimum(depth[chosen], np.float32(view.far)),
         bodies=bodies[chosen],
         links=links[chosen],
-        intrinsics=_intrinsics(view, (column + across) / supersample, (row + down) / supersample),
+        intrinsics=_pinhole(view, (column + across) / supersample, (row + down) / supersample),
     )
 
 
@@ -248,24 +249,56 @@ def _by_bullet(
     rgb = np.asarray(colors, dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
     mask = np.asarray(mask, dtype=np.int32).reshape(height, width)
     buffer = np.asarray(buffer, dtype=np.float32).reshape(height, width)
-    rgb = np.where((mask < 0)[:, :, None], behind[:, None], rgb)
-    return rgb, _metres(buffer, view), *_decoded(mask)
+    nothing = mask < 0
+    rgb = np.where(nothing[:, :, None], behind[:, None], rgb)
+    depth = np.where(nothing, np.float32(view.far), _metres(buffer, view))
+    return rgb, depth, *_decoded(mask)
+
+
+def intrinsics(view: CameraView, renderer: Renderer) -> NDArray[np.float64]:
+    """The (3, 3) matrix of the pictures that a renderer draws; see `Image`."""
+    return _pinhole(view, *_RAY_IN_PIXEL[renderer])
+
+
+def seen_points(
+    depth: NDArray[np.float32],
+    intrinsics: NDArray[np.float64],
+    extrinsics: NDArray[np.float64],
+    far: float,
+) -> NDArray[np.float64]:
+    """The world points of the pixels that show something, row by row: (n, 3), in metres.
+
+    Args:
+        depth: (height, width) metres along the camera's z; the far plane where nothing is.
+        intrinsics: (3, 3) from the camera to pixels, times depth.
+        extrinsics: (4, 4) from the world to the camera.
+        far: The far plane, m.
+    """
+    rows, columns = np.nonzero(depth < np.float32(far))
+    pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
+    rays = pixels @ np.linalg.inv(intrinsics).T
+    in_camera = rays * depth[rows, columns, None].astype(np.float64)
+    found: NDArray[np.float64] = (in_camera - extrinsics[:3, 3]) @ extrinsics[:3, :3]
+    return found
 
 
 def point_cloud(image: Image, view: CameraView) -> NDArray[np.float32]:
-    """The world point of every pixel, row by row: (height * width, 3) float32, in metres.
+    """A world point for every pixel, row by row: (height * width, 3) float32, in metres.
+
+    A pixel that shows nothing has the point of the last pixel before it that shows something, or
+    of the first one that does: all points lie on something. If there is none, all are the camera's
+    position.
 
     Args:
         image: What a camera saw.
         view: The camera.
     """
-    height, width = image.depth.shape
-    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
-    pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1).reshape(-1, 3)
-    rays = pixels @ np.linalg.inv(image.intrinsics).T
-    in_camera = rays * image.depth.reshape(-1, 1)
-    rotation, position = view.extrinsics[:3, :3], view.extrinsics[:3, 3]
-    return ((in_camera - position) @ rotation).astype(np.float32)
+    there = (image.depth < np.float32(view.far)).reshape(-1)
+    if not there.any():
+        return np.tile(np.array(view.eye, np.float32), (there.size, 1))
+    points = seen_points(image.depth, image.intrinsics, view.extrinsics, view.far)
+    last: NDArray[np.float32] = points.astype(np.float32)[np.maximum(np.cumsum(there) - 1, 0)]
+    return last
 
 
 def _check_size(width: int, height: int) -> None:
@@ -300,7 +333,7 @@ def _metres(buffer: NDArray[np.float32], view: CameraView) -> NDArray[np.float32
     return (far * near / (far - (far - near) * buffer)).astype(np.float32)
 
 
-def _intrinsics(view: CameraView, across: float, down: float) -> NDArray[np.float64]:
+def _pinhole(view: CameraView, across: float, down: float) -> NDArray[np.float64]:
     """The (3, 3) matrix for rays that pass pixels this far from their upper left corners."""
     focal = view.height / 2 / math.tan(math.radians(view.fov_deg) / 2)
     return np.array(

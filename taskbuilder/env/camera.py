@@ -1,0 +1,104 @@
+"""What explains the images of a camera: its matrices and planes, and the names in its masks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.sim.cameras import intrinsics, seen_points
+from taskbuilder.world.world import World
+
+BACKGROUND, FLOOR = "background", "world.floor"
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera of the scene as it is now, with the camera randomisation of the episode.
+
+    The camera's frame is that of OpenCV: x to the right in the image, y down, and z along the
+    optical axis into the scene. The pixel in column u and row v shows a world point X if
+    ``intrinsics @ (extrinsics @ [X, 1])[:3]`` is proportional to ``[u, v, 1]``.
+
+    Attributes:
+        name: Its name in the scene.
+        width: Width of its images in pixels.
+        height: Height of its images in pixels.
+        intrinsics: (3, 3) float64: from camera coordinates in metres to pixels times depth.
+        extrinsics: (4, 4) float64: from world coordinates to camera coordinates, in metres.
+        near: Distance of the near plane in metres.
+        far: Distance of the far plane in metres, which is also the depth where nothing is.
+    """
+
+    name: str
+    width: int
+    height: int
+    intrinsics: NDArray[np.float64]
+    extrinsics: NDArray[np.float64]
+    near: float
+    far: float
+
+    def points(self, depth: NDArray[np.float32]) -> NDArray[np.float64]:
+        """The world points that a depth image of this camera shows, without the background.
+
+        Args:
+            depth: (height, width), in metres along the optical axis.
+
+        Returns:
+            (n, 3), in metres: one point for each pixel that shows something, row by row.
+        """
+        return seen_points(depth, self.intrinsics, self.extrinsics, self.far)
+
+
+def camera_of(world: World, name: str, size: tuple[int, int]) -> Camera:
+    """A camera of a world as it stands.
+
+    Args:
+        world: The world.
+        name: The camera's name.
+        size: Width and height of its images in pixels.
+    """
+    view = world.camera(name, size)
+    lens = intrinsics(view, world.client.renderer)
+    return Camera(name, *size, lens, view.extrinsics, view.near, view.far)
+
+
+class Segments:
+    """The numbers and names in segmentation masks.
+
+    They follow from the task alone: the background, the floor, the links of the robots, the objects
+    with their parts or links, and the markers of the sites, in the order of the files.
+
+    Args:
+        world: The world whose bodies are numbered.
+
+    Attributes:
+        names: The name of each number, such as ``left.wrist_3_link`` or ``tray.rim``.
+    """
+
+    def __init__(self, world: World) -> None:
+        owners: list[tuple[str, int, int]] = [(BACKGROUND, -1, -1)]
+        if world.floor is not None:
+            owners.append((FLOOR, world.floor.id, -1))
+        for name, robot in world.robots.items():
+            owners += [
+                (f"{name}.{link}", robot.body.id, index) for link, index in robot.body.links.items()
+            ]
+        for name, thing in world.objects.items():
+            whole = thing.spec.parts is None and thing.spec.urdf is None
+            owners += [
+                (name if whole else f"{name}.{link}", thing.body.id, index)
+                for link, index in thing.body.links.items()
+            ]
+        owners += [(name, site.marker.id, -1) for name, site in world.sites.items() if site.marker]
+        self.names = tuple(name for name, _, _ in owners)
+        bodies, links = (max(owner[i] for owner in owners) for i in (1, 2))
+        # Row -1 is the last: that of the background.
+        self._numbers = np.zeros((bodies + 2, links + 2), np.int16)
+        for number, (_, body, link) in enumerate(owners):
+            self._numbers[body, link + 1] = number
+
+    def of(self, bodies: NDArray[np.int32], links: NDArray[np.int32]) -> NDArray[np.int16]:
+        """The mask of an image, from Bullet's numbers of bodies and indices of links."""
+        return self._numbers[bodies, links + 1]
