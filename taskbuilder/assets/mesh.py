@@ -47,6 +47,9 @@ class Mesh:
             corners without one. Empty for an STL.
         texture_corners: Numbers of the texture points of the same corners. Empty for an STL.
         material_files: The material files that it names.
+        materials: Names of the materials of faces; the first, "", is that of faces without one.
+            Empty for an STL.
+        face_materials: Number of each triangle's material among these. Empty for an STL.
         warnings: What is odd about the file without forbidding its use.
     """
 
@@ -57,6 +60,8 @@ class Mesh:
     texture_points: array[float] = field(default_factory=lambda: array("d"), repr=False)
     texture_corners: array[int] = field(default_factory=lambda: array("I"), repr=False)
     material_files: tuple[str, ...] = ()
+    materials: tuple[str, ...] = ()
+    face_materials: array[int] = field(default_factory=lambda: array("I"), repr=False)
     warnings: tuple[str, ...] = ()
 
     @property
@@ -176,6 +181,8 @@ def _read_obj(path: Path, data: bytes) -> Mesh:
         texture_points=obj.texture_points,
         texture_corners=obj.texture_corners,
         material_files=tuple(obj.material_files),
+        materials=tuple(obj.materials),
+        face_materials=obj.face_materials,
     )
 
 

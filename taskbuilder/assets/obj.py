@@ -77,15 +77,20 @@ class Obj:
             corners without one.
         texture_corners: Numbers of the texture points of the same corners.
         material_files: The material files that it names.
+        materials: Names of the materials of faces; the first, "", is that of faces without one.
+        face_materials: Number of each triangle's material among these.
     """
 
     def __init__(self) -> None:
         self._normals = 0
+        self._material = 0
         self.points = array("d")
         self.corners = array("I")
         self.texture_points = array("d", (0.0, 0.0))
         self.texture_corners = array("I")
         self.material_files: list[str] = []
+        self.materials = [""]
+        self.face_materials = array("I")
 
     def read(self, data: bytes) -> None:
         """Read all lines; unknown kinds are ignored, as the physics engine does.
@@ -103,8 +108,18 @@ class Obj:
                     self._normals += len(_numbers(block, at_least=3, kept=3)) // 3
                 case b"f":
                     self._faces(block)
+                    added = len(self.corners) // 3 - len(self.face_materials)
+                    self.face_materials.extend([self._material] * added)
+                case b"usemtl":
+                    self._use(b" ".join(block.lines()[-1]).decode())
                 case b"mtllib":
                     self.material_files += [w.decode() for words in block.lines() for w in words]
+
+    def _use(self, material: str) -> None:
+        """Take a material for the faces that follow."""
+        if material not in self.materials:
+            self.materials.append(material)
+        self._material = self.materials.index(material)
 
     def _faces(self, block: Block) -> None:
         # Only what came before counts: the engine may build the shape at the next group.

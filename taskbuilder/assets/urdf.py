@@ -111,7 +111,7 @@ def _with_ends(joint: Element, lower: float, upper: float) -> Element:
     return joint.with_attributes(type=kind)
 
 
-def resolved_text(urdf: Urdf, looks: Mapping[Path, Path] | None = None) -> str:
+def resolved_text(urdf: Urdf) -> str:
     """The URDF to give to the physics engine, with checked absolute file names.
 
     It holds only what was checked. Axes get a length of 1, because Bullet takes another length
@@ -121,7 +121,6 @@ def resolved_text(urdf: Urdf, looks: Mapping[Path, Path] | None = None) -> str:
 
     Args:
         urdf: What was read.
-        looks: Meshes that replace others, where those are only looked at.
     """
     children = {joint.child for joint in urdf.joints if not joint.moves}
     assumed = {
@@ -129,36 +128,23 @@ def resolved_text(urdf: Urdf, looks: Mapping[Path, Path] | None = None) -> str:
         for link in urdf.links
         if link.mass is None and link.name != "world"  # which Bullet takes for the world itself
     }
-    return serialized(_for_engine(urdf.tree, urdf, assumed, looks or {}))
+    return serialized(_for_engine(urdf.tree, urdf, assumed))
 
 
-def _for_engine(
-    element: Element,
-    urdf: Urdf,
-    assumed: Mapping[str, bool],
-    looks: Mapping[Path, Path],
-    *,
-    visual: bool = False,
-) -> Element:
+def _for_engine(element: Element, urdf: Urdf, assumed: Mapping[str, bool]) -> Element:
     """The element with its file names and missing masses filled in.
 
     Args:
         element: The element.
         urdf: What was read.
         assumed: By the name of each link without a mass, whether it weighs 1 kg or nothing.
-        looks: Meshes that replace others within `<visual>`.
-        visual: Whether the element is within `<visual>`.
     """
-    visual = visual or element.tag == "visual"
-    children = tuple(
-        _for_engine(child, urdf, assumed, looks, visual=visual) for child in element.children
-    )
+    children = tuple(_for_engine(child, urdf, assumed) for child in element.children)
     if element.tag == "link" and element.attributes["name"] in assumed:
         children = (_assumed(element, assumed[element.attributes["name"]]), *children)
     if element.tag in ("mesh", "texture"):
         checked = urdf.files[element.attributes["filename"]]
-        seen = looks.get(checked, checked) if visual else checked
-        element = element.with_attributes(filename=str(seen))
+        element = element.with_attributes(filename=str(checked))
     if element.tag == "joint":
         axis = " ".join(map(repr, urdf.joint(element.attributes["name"]).axis))
         children = tuple(

@@ -93,7 +93,8 @@ class Segments:
             ]
         owners += [(name, site.marker.id, -1) for name, site in world.sites.items() if site.marker]
         self.names = tuple(name for name, _, _ in owners)
-        bodies, links = (max(owner[i] for owner in owners) for i in (1, 2))
+        bodies = max(body for _, body, _ in owners)
+        links = max(link for _, _, link in owners)
         # Row -1 is the last: that of the background.
         self._numbers = np.zeros((bodies + 2, links + 2), np.int16)
         for number, (_, body, link) in enumerate(owners):

@@ -58,7 +58,7 @@ class Shape(Model):
     capsule: Cylinder | None = None
     mesh: Text | None = Field(None, description="Path of an OBJ or binary STL file.")
     urdf: Text | None = Field(None, description="Path of a URDF file.")
-    scale: Positive | None = Field(None, description="Scale factor of a mesh or URDF.")
+    scale: Positive | None = Field(None, description="Factor of all lengths of a mesh or URDF.")
 
     @property
     def kind(self) -> str:

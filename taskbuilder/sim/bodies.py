@@ -8,17 +8,20 @@ articulated-body algorithm joins the parts' inertias exactly.
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.assets.looks import MeshLook
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import NO_TURN, ORIGIN, Box, Pose, Vec3, bounding_box, total
 from taskbuilder.geometry import scale as scaled
 from taskbuilder.sim.body import BASE, Body, set_inertia
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.redrawn import redrawn
 from taskbuilder.sim.shapes import (
     AT_ORIGIN,
     BoxShape,
@@ -99,7 +102,8 @@ def create_body(
         _collision_shape(client, part, moving=mass > 0.0) if collides else NO_SHAPE
         for part in parts.values()
     ]
-    body_id = _multibody(client, name, pieces, pose, collisions)
+    with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:  # read with the body
+        body_id = _multibody(client, name, pieces, pose, collisions, Path(folder))
     for index, piece in enumerate(pieces, start=BASE):
         if mass:
             set_inertia(client, body_id, index, piece.mass, piece.moments)
@@ -136,7 +140,8 @@ def load_urdf(
         name: What people call it; the URDF's name unless given.
         pose: Of the base link's frame in the world.
         fixed_base: Whether the base stays where it is put.
-        scale: Factor on all lengths.
+        scale: Factor on all lengths. The density stays: masses grow by its cube, and moments of
+            inertia by its fifth power. Bullet itself leaves both as they are.
 
     Raises:
         SimulationError: Bullet refuses the file, or it has joints of other kinds than revolute,
@@ -156,6 +161,11 @@ def load_urdf(
         links[bullet.getJointInfo(body_id, index)[12].decode()] = index
         # Bullet gives every joint a motor that brakes it.
         bullet.setJointMotorControl2(body_id, index, p.VELOCITY_CONTROL, force=0.0)
+    if scale != 1.0:
+        for index in links.values():
+            mass, _, moments, *_ = bullet.getDynamicsInfo(body_id, index)
+            larger = scaled(moments, scale**5)
+            set_inertia(client, body_id, index, mass * scale**3, larger)
     # Loaded at the origin, where the world's frame is the base link's.
     boxes = [box for index in links.values() for box in _link_bounds(client, body_id, index)]
     body = Body(client, body_id, name or urdf_name, links, _around(boxes))
@@ -186,9 +196,10 @@ def _multibody(
     pieces: Sequence[_BodyPart],
     pose: Pose,
     collisions: Sequence[int],
+    folder: Path,
 ) -> int:
     """Make the first piece the base and fix the others to it, all in the body's frame."""
-    visuals = [_visual_shape(client, piece.part) for piece in pieces]
+    visuals = [_visual_shape(client, piece.part, folder) for piece in pieces]
     base, *others = pieces
     count = len(others)
     body_id: int = client.bullet.createMultiBody(
@@ -264,11 +275,31 @@ def _collision_shape(client: Client, part: Part, *, moving: bool) -> int:
     return _made(client.bullet.createCollisionShape, part, "collision", options)
 
 
-def _visual_shape(client: Client, part: Part) -> int:
+def _visual_shape(client: Client, part: Part, folder: Path) -> int:
+    shape = part.look or part.shape
+    if isinstance(shape, MeshShape) and client.renderer != "raster":
+        looks = redrawn(MeshLook(shape.path, shape.scale, part.color), folder)
+        if any(look.file != shape.path for look in looks):
+            return _visual_shapes(client, part, looks)
     options = _geometry(part.look or part.shape)
     # Matte: plastic highlights would depend on the camera.
     options |= {"rgbaColor": part.color, "specularColor": (0.0, 0.0, 0.0)}
     return _made(client.bullet.createVisualShape, part, "visual", options)
+
+
+def _visual_shapes(client: Client, part: Part, looks: Sequence[MeshLook]) -> int:
+    """One look that is made of several meshes."""
+    made: int = client.bullet.createVisualShapeArray(
+        shapeTypes=[p.GEOM_MESH] * len(looks),
+        fileNames=[str(look.file) for look in looks],
+        meshScales=[look.scale for look in looks],
+        rgbaColors=[look.color or part.color for look in looks],
+        visualFramePositions=[part.pose.position] * len(looks),
+        visualFrameOrientations=[part.pose.quaternion] * len(looks),
+    )
+    if made < 0:
+        raise SimulationError(f"Bullet makes no visual shape of {part.shape}")
+    return made
 
 
 def _made(create: Callable[..., int], part: Part, prefix: str, options: dict[str, Any]) -> int:

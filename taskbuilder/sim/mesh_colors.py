@@ -1,12 +1,14 @@
-"""Colours of a mesh's faces, from the texture that its material file names.
+"""Colours of a mesh's faces, from the materials that its OBJ file names.
 
-A face has the colour of the texture at its middle, and similar colours are made one. That is exact
-for palettes, which is how robots are painted, and coarse for photographs.
+A face has the diffuse colour of its material or, if the material has a texture, the colour of the
+texture at the middle of the face. Similar colours of a texture are made one. That is exact for
+palettes, which is how robots are painted, and coarse for photographs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -21,22 +23,81 @@ _LEVELS = 16
 """Shades of a channel that count as different colours."""
 
 Color = tuple[float, float, float]
+Texture = NDArray[np.uint8]
 
 
-def face_colors(mesh: Mesh) -> tuple[list[Color], NDArray[np.intp]]:
+@dataclass(frozen=True)
+class Material:
+    """What an MTL file says of the look of faces.
+
+    Attributes:
+        color: Diffuse colour (Kd), 0 to 1; None if the file gives none.
+        texture: Picture of the diffuse colour (map_Kd), or None.
+    """
+
+    color: Color | None = None
+    texture: Path | None = None
+
+    def shown(self, *, diffuse: bool) -> Path | Color:
+        """The texture or, if there is none, the colour."""
+        return self.texture or (self.color if diffuse else None) or WHITE
+
+
+def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArray[np.intp]]:
     """The colours of a mesh's triangles.
 
     Args:
         mesh: The mesh.
+        diffuse: Whether the diffuse colours of materials count; if not, only textures do.
 
     Returns:
-        Colours from 0 to 1, and the number of each triangle's; white without a texture.
+        Colours from 0 to 1, and the number of each triangle's; white without a material.
     """
-    texture = _texture(mesh.path, mesh.material_files)
+    count = mesh.triangles
+    colors: list[Color] = []
+    color_of = np.zeros(count, np.intp)
+    used = np.asarray(mesh.face_materials, np.intp) if mesh.materials else np.zeros(count, np.intp)
+    looks = materials_of(mesh)
+    alike: dict[Path | Color, list[int]] = {}
+    for number in np.unique(used):
+        alike.setdefault(looks[number].shown(diffuse=diffuse) if looks else WHITE, []).append(
+            number
+        )
+    for look, numbers in alike.items():
+        own = np.isin(used, numbers)
+        found, which = _from_texture(mesh, own, look) if isinstance(look, Path) else ([look], 0)
+        color_of[own] = len(colors) + which
+        colors += found
+    return colors, color_of
+
+
+def materials_of(mesh: Mesh) -> tuple[Material, ...]:
+    """The material of each name in the mesh's ``materials``.
+
+    Faces without a material have the first one with a texture, as with Bullet.
+    """
+    known: dict[str, Material] = {}
+    for file in mesh.material_files:
+        known |= _read_materials(mesh.path, file)
+    textured = (one for one in known.values() if one.texture)
+    known.setdefault("", next(textured, Material()))
+    return tuple(known.get(name, Material()) for name in mesh.materials)
+
+
+def has_colors(mesh: Mesh) -> bool:
+    """Whether a mesh's materials give it a look of its own."""
+    return any(one.texture or one.color not in (None, WHITE) for one in materials_of(mesh))
+
+
+def _from_texture(
+    mesh: Mesh, chosen: NDArray[np.bool_], file: Path
+) -> tuple[list[Color], NDArray[np.intp]]:
+    """The colours of some triangles in a texture, and the number of each triangle's."""
+    texture = _picture(file)
     if texture is None:
-        return [WHITE], np.zeros(mesh.triangles, np.intp)
+        return [WHITE], np.zeros(int(chosen.sum()), np.intp)
     points = np.asarray(mesh.texture_points).reshape(-1, 2)
-    middles = points[np.asarray(mesh.texture_corners).reshape(-1, 3)].mean(axis=1)
+    middles = points[np.asarray(mesh.texture_corners).reshape(-1, 3)[chosen]].mean(axis=1)
     height, width, _ = texture.shape
     columns = (np.mod(middles[:, 0], 1.0) * width).astype(np.intp) % width
     rows = (np.mod(1.0 - middles[:, 1], 1.0) * height).astype(np.intp) % height
@@ -46,23 +107,53 @@ def face_colors(mesh: Mesh) -> tuple[list[Color], NDArray[np.intp]]:
     return [_mean(colors[group == number]) for number in range(group.max() + 1)], group
 
 
-def _mean(colors: NDArray[np.uint8]) -> Color:
+def _mean(colors: Texture) -> Color:
     red, green, blue = (colors.mean(axis=0) / 255.0).tolist()
     return (red, green, blue)
 
 
-def _texture(mesh: Path, material_files: Sequence[str]) -> NDArray[np.uint8] | None:
-    """The picture that the last material file names, (h, w, 3) RGB; None if there is none."""
-    if not material_files:
-        return None
+def _read_materials(mesh: Path, file: str) -> Mapping[str, Material]:
+    """The materials of an MTL file, by name; none if there is no such file."""
+    found: dict[str, Material] = {}
     try:
-        materials = resolve(material_files[-1], mesh.parent, [mesh.parent])
-        for line in materials.read_text(encoding="utf-8", errors="replace").splitlines():
-            words = line.split()
-            if len(words) > 1 and words[0] == "map_Kd":
-                picture = cv2.imread(str(resolve(words[-1], mesh.parent, [mesh.parent])))
-                if picture is not None:
-                    return np.ascontiguousarray(picture[:, :, ::-1]).astype(np.uint8)
+        path = resolve(file, mesh.parent, [mesh.parent])
+        text = path.read_text(encoding="utf-8", errors="replace")
     except (AssetError, OSError):
-        return None  # it is drawn in its link's colour, as Bullet does
-    return None
+        return found  # it is drawn in its link's colour, as Bullet does
+    name = ""
+    for key, words in _statements(text):
+        if key == "newmtl":
+            name = " ".join(words)
+            found[name] = Material()
+        elif key == "Kd" and (color := _color(words)):
+            found[name] = replace(found.get(name, Material()), color=color)
+        elif key == "map_Kd" and words:
+            try:
+                picture = resolve(words[-1], mesh.parent, [mesh.parent])
+            except AssetError:
+                continue  # as above
+            found[name] = replace(found.get(name, Material()), texture=picture)
+    return found
+
+
+def _statements(text: str) -> Iterator[tuple[str, list[str]]]:
+    for line in text.splitlines():
+        key, *words = line.split() or [""]
+        yield key, words
+
+
+def _color(words: list[str]) -> Color | None:
+    """The colour of a line ``Kd r g b``, or of ``Kd r`` for grey; None for other forms."""
+    try:
+        parts = [min(1.0, max(0.0, float(word))) for word in words]
+    except ValueError:
+        return None
+    if len(parts) == 1:
+        return (parts[0], parts[0], parts[0])
+    return (parts[0], parts[1], parts[2]) if len(parts) == 3 else None
+
+
+def _picture(path: Path) -> Texture | None:
+    """A texture, (h, w, 3) RGB; None if it cannot be read."""
+    picture = cv2.imread(str(path))
+    return None if picture is None else np.ascontiguousarray(picture[:, :, ::-1]).astype(np.uint8)

@@ -153,7 +153,9 @@ def _shapes(
     placed = _matrix(pose)
     red, green, blue, opacity = color
     shapes = []
-    for mesh, (r, g, b) in _meshes(kind, sizes, file):
+    # A colour that a URDF or a task file gives is that of the whole mesh. White stands for none.
+    unpainted = color[:3] == WHITE
+    for mesh, (r, g, b) in _meshes(kind, sizes, file, unpainted):
         wide = float(np.abs(mesh.vertices).max()) > FLOOR_REACH_M
         own = (red * r, green * g, blue * b)
         pattern = _pattern(texture, own)
@@ -163,9 +165,16 @@ def _shapes(
 
 @lru_cache(maxsize=512)
 def _meshes(
-    kind: int, sizes: tuple[float, ...], file: Path
+    kind: int, sizes: tuple[float, ...], file: Path, diffuse: bool
 ) -> tuple[tuple[TriangleMesh, Color], ...]:
-    """The meshes of a shape, each with its tint."""
+    """The meshes of a shape, each with its tint.
+
+    Args:
+        kind: Bullet's kind of shape.
+        sizes: Its lengths, or the scale of a mesh.
+        file: The file of a mesh.
+        diffuse: Whether the diffuse colours in a mesh's materials count.
+    """
     if kind == p.GEOM_BOX:
         return ((box((sizes[0], sizes[1], sizes[2])), WHITE),)
     if kind == p.GEOM_SPHERE:
@@ -175,16 +184,20 @@ def _meshes(
     if kind == p.GEOM_CAPSULE:
         return ((capsule(sizes[1], sizes[0]), WHITE),)
     if kind == p.GEOM_MESH:
-        return tuple(_from_file(file, sizes))
+        return tuple(_from_file(file, sizes, diffuse=diffuse))
     return ()
 
 
-def _from_file(path: Path, scale: tuple[float, ...]) -> Iterator[tuple[TriangleMesh, Color]]:
+def _from_file(
+    path: Path, scale: tuple[float, ...], *, diffuse: bool
+) -> Iterator[tuple[TriangleMesh, Color]]:
     """The parts of a mesh file that have one colour each."""
     mesh = read_mesh(path)
     points = np.asarray(mesh.points, np.float64).reshape(-1, 3) * np.asarray(scale)
     triangles: NDArray[np.int32] = np.asarray(mesh.corners, np.int32).reshape(-1, 3)
-    colors, color_of = face_colors(mesh)
+    if np.prod(scale) < 0.0:  # a mirror image, in which triangles run the other way round
+        triangles = np.ascontiguousarray(triangles[:, ::-1])
+    colors, color_of = face_colors(mesh, diffuse=diffuse)
     points, triangles, origin = simplified(points, triangles, MOST_TRIANGLES)
     most = np.median(color_of[origin], axis=1).astype(np.intp)  # what two of three corners have
     left, part = np.unique(most, return_inverse=True)

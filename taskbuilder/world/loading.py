@@ -5,10 +5,12 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
+from taskbuilder.assets.looks import with_looks
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import resolved_text
@@ -22,6 +24,7 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
+from taskbuilder.sim.redrawn import redrawn
 from taskbuilder.sim.shapes import MeshShape, Part
 
 
@@ -52,11 +55,16 @@ class Loader:
         """
         with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:
             copy = Path(folder) / urdf.path.name
-            looks: dict[Path, Path] = {}
-            if self._trusts(name) and self.client.renderer == "raster":
+            if self.client.renderer != "raster":
+                redraw = partial(redrawn, folder=Path(folder))
+                urdf = with_looks(urdf, redraw, painted=True)
+            elif self._trusts(name):
                 looks = _stand_ins(urdf, Path(folder))
                 self.client.meshes.update({str(new): old for old, new in looks.items()})
-            copy.write_text(resolved_text(urdf, looks), encoding="utf-8")
+                urdf = with_looks(
+                    urdf, lambda look: [replace(look, file=looks[look.file], color=None)]
+                )
+            copy.write_text(resolved_text(urdf), encoding="utf-8")
             self._probe(copy, "urdf", name)
             with self._listening(name):
                 return load_urdf(

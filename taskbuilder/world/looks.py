@@ -144,7 +144,8 @@ def furniture(task: TaskSpec, scene: SceneSpec) -> list[str]:
     """Objects that may have any colour: those that are fixed, and whose colour says nothing.
 
     A colour says something if the task's instructions, variations or randomised quantities name
-    it. URDFs stay as they are, because their colours tell their parts.
+    it. URDFs, and meshes to which the task file gives no colour, stay as they are, because their
+    colours tell their parts.
     """
     told = {key for change in (*task.variations, task.randomize) for key in change}
     return [
@@ -152,6 +153,7 @@ def furniture(task: TaskSpec, scene: SceneSpec) -> list[str]:
         for name, spec in scene.objects.items()
         if spec.fixed
         and spec.urdf is None
+        and (spec.shape is None or not spec.shape.mesh or "color" in spec.model_fields_set)
         and f"{name}.color" not in told
         and not any(f"{{{name}.color}}" in text for text in task.instructions)
     ]

@@ -10,6 +10,7 @@ from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, scale
 from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec
 from taskbuilder.schema.scene import Shape as ShapeSpec
 from taskbuilder.schema.values import rgb
+from taskbuilder.sim.mesh_colors import WHITE, has_colors
 from taskbuilder.sim.shapes import (
     RGBA,
     BoxShape,
@@ -34,6 +35,8 @@ def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:
         }
     if isinstance(asset, Mesh):
         size = (spec.shape.scale if spec.shape else None) or 1.0
+        if "color" not in spec.model_fields_set and has_colors(asset):
+            color = (*WHITE, 1.0)  # it has colours of its own
         return {"mesh": Part(MeshShape(asset.path, (size, size, size)), Pose(), color)}
     if spec.shape is None:
         raise ValueError("an object has a shape or parts")

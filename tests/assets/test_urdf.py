@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from taskbuilder.assets import Urdf, codes, read_urdf, resolved_text
+from taskbuilder.assets.looks import with_looks
 from taskbuilder.assets.paths import pybullet_data_folder
 from taskbuilder.errors import FileError, UnknownNameError
 from taskbuilder.quiet import captured
@@ -384,6 +386,8 @@ def test_other_meshes_may_be_looked_at_but_not_collided_with(read: Reader, tmp_p
     box = '<geometry><box size="0.1 0.2 0.3"/></geometry>'
     arm = read(ARM.replace(box, mesh))
     part = (tmp_path / "meshes" / "part.obj").resolve()
-    visual, collision = resolved_text(arm, {part: tmp_path / "light.obj"}).split("<collision")
+    light = tmp_path / "light.obj"
+    other = with_looks(arm, lambda look: [replace(look, file=light)])
+    visual, collision = resolved_text(other).split("<collision")
     assert ("light.obj" in visual, str(part) in visual) == (True, False)
     assert ("light.obj" in collision, str(part) in collision) == (False, True)
