@@ -10,8 +10,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from taskbuilder.env.drawn_values import drawn_values
 from taskbuilder.env.camera import Camera, Segments, camera_of
+from taskbuilder.env.drawn_values import drawn_values
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
     POSITIONS,
