@@ -9,12 +9,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from taskbuilder.diagnostics import names, rollouts, scene, yaml
+from taskbuilder.diagnostics import environments, names, rollouts, scene, yaml
 from taskbuilder.diagnostics.entry import Code, Example, Where
 
 __all__ = ["CODES", "Code", "Example", "Where"]
 
 CODES: Mapping[str, Code] = MappingProxyType(
-    {**yaml.ENTRIES, **names.ENTRIES, **scene.ENTRIES, **rollouts.ENTRIES}
+    {
+        **yaml.ENTRIES,
+        **names.ENTRIES,
+        **scene.ENTRIES,
+        **rollouts.ENTRIES,
+        **environments.ENTRIES,
+    }
 )
 """Every code, in order."""

@@ -15,8 +15,7 @@ from typing import NamedTuple
 from taskbuilder.description.description import Referee
 from taskbuilder.description.node import Node
 from taskbuilder.env.action_encoder import Actions
-from taskbuilder.env.episode_state import EpisodeState
-from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.parallel import EnvState, TaskEnv
 from taskbuilder.errors import Finding
 from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
@@ -237,7 +236,7 @@ def _with_restores(
     Every other state is a copy, which is restored by playing its actions again.
     """
     marks = {number * len(actions) // (SAVED + 1) for number in range(1, SAVED + 1)}
-    saved: list[tuple[int, EpisodeState]] = []
+    saved: list[tuple[int, EnvState]] = []
     steps = list(trace(env, seed, ()))
     for number, action in enumerate(actions):
         if number in marks and env.agents:
