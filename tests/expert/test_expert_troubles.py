@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from written_experts import RIGHT, made
 
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.script.player import Expert
-from taskbuilder.rollout import replay
+from taskbuilder.rollout import play, replay
 from taskbuilder.rollout.record import CAUSES
 
+URDFS = Path(__file__).resolve().parents[1] / "proven_tasks"
 GRASP = "arm: {grasp: block.middle}"
 FAR = "    far: {position: [1.5, 0, 0.6]}\n"
 WALLS = (
@@ -224,3 +228,78 @@ def test_a_grasp_may_push_what_its_order_names(tmp_path, gap_mm):
     assert refused.message.endswith("; to push it, write touching: [rod]")
     allowed = GRASP.replace("}", ", touching: [rod]}")
     assert trouble_of(tmp_path, allowed, objects=neighbour) is None
+
+
+class LetsGo:
+    """An expert whose gripper opens at a step of the episode, and stays open."""
+
+    def __init__(self, expert, step):
+        self.expert, self.step = expert, step
+
+    def reset(self, env, seed):
+        self.env = env
+        self.expert.reset(env, seed)
+
+    def act(self, observations):
+        actions = self.expert.act(observations)
+        if actions is not None and self.env.episode.steps >= self.step:
+            actions["arm"][-1] = 1.0
+        return actions
+
+    def log(self):
+        return self.expert.log()
+
+
+LID = """\
+    chest:
+      shape: {urdf: lid_by_its_knob.urdf}
+      position: [-0.05, -0.2, 0.401]
+      rpy_deg: [0, 0, 90]
+      fixed: true
+      grasps: {grip: {at: [0.16, 0, 0.06], link: lid, across: y}}
+"""
+
+DRAWER = """\
+    cabinet:
+      shape: {urdf: drawer_by_its_knob.urdf}
+      position: [-0.05, -0.15, 0.401]
+      fixed: true
+      grasps: {knob: {at: [-0.09, -0.135, 0.05], link: drawer, across: x}}
+      joints: {runner: {lock: {unless: near}}}
+"""
+
+
+def test_a_handle_that_is_let_go_at_any_step_ends_the_stage_and_not_the_program(expert, tmp_path):
+    shutil.copy(URDFS / "drawer_by_its_knob.urdf", tmp_path)
+    slide = "arm: {slide: cabinet.runner, to: 0.02, tolerance: 0.002}"
+    player = expert("arm: {grasp: cabinet.knob}", slide, objects=DRAWER, steps=60)
+    locked = player.play(0)
+    messages = []
+    for step in range(locked.stage_ends[0], locked.trouble.step + 1):
+        trouble = play(player.env, LetsGo(player, step), 0).trouble
+        assert (trouble.stage, trouble.cause) == (2, "lost on the way")
+        messages.append(trouble.message)
+    # At the very end of a motion, when it is about to be corrected.
+    assert "arm holds no handle of cabinet.runner: it holds nothing" in messages
+
+
+def test_a_handle_that_is_lost_is_named_where_it_was_held(expert, tmp_path):
+    shutil.copy(URDFS / "lid_by_its_knob.urdf", tmp_path)
+    turn = "arm: {turn: chest.hinge, to_deg: 75, turn_tool: false, speed: 0.3}"
+    player = expert("arm: {grasp: chest.grip}", turn, objects=LID, steps=60)
+    grasped = player.play(0).stage_ends[0]
+    places = {}
+
+    def watch(env):
+        world = env.episode.world
+        places[env.episode.steps] = (world.position("chest.grip"), world.joint("chest.hinge"))
+
+    trouble = play(player.env, LetsGo(player, grasped + 4), 0, watch=watch).trouble
+    (x, y, z), angle = places[trouble.step]
+    assert trouble.cause == "lost on the way"
+    assert trouble.message == (
+        f"arm has lost chest.grip on the way, at ({x:.2f}, {y:.2f}, {z:.2f}), "
+        f"with chest.hinge at {np.degrees(angle):.0f}° of 75°"
+    )
+    hinge = player.env.episode.world.position("chest.lid")
+    assert np.hypot(x - hinge[0], y - hinge[1]) > 0.1

@@ -35,46 +35,50 @@ def lost_on_the_way(world: World, robot: str, load: str, go: Go | None) -> str:
         load: The object or link.
         go: The motion during which the robot was to hold the link; None for an object.
     """
-    frame = _grasped(world, robot, load)
+    frame = load if go is None else _grasped(world, robot, go)
     at = f"at {_place(world.position(frame))}"
     if frame == f"{robot}.tcp":
         frame, at = load, f"its tool {at}"
     text = f"{robot} has lost {frame} on the way, {at}"
     if go is not None and go.joint is not None:
-        text += f", with {_position(world, *go.joint)}"
+        position, target = _positions(world, *go.joint)
+        text += f", with {go.joint[0]} at {position} of {target}"
     return text + locks(world, {load.partition(".")[0]})
 
 
-def _grasped(world: World, robot: str, load: str) -> str:
-    """The frame that says where a load was held: of a link, the nearest grasp point, or the tool.
+def _grasped(world: World, robot: str, go: Go) -> str:
+    """Where a robot held what a joint moves: the nearest grasp point on it, or the tool.
 
     The frame of a link is at its joint, which may be far from its handle.
     """
-    owner, _, link = load.partition(".")
-    if not link:
-        return load
-    grasps = world.objects[owner].spec.grasps
-    on_link = [f"{owner}.{name}" for name, grasp in grasps.items() if grasp.link == link]
-    tcp = f"{robot}.tcp"
+    owner, tcp = go.holds.partition(".")[0], f"{robot}.tcp"
+    moving = Joint(world, go.joint[0]).below if go.joint else ()
+    grasps = world.objects[owner].spec.grasps.items()
+    frames = [f"{owner}.{name}" for name, grasp in grasps if f"{owner}.{grasp.link}" in moving]
     tool = world.position(tcp)
-    return min(on_link, key=lambda name: math.dist(world.position(name), tool), default=tcp)
+    return min(frames, key=lambda frame: math.dist(world.position(frame), tool), default=tcp)
 
 
-def _position(world: World, name: str, target: float) -> str:
+def _positions(world: World, name: str, target: float) -> tuple[str, str]:
     """The position of a joint, and the one that it was to be moved to."""
-    position = world.joint(name)
-    if Joint(world, name).slides:
-        return f"{name} at {position * 100:.1f} of {target * 100:.1f} cm"
-    return f"{name} at {math.degrees(position):.0f}° of {math.degrees(target):.0f}°"
+    slides = Joint(world, name).slides
+    values = [100 * v if slides else math.degrees(v) for v in (world.joint(name), target)]
+    digits, unit = (1, " cm") if slides else (0, "°")
+    # Adding zero makes a negative zero positive.
+    now, goal = (f"{round(value, digits) + 0.0:.{digits}f}{unit}" for value in values)
+    return now, goal
 
 
 def not_arrived(world: World, robot: str, go: Go, gap: float) -> str:
     """A motion has ended too far from its goal; the gap is in metres."""
     subject = go.subject or f"{robot}.tcp"
-    far = f"ended up {gap * 100:.1f} cm from" if math.isfinite(gap) else "was lost before"
-    text = f"{subject} {far} its goal"
     if go.joint is not None:
-        text += f", with {_position(world, *go.joint)}"
+        position, target = _positions(world, *go.joint)
+        text = f"{subject} ended up at {position}; its goal is {target}"
+    elif math.isfinite(gap):
+        text = f"{subject} ended up {gap * 100:.1f} cm from its goal"
+    else:
+        text = f"{subject} was lost before its goal"
     names = touched(world, robot)
     if names:
         text += f"; {robot} touches {', '.join(names)}"
