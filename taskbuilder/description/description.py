@@ -199,7 +199,8 @@ class Referee:
             history: `values` after every evaluation of the episode, the last one included.
         """
         index = {node: position for position, node in enumerate(self._nodes)}
-        return EvaluatedState(world, index, self.memory[0], history)
+        names = {self._nodes[position]: name for name, position in reversed(self._conditions)}
+        return EvaluatedState(world, index, self.memory[0], history, names)
 
     def _outcome(self, values: list[Any], stage: int) -> Outcome:
         conditions = {name: values[position] for name, position in self._conditions}

@@ -246,7 +246,7 @@ class Once(Condition):
         return held, held
 
     def blamed(self, parts: Parts, memory: Memory, *, wanted: bool) -> Blame | None:
-        return Blame(((self.of, True),)) if wanted else None
+        return Blame(((self.of, wanted),)) if wanted or parts[0] else None
 
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         return "has held before"

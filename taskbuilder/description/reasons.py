@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import Field, dataclass, fields, is_dataclass
+from dataclasses import Field, dataclass, field, fields, is_dataclass
+from types import MappingProxyType
 from typing import Any
 
 from taskbuilder.description.custom import CustomCondition
-from taskbuilder.description.logic import Sustained
-from taskbuilder.description.node import Condition, Memory, Node
+from taskbuilder.description.logic import Once, Sustained
+from taskbuilder.description.node import AllOf, AnyOf, Condition, Memory, Node, Not
 from taskbuilder.description.view import WorldView
 
 MOST_ALTERNATIVES = 4
@@ -52,12 +53,14 @@ class EvaluatedState:
         index: Index of each node of the description in the lists of values and memories.
         memories: Memory of every node.
         history: Values of every node at each step so far, the current one last.
+        names: The attribute of the description that each condition is, if it is one.
     """
 
     world: WorldView
     index: Mapping[Node, int]
     memories: Sequence[Memory]
     history: Sequence[Sequence[Any]]
+    names: Mapping[Node, str] = field(default_factory=dict)
 
     def value(self, node: Node) -> Any:
         """What a node's value is now."""
@@ -97,7 +100,10 @@ def reasons(node: Condition, moment: EvaluatedState, *, wanted: bool, of: str) -
     blame = node.blamed(values, moment.memory(node), wanted=wanted)
     if blame is None:
         says = node.figure(moment.world, moment.memory(node), wanted=wanted)
-        return [Reason(of, label(node), says, moment.since(node))]
+        since = moment.since(node)
+        if isinstance(node, Once):
+            says += f", first at step {since}" if since else ", from the start"
+        return [Reason(of, label(node, moment.names), says, since)]
     found = [reasons(part, moment, wanted=should, of=of) for part, should in blame.parts]
     # A part that is as wanted has no reason to give, such as one that once was not.
     found = [each for each in found if each]
@@ -119,38 +125,47 @@ def _kept(node: Condition, moment: EvaluatedState, wanted: bool, of: str) -> Ite
             says = f"kept for {seconds:.1f} of {node.seconds:g} s at most"
         else:
             says = f"kept for {seconds:.1f} s, {node.seconds:g} s were needed, but not to the end"
-        yield Reason(of, label(node), says, moment.since(node))
+        yield Reason(of, label(node, moment.names), says, moment.since(node))
 
 
 def _one_of(
     node: Condition, found: Sequence[Sequence[Reason]], moment: EvaluatedState, of: str
 ) -> Reason:
-    """Several reasons of which one would have to go, as one."""
+    """Several reasons of which one would have to go, as one; of a failure, what made it up."""
     shown = found[:MOST_ALTERNATIVES]
     said = [" and ".join(f"{r.part}: {r.says}" for r in each) for each in shown]
     more = len(found) - len(shown)
     if more:
         said.append(f"{more} more")
-    return Reason(of, "one of", "; or ".join(said), moment.since(node))
+    part, word = ("all of", "and") if of == "failure" else ("one of", "or")
+    return Reason(of, part, f"; {word} ".join(said), moment.since(node))
 
 
-def label(node: Condition) -> str:
-    """A condition by its sort and the names in it: ``Held(stick, by=left)``.
+def label(node: Condition, names: Mapping[Node, str] = MappingProxyType({})) -> str:
+    """A condition by its sort and the names in it: ``Held(stick, by=left)``, ``Once(dropped)``.
 
-    One without names is shown as it is written, unless it is made of others.
+    One without names is shown as it is written.
+
+    Args:
+        node: The condition.
+        names: The attribute of the description that each condition is, if it is one.
     """
     if isinstance(node, CustomCondition):
         return repr(node)
     told: list[str] = []
     listed: tuple[Field[Any], ...] = fields(node) if is_dataclass(node) else ()
     for part in listed:
-        names = [text for text in _names(getattr(node, part.name)) if _is_name(node, text)]
-        if names:
-            text = "+".join(names)
+        texts = [text for text in _names(getattr(node, part.name)) if _is_name(node, text)]
+        if texts:
+            text = "+".join(texts)
             told.append(f"{part.name}={text}" if part.kw_only else text)
-    if told or node.parts:
-        return f"{type(node).__name__}({', '.join(told)})" if told else type(node).__name__
-    return repr(node)
+    inner = [names.get(p) or label(p, names) for p in node.parts if isinstance(p, Condition)]
+    if isinstance(node, AllOf | AnyOf):
+        return f"({(' & ' if isinstance(node, AllOf) else ' | ').join(inner)})"
+    if isinstance(node, Not):
+        return f"~{inner[0]}"
+    told += inner
+    return f"{type(node).__name__}({', '.join(told)})" if told else repr(node)
 
 
 def _names(value: Any) -> Iterator[str]:

@@ -46,7 +46,7 @@ def why(world):
     Each step is what is done to the world before it is judged.
     """
 
-    def told(node, *steps, wanted=True):
+    def told(node, *steps, wanted=True, of="success"):
         referee = Referee(describe(node), ("left",))
         history = []
         for number, step in enumerate(steps or (lambda: None,)):
@@ -58,7 +58,7 @@ def why(world):
                 referee.start(world)
             history.append(referee.values)
         moment = referee.moment(world, history)
-        return [str(reason) for reason in reasons(node, moment, wanted=wanted, of="success")]
+        return [str(reason) for reason in reasons(node, moment, wanted=wanted, of=of)]
 
     return told
 
@@ -67,11 +67,11 @@ def why(world):
 def facts(world, why):
     """The same after steps at each of which these facts are true."""
 
-    def told(node, *steps, wanted=True):
+    def told(node, *steps, wanted=True, of="success"):
         def put(text):
             return lambda: setattr(world, "facts", set(text))
 
-        return why(node, *map(put, steps), wanted=wanted)
+        return why(node, *map(put, steps), wanted=wanted, of=of)
 
     return told
 
@@ -178,21 +178,71 @@ def test_parts_of_which_any_would_do_are_one_reason(facts):
 def test_what_must_last_says_how_long_it_did(facts):
     kept = Sustained(A, seconds=0.5)
     (told,) = facts(kept, "", "a", "a", "a")
-    assert told.startswith("Sustained: kept for 0.2 of 0.5 s")
+    assert told.startswith(f"Sustained({_name('a')}): kept for 0.2 of 0.5 s")
     first, second = facts(kept, "a", "a", "a", "", "a", "")
     assert first.endswith("(since step 5)")
-    assert second.startswith("Sustained: kept for 0.2 of 0.5 s at most")
+    assert second.startswith(f"Sustained({_name('a')}): kept for 0.2 of 0.5 s at most")
     assert len(facts(kept, "", "")) == 1
     _, lost = facts(kept, "a", "a", "a", "a", "a", "a", "a", "a", "")
-    assert lost.startswith("Sustained: kept for 0.7 s, 0.5 s were needed, but not to the end")
+    assert lost.startswith(
+        f"Sustained({_name('a')}): kept for 0.7 s, 0.5 s were needed, but not to the end"
+    )
 
 
 def test_what_must_come_in_order_says_what_it_waits_for(facts):
     (told,) = facts(Then(A, B), "a", "")
     assert told.startswith(_name("b"))
     assert facts(Once(A), "", "")[0].startswith(_name("a"))
+    assert facts(~Once(A), "", "a", "") == [
+        f"Once({_name('a')}): has held before, first at step 1 (since step 1)"
+    ]
     (told,) = facts(~Once(A), "a", "")
-    assert "has held before" in told
+    assert told.startswith(f"Once({_name('a')}): has held before, from the start")
+
+
+def test_a_failure_names_all_that_made_it_up(facts):
+    failed = facts(Once(A) & ~B, "b", "ab", "b", "", wanted=False, of="failure")
+    assert failed == [
+        f"failure held at step 3: all of: Once({_name('a')}): has held before, first at step 1; "
+        f"and {_name('b')}: does not hold"
+    ]
+    assert facts(Once(A) | C, "", "a", wanted=False, of="failure") == [
+        f"failure held at step 1: {_name('a')}: holds"
+    ]
+    (told,) = facts((A & B) | (B & C), "ab", wanted=False, of="failure")
+    assert told == f"failure held at step 0: all of: {_name('a')}: holds; and {_name('b')}: holds"
+
+
+def test_the_figure_of_a_failure_that_has_just_come_about_is_told(world, why):
+    world.put("cube", 0.03, 0.0, 0.0)
+    world.put("goal", 0.0, 0.0, 0.0)
+    node = Once(Near("cube", "goal", within=0.05)) & ~Held("cube")
+    assert why(node, wanted=False, of="failure") == [
+        "failure held at step 0: all of: Near(cube, goal): 3.0 cm, more than 5 cm is needed; "
+        "and Held(cube): no robot holds it"
+    ]
+
+
+def test_parts_that_the_description_names_are_told_by_their_names(world):
+    class Named(description.Description):
+        dropped = Below("cube", height=0.1)
+        left_early = Once(dropped)
+        success = Sustained(left_early & ~dropped, seconds=1.0)
+        reward = ()
+
+    world.put("cube", 0.0, 0.0, 0.0)
+    referee = Referee(Named, ("left",))
+    referee.start(world)
+    history = [referee.values]
+    world.put("cube", 0.0, 0.0, 0.5)
+    world.time = 0.1
+    referee.judge(world)
+    history.append(referee.values)
+    moment = referee.moment(world, history)
+    (kept,) = reasons(Named.success, moment, wanted=True, of="success")
+    assert kept.part == "Sustained((left_early & ~dropped))"
+    (once,) = reasons(Named.left_early, moment, wanted=False, of="failure")
+    assert once.part == "Once(dropped)"
 
 
 def test_ones_own_conditions_are_told_too(world, why):
