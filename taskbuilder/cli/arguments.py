@@ -98,6 +98,13 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     """
     parser = make_parser()
     arguments, unknown = parser.parse_known_args(words)
+    if unknown and not any(word.startswith("-") for word in unknown):
+        # Python before 3.13 takes words that may be left out only where they stand together:
+        # ROBOT of `robots check --task-path DIR ROBOT` is one too many to it.
+        command = len(arguments.parser.prog.split()) - 1
+        arguments, unknown = arguments.parser.parse_known_intermixed_args(
+            words[command:], argparse.Namespace(command=arguments.command)
+        )
     arguments.words = list(words)
     if unknown:
         arguments.parser.refuse(unknown[0])

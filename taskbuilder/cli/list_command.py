@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from taskbuilder.cli.output import paint, print_json, print_table
-from taskbuilder.cli.tasks import asked_suite, catalogue_of
+from taskbuilder.cli.tasks import asked_suite, catalogue_of, tell_of_clashes
 from taskbuilder.errors import display_path
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.proofs import proof_of
@@ -19,6 +19,7 @@ def run(arguments: argparse.Namespace) -> int:
     """List the tasks of the catalogue, or of a suite."""
     catalogue = catalogue_of(arguments)
     suite = asked_suite(arguments, catalogue)
+    tell_of_clashes(catalogue, "task")
     names = suite.tasks if suite else catalogue.tasks
     tasks = [_describe(catalogue.tasks[name], catalogue) for name in names]
     if arguments.json:

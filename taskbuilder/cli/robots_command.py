@@ -14,7 +14,7 @@ from taskbuilder.assets.paths import PACKAGE, AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.proposed import robot_file
-from taskbuilder.cli.tasks import catalogue_of, make_folder
+from taskbuilder.cli.tasks import catalogue_of, make_folder, tell_of_clashes
 from taskbuilder.errors import (
     FileError,
     Finding,
@@ -48,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
+    tell_of_clashes(catalogue, "robot")
     robots = [_describe(entry, catalogue) for entry in catalogue.robots.values()]
     if arguments.json:
         print_json({"robots": robots})

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue, Sort
 from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:
@@ -20,6 +21,13 @@ if TYPE_CHECKING:
 def catalogue_of(arguments: argparse.Namespace) -> Catalogue:
     """The catalogue with the folders given by --task-path."""
     return Catalogue.discover(arguments.task_path)
+
+
+def tell_of_clashes(catalogue: Catalogue, sort: Sort) -> None:
+    """Say on standard error which names several tasks or robots have; a list has each name once."""
+    for findings in catalogue.clashes(sort).values():
+        for finding in findings:
+            print(finding, file=sys.stderr)
 
 
 def asked_suite(arguments: argparse.Namespace, catalogue: Catalogue) -> Suite | None:

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Generator, Sequence
 from contextlib import closing as ending
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,7 @@ from taskbuilder.cli.output import emit, paint, print_json, print_table, progres
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
-from taskbuilder.errors import display_path
+from taskbuilder.errors import FileError, display_path
 from taskbuilder.jobs import workers
 from taskbuilder.processes import cores
 from taskbuilder.quiet import printing_to_stderr
@@ -43,7 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     catalogue = catalogue_of(arguments)
     names = asked_tasks(arguments, catalogue)
     for name in names:
-        catalogue.task(name)  # one that is not there is refused before any takes its time
+        with suppress(FileError):  # two of one name; reported with this task
+            catalogue.task(name)  # one that is not there is refused before any takes its time
     if arguments.only:
         families_of(arguments.level, arguments.only)
     started = time.perf_counter()

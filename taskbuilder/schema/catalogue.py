@@ -82,28 +82,27 @@ class Catalogue:
 
     @cached_property
     def tasks(self) -> Mapping[str, CatalogueEntry]:
-        """All tasks by name.
-
-        Raises:
-            FileError: Two tasks have the same name.
-        """
-        return _unique("task", self._entries("task"))
+        """All tasks by name; of several with one name, the first. See `clashes`."""
+        return _first_of_each(self._entries("task"))
 
     @cached_property
     def robots(self) -> Mapping[str, CatalogueEntry]:
-        """All robots by name.
+        """All robots by name; of several with one name, the first. See `clashes`."""
+        return _first_of_each(self._entries("robot"))
 
-        Raises:
-            FileError: Two robots have the same name.
+    def clashes(self, sort: Sort) -> Mapping[str, tuple[Finding, ...]]:
+        """What is wrong with the names that several tasks or robots have, by name.
+
+        Such a name cannot be looked up, as it would not be clear which file is meant.
         """
-        return _unique("robot", self._entries("robot"))
+        return _clashes(sort, self.tasks if sort == "task" else self.robots, self._entries(sort))
 
     def task(self, reference: str) -> CatalogueEntry:
         """Look up a task by its name, or by the path of its YAML file.
 
         Raises:
             UnknownNameError: There is no such task or file.
-            FileError: Two tasks have the same name.
+            FileError: Two tasks have this name.
         """
         return self._find("task", reference, Path())
 
@@ -112,10 +111,10 @@ class Catalogue:
 
         Raises:
             UnknownNameError: There is no such task.
-            FileError: Two tasks have the same name.
+            FileError: Two tasks have this name.
         """
         if isinstance(name, str) and name in self.tasks:
-            return self.tasks[name]
+            return self._only("task", name)
         help_ = suggestion(str(name), self.tasks, otherwise=_ALL_TASKS)
         raise UnknownNameError(f'no task "{name}"; {help_}')
 
@@ -124,7 +123,7 @@ class Catalogue:
 
         Raises:
             UnknownNameError: There is no such robot or file.
-            FileError: Two robots have the same name.
+            FileError: Two robots have this name.
         """
         return self._find("robot", reference, folder)
 
@@ -133,13 +132,20 @@ class Catalogue:
             return self._at_path(sort, folder / reference)
         known = self.tasks if sort == "task" else self.robots
         if reference in known:
-            return known[reference]
+            return self._only(sort, reference)
         otherwise = _ALL_TASKS if sort == "task" else ""  # tasks are too many for one line
         help_ = suggestion(reference, known, what="there are", otherwise=otherwise)
         beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
         if beside and beside.is_file():
             help_ = f"did you mean the file {display_path(beside)}?"
         raise UnknownNameError(f'no {sort} "{reference}"; {help_}')
+
+    def _only(self, sort: Sort, name: str) -> CatalogueEntry:
+        """The one entry of a name."""
+        wrong = self.clashes(sort).get(name)
+        if wrong:
+            raise FileError(wrong)
+        return (self.tasks if sort == "task" else self.robots)[name]
 
     def _at_path(self, sort: Sort, path: Path) -> CatalogueEntry:
         if not _exists(path):
@@ -240,17 +246,24 @@ def _declares(group: str, place: str) -> bool:
     return False
 
 
-def _unique(sort: Sort, entries: Iterable[CatalogueEntry]) -> Mapping[str, CatalogueEntry]:
+def _first_of_each(entries: Iterable[CatalogueEntry]) -> Mapping[str, CatalogueEntry]:
     known: dict[str, CatalogueEntry] = {}
-    clashes = []
     for entry in entries:
-        other = known.setdefault(entry.name, entry)
+        known.setdefault(entry.name, entry)
+    return known
+
+
+def _clashes(
+    sort: Sort, known: Mapping[str, CatalogueEntry], entries: Iterable[CatalogueEntry]
+) -> Mapping[str, tuple[Finding, ...]]:
+    clashes: dict[str, tuple[Finding, ...]] = {}
+    for entry in entries:
+        other = known[entry.name]
         if other.file != entry.file:
             message = (
                 f'the {sort} "{entry.name}" is also {display_path(other.file)}; '
                 f"rename one of them, or take its folder off the task path"
             )
-            clashes.append(Finding("TB008", message, location=Location(entry.file)))
-    if clashes:
-        raise FileError(clashes)
-    return known
+            finding = Finding("TB008", message, location=Location(entry.file))
+            clashes[entry.name] = (*clashes.get(entry.name, ()), finding)
+    return clashes

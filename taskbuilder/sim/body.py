@@ -129,6 +129,14 @@ class Body:
         """Indices of all links, the base (-1) first."""
         return (BASE, *range(len(self.joints)))
 
+    def link_name(self, index: int) -> str:
+        """The name of a link or part; the body's own for one that has none."""
+        return next((name for name, own in self.links.items() if own == index), self.name)
+
+    def called(self, index: int) -> str:
+        """The body's name, with that of a link or part if there are several: ``table.top``."""
+        return f"{self.name}.{self.link_name(index)}" if len(self.links) > 1 else self.name
+
     # Poses and velocities
 
     def pose(self) -> Pose:

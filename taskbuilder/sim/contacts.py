@@ -216,9 +216,3 @@ def pose_joints(body: Body, indices: Sequence[int], positions: Sequence[float]) 
     body.client.bullet.resetJointStatesMultiDof(
         body.id, indices, [(position,) for position in positions]
     )
-
-
-def overlap(body_a: Body, body_b: Body) -> float:
-    """How deep one body is inside another (m); 0 when they do not meet."""
-    distance = closest_distance(body_a, body_b, within=0.0)
-    return 0.0 if distance is None else max(0.0, -distance)

@@ -303,3 +303,20 @@ def test_a_handle_that_is_lost_is_named_where_it_was_held(expert, tmp_path):
     )
     hinge = player.env.episode.world.position("chest.lid")
     assert np.hypot(x - hinge[0], y - hinge[1]) > 0.1
+
+
+def test_a_motion_that_is_stopped_says_which_shapes_touch(expert):
+    wall = (
+        "    wall:\n"
+        "      parts:\n"
+        "        slab: {box: [0.04, 0.02, 0.1], at: [0, 0, 0.05]}\n"
+        "        foot: {box: [0.1, 0.02, 0.01], at: [0, 0, 0.005]}\n"
+        "      fixed: true\n"
+        "      position: [-0.1, 0.0, 0.4]\n"
+    )
+    bring = "arm: {bring: block, to: [-0.1, 0.0, 0.5], touching: [wall], straight: true}"
+    trouble = expert(GRASP, bring, objects=wall).play(0).trouble
+    assert trouble.cause == "not arrived"
+    assert "; arm touches " in trouble.message
+    assert "wall.slab with" in trouble.message
+    assert "block with left_finger and right_finger" in trouble.message

@@ -130,10 +130,26 @@ def test_two_tasks_of_one_name_are_an_error_that_names_both(folder):
     )
 
 
-def test_a_task_may_not_take_the_name_of_one_of_the_library(folder):
+def test_a_task_of_the_name_of_one_of_the_library_stops_that_name_alone(folder):
     write_task(folder / "one", "handover")
-    with pytest.raises(FileError, match=r'one/handover\.yaml: error\[TB008\] the task "handover"'):
-        Catalogue.discover(["one"]).task("pick_push_place")
+    catalogue = Catalogue.discover(["one"])
+    for look_up in (catalogue.task, catalogue.named_task):
+        with pytest.raises(FileError, match=r'one/handover\.yaml: error\[TB008\] the task "hand'):
+            look_up("handover")
+        assert look_up("pick_push_place").trusted
+    assert [*catalogue.clashes("task")] == ["handover"]
+    assert catalogue.task("one/handover.yaml").file == folder / "one" / "handover.yaml"
+
+
+def test_a_robot_of_the_name_of_one_of_the_library_stops_that_name_alone(folder):
+    (folder / "one" / "ur5e").mkdir(parents=True)
+    (folder / "one" / "ur5e" / "robot.yaml").write_text("robot: ur5e")
+    catalogue = Catalogue.discover(["one"])
+    with pytest.raises(FileError, match=r'one/ur5e/robot\.yaml: error\[TB008\] the robot "ur5e"'):
+        catalogue.robot("ur5e", folder)
+    assert catalogue.robot("panda", folder).trusted
+    assert {"ur5e", "panda"} <= {*catalogue.robots}
+    assert [*catalogue.clashes("robot")] == ["ur5e"]
 
 
 def test_one_file_found_twice_is_one_task(folder):

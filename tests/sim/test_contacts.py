@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.contacts import closest_distance, contacts, overlap
+from taskbuilder.sim.contacts import closest_distance, contacts
 
 
 def test_a_resting_cube_presses_with_its_weight(client, table, make_cube):
@@ -45,11 +45,17 @@ def test_contacts_are_stale_until_collision_is_computed(client, table, make_cube
     assert not contacts(client, cube)
 
 
-def test_overlap_is_how_deep_one_body_is_in_another(client, make_cube):
+def test_the_distance_of_one_body_inside_another_is_negative(client, make_cube):
     make_one = make_cube((0.0, 0.0, 0.0))
     other = make_cube((0.03, 0.0, 0.0))
-    assert overlap(make_one, other) == pytest.approx(0.01, abs=1e-3)
+    assert closest_distance(make_one, other, within=0.0) == pytest.approx(-0.01, abs=1e-3)
     other.place(Pose((0.05, 0.0, 0.0)))
-    assert overlap(make_one, other) == 0.0
+    assert closest_distance(make_one, other, within=0.0) is None
     assert closest_distance(make_one, other, within=0.1) == pytest.approx(0.01, abs=1e-3)
     assert closest_distance(make_one, other, within=0.005) is None
+
+
+def test_a_body_of_several_parts_is_called_by_its_part(tray, make_cube):
+    assert tray.called(tray.links["left_handle"]) == f"{tray.name}.left_handle"
+    cube = make_cube((0.0, 0.0, 0.0))
+    assert cube.called(-1) == cube.name

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
+from taskbuilder.description.figures import listed
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.expert.script.joints import Joint
 from taskbuilder.expert.script.situation import Go, Grip
 from taskbuilder.geometry import Vec3
+from taskbuilder.sim.body import Body
+from taskbuilder.sim.contacts import contacts
 from taskbuilder.world.world import World
 
 
@@ -79,16 +82,16 @@ def not_arrived(world: World, robot: str, go: Go, gap: float) -> str:
         text = f"{subject} ended up {gap * 100:.1f} cm from its goal"
     else:
         text = f"{subject} was lost before its goal"
-    names = touched(world, robot)
-    if names:
-        text += f"; {robot} touches {', '.join(names)}"
-    return text + locks(world, names)
+    touches = touched(world, robot)
+    if touches:
+        text += f"; {robot} touches {', '.join(touches.values())}"
+    return text + locks(world, touches)
 
 
 def grip_missed(world: World, grip: Grip) -> str:
     """A gripper does not hold its object, or does not let go of it."""
     state = world.robots[grip.robot].gripper.words()
-    names = ", ".join(touched(world, grip.robot))
+    names = ", ".join(touched(world, grip.robot).values())
     state += f" and touches {names}" if names else ""
     if grip.opening:
         return f"{grip.robot} does not let go of {grip.thing or 'what it touches'}: {state}"
@@ -97,10 +100,26 @@ def grip_missed(world: World, grip: Grip) -> str:
     return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
 
 
-def touched(world: World, robot: str) -> list[str]:
-    """The objects and other robots that a robot touches."""
-    others = [n for n in (*world.object_names, *world.robot_names) if n != robot]
-    return [n for n in others if world.touching(robot, n)]
+def touched(world: World, robot: str) -> dict[str, str]:
+    """What a robot touches where, and with which of its links: ``table.top with wrist_3_link``.
+
+    The keys are the names of the objects and of other robots.
+    """
+    own = world.robots[robot].body
+    others: dict[str, Body] = {name: thing.body for name, thing in world.objects.items()}
+    others |= {name: other.body for name, other in world.robots.items()}
+    found = {}
+    for name in (n for n in others if n != robot and world.touching(robot, n)):
+        other = others[name]
+        pairs = dict.fromkeys(
+            (other.called(contact.link_b), own.link_name(contact.link_a))
+            for contact in sorted(contacts(world.client, own, other), key=lambda c: -c.force)
+        )
+        first = next(iter(pairs))[0]  # where it presses most
+        found[name] = (
+            f"{first} with {listed(sorted(link for part, link in pairs if part == first))}"
+        )
+    return found
 
 
 def locks(world: World, objects: Collection[str]) -> str:

@@ -16,7 +16,7 @@ from taskbuilder.geometry import norm
 from taskbuilder.schema.camera import FURTHEST_M, NEAREST_M
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView, capture
-from taskbuilder.sim.contacts import overlap
+from taskbuilder.sim.contacts import gaps
 from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
@@ -172,10 +172,12 @@ def check_overlap(task: Task, world: World) -> Result:
     bodies += [world.floor] if world.floor else []
     findings, deepest = [], 0.0
     for one, other in combinations(bodies, 2):
-        depth = overlap(one, other) * 1000.0
+        nearest = min(gaps(one, other, 0.0), key=lambda gap: gap.distance, default=None)
+        depth = 0.0 if nearest is None else max(0.0, -nearest.distance * 1000.0)
         deepest = max(deepest, depth)
-        if depth > OVERLAP_MM:
-            message = f"{one.name} starts {depth:.1f} mm inside {other.name}; move one of them"
+        if nearest is not None and depth > OVERLAP_MM:
+            part, inside = one.called(nearest.link_a), other.called(nearest.link_b)
+            message = f"{part} starts {depth:.1f} mm inside {inside}; move one of them"
             findings.append(finding_at(task, "TB304", message, one.name))
     check = Check("TB304", "no body starts inside another", not findings, deepest, OVERLAP_MM, "mm")
     return check, findings
