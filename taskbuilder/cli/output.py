@@ -120,6 +120,37 @@ def _wrapped(start: str, text: str, below: str) -> str:
     return f"\n{below}".join([start.rstrip(), *lines(max(columns - len(below), NARROWEST))])
 
 
+def print_title(text: str) -> None:
+    """A line in bold; where the terminal is too narrow, it goes on below, indented.
+
+    It is broken between words, and a path that is longer than a line after a slash.
+    """
+    columns = max(shutil.get_terminal_size().columns, NARROWEST)
+    lines = [text]
+    if sys.stdout.isatty() and len(text) > columns:
+        lines = _broken(text, columns, below="  ")
+    for line in lines:
+        print(paint(line, "bold"))
+
+
+def _broken(text: str, columns: int, below: str) -> list[str]:
+    """The lines of a text; all but the first begin with what is to stand below."""
+    lines = [""]
+    for word in text.split(" "):
+        apart = f"{lines[-1]} {word}" if lines[-1].strip() else lines[-1] + word
+        if len(apart) <= columns:
+            lines[-1] = apart
+        elif len(below + word) <= columns:
+            lines.append(below + word)
+        else:
+            lines[-1] += " " if lines[-1].strip() else ""
+            for piece in re.findall(r"[^/]*/|[^/]+", word):
+                if len(lines[-1] + piece) > columns and lines[-1].strip():
+                    lines.append(below)
+                lines[-1] += piece
+    return [line.rstrip() for line in lines]
+
+
 def _visible(text: str) -> int:
     """The number of columns that a text takes on a terminal."""
     return len(_COLORED.sub("", text))

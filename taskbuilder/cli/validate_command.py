@@ -14,7 +14,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from taskbuilder.cli.output import emit, paint, print_json, print_table, progress, show_finding
+from taskbuilder.cli.output import (
+    emit,
+    paint,
+    print_json,
+    print_table,
+    print_title,
+    progress,
+    show_finding,
+)
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
@@ -176,7 +184,7 @@ class _Pages:
 def _print_task(report: TaskReport, form: str) -> None:
     """What can be said as soon as a task is done."""
     if form == "text":
-        print(paint(report.headline, "bold"))
+        print_title(report.headline)
         print()
         why = why_skipped(report)
         skipped = [[name, paint("skip", "yellow"), "", why] for name in report.skipped]

@@ -10,7 +10,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from taskbuilder.cli.output import paint, show_finding
+from taskbuilder.cli.output import paint, print_title, show_finding
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.errors import FileError, UnknownNameError, display_path, in_reading_order
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
@@ -113,7 +113,8 @@ class _Printer:
         report = seen.report
         if report is not None:
             if not self._headline:
-                print(paint(report.headline, "bold") + "\n")
+                print_title(report.headline)
+                print()
                 self._headline = True
             for family in report.families[self._families :]:
                 self._row(family.name, family.summary, ok=family.ok)

@@ -53,9 +53,10 @@ ENTRIES = {
     "TB008": Code(
         "Two files with the same name",
         "Two tasks, two robots or two suites in the catalogue have the same name. Until this is "
-        "resolved, no task (or no robot, or no suite) in the catalogue can be used by name, not "
-        "even one whose name is unique. Rename one of the two, or leave its folder out of "
-        "`--task-path` and `TASKBUILDER_PATH`.",
+        "resolved, neither of the two tasks or robots can be used by that name. Tasks that use "
+        "the robot by that name cannot be used either. All other tasks and robots can. Of suites, "
+        "none can be used. Rename one of the two, or leave its folder out of `--task-path` and "
+        "`TASKBUILDER_PATH`.",
         Example("folder", "mine/handover.yaml", "mine/wide_handover.yaml"),
     ),
     "TB009": Code(

@@ -142,3 +142,25 @@ def test_a_condition_nested_too_deep_is_a_finding(level, good, tmp_path):
     assert done.returncode == 1, done.stderr
     assert b"TB212" in done.stdout
     assert b"is nested more than 100 deep" in done.stdout
+
+
+@pytest.mark.parametrize("columns", [40, 60, 80, 300])
+def test_the_title_of_a_report_is_broken_at_spaces_and_after_slashes(columns, good, tmp_path):
+    folder = tmp_path / "a-folder-with-a-name" / "another_folder" / "and.yet.another" / "tasks"
+    folder.mkdir(parents=True)
+    for file in (good, good.with_suffix(".py")):
+        (folder / file.name).write_bytes(file.read_bytes())
+    (elsewhere := tmp_path / "elsewhere").mkdir()
+    words = ("validate", str(folder / good.name), "--level", "static")
+    (whole, *_) = ran(words, elsewhere).stdout.decode().splitlines()
+    lines = shown(words, elsewhere, columns)
+    title = lines[: lines.index("")]
+    assert max(map(len, title)) <= columns
+    assert (len(title) == 1) == (columns == 300)
+    rest = whole
+    for line in title:
+        assert rest.startswith(line.strip())
+        rest = rest.removeprefix(line.strip())
+        assert not rest or rest[0] == " " or line.endswith("/")
+        rest = rest.lstrip(" ")
+    assert rest == ""

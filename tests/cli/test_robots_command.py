@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import cv2
@@ -60,3 +61,50 @@ def test_any_urdf_can_be_checked_by_its_path(run):
     ran = run("robots", "check", str(urdf), "--json")
     assert ran.data["ok"]
     assert Path("renders/physics.png").is_file()
+
+
+def own_robot(folder, name):
+    """A robot file, and a URDF, of a folder's own; by its name it may be one of the library."""
+    entry = Catalogue.discover().robots["ur5e"]
+    shutil.copytree(entry.file.parent, folder / name)
+    text = entry.file.read_text().replace("robot: ur5e", f"robot: {name}")
+    (folder / name / "robot.yaml").write_text(text)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--task-path", "mine", "own"),
+        ("own", "--task-path", "mine"),
+        ("--task-path", "mine", "mine/own/robot.yaml"),
+        ("--json", "mine/own/robot.yaml"),
+    ],
+)
+def test_options_may_stand_before_the_robot(words, run, tmp_path):
+    own_robot(tmp_path / "mine", "own")
+    ran = run("robots", "check", *words)
+    assert (ran.status, ran.err) == (0, "")
+    assert "renders/own.png" in ran.out
+
+
+def test_one_word_too_many_is_still_refused(run):
+    ran = run("robots", "check", "--json", "ur5e", "panda")
+    assert ran.status == 2
+    assert '"panda" is one word too many' in ran.err
+
+
+def test_a_robot_of_the_name_of_one_of_the_library_stops_only_what_uses_it(run, tmp_path):
+    own_robot(tmp_path / "mine", "ur5e")
+    path = ("--task-path", "mine")
+    library = Catalogue.discover()
+    twice = f'error[TB008] the robot "ur5e" is also {library.robots["ur5e"].file}'
+    listed = run("robots", *path)
+    assert listed.status == 0
+    assert {line.split()[0] for line in listed.out.splitlines()} >= set(ROBOTS)
+    assert twice in listed.err
+    assert run("list", *path).out.count("\n") > len(library.tasks)
+    assert run("validate", "reach", "--level", "static", *path).status == 0  # of a panda
+    both = run("validate", "reach", "lift_pot", "--level", "static", *path)
+    assert both.status == 1
+    assert "reach · 1 robot" in both.out
+    assert twice in both.out

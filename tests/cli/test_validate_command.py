@@ -372,3 +372,17 @@ def test_a_defect_asks_to_be_reported_and_shows_where_on_request(debug, run, goo
     assert ran.status == 70
     assert "a defect of taskbuilder itself: ZeroDivisionError: all is lost" in ran.err
     assert "--debug" in ran.err
+
+
+def test_two_tasks_of_one_name_fail_alone(run, good, tmp_path):
+    (tmp_path / "mine").mkdir()
+    for ending in (".yaml", ".py"):
+        text = good.with_suffix(ending).read_text().replace("task: good", "task: reach")
+        (tmp_path / "mine" / f"reach{ending}").write_text(text)
+    ran = run("validate", "reach", "good.yaml", "--level", "static", "--task-path", "mine")
+    assert ran.status == 1
+    assert 'mine/reach.yaml: error[TB008] the task "reach" is also' in ran.out
+    assert "good · 1 robot" in ran.out
+    listed = run("list", "--task-path", "mine")
+    assert listed.status == 0
+    assert 'error[TB008] the task "reach"' in listed.err
