@@ -282,7 +282,7 @@ def _blocks(result: FamilyResult) -> bool:
     """Whether families that come after this one would not be meaningful."""
     codes = {check.code for check in result.checks if not check.ok}
     codes |= {finding.code for finding in result.findings if finding.severity == "error"}
-    return not codes <= {*HARMLESS}
+    return not result.ok and not (codes and codes <= {*HARMLESS})
 
 
 def _checked(context: Context, family: Family) -> FamilyResult:
