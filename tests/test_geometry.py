@@ -195,3 +195,28 @@ def test_a_margin_shrinks_what_a_box_contains():
 def test_no_points_have_no_box():
     with pytest.raises(ValueError, match="no points"):
         geometry.bounding_box([])
+
+
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [
+        ((1, 0, 0), (0, 2, 0)),
+        ((0.3, -0.2, 5), (0.3, -0.2, 5)),
+        ((0, 0, 1), (1e-9, 0, 1)),
+        ((0, 0, 3), (0, 0, -1)),
+        ((1, 0, 0), (-1, 0, 0)),
+        ((1, 2, 3), (-3, 0.5, 1)),
+    ],
+)
+def test_the_shortest_turn_takes_one_direction_onto_another(a, b):
+    turn = geometry.turn_onto(a, b)
+    assert geometry.rotate(turn, geometry.unit(a)) == pytest.approx(geometry.unit(b), abs=1e-12)
+    angle = math.atan2(
+        geometry.norm(geometry.cross(geometry.unit(a), geometry.unit(b))),
+        geometry.dot(geometry.unit(a), geometry.unit(b)),
+    )
+    assert geometry.turn_between(NO_TURN, turn) == pytest.approx(angle, abs=1e-7)
+
+
+def test_the_shortest_turn_onto_the_same_direction_is_none():
+    assert geometry.turn_onto((0.0, 0.6, 0.8), (0.0, 0.6, 0.8)) == NO_TURN
