@@ -24,6 +24,7 @@ import tempfile
 import zlib
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +80,7 @@ def main() -> int:
         watch = Watch(Path(folder))
         watch.check_itself()
         sound = sound_sets(watch)
+        warm_up(watch, sound["reach"])
         outside = Outside(
             watch.secret("secret.txt", b"secret\n" * 100),
             watch.secret("secret.mp4", video(32, 32, 31)),
@@ -167,6 +169,16 @@ def load_all() -> None:
     import taskbuilder.raster.filling  # noqa: F401
 
     torch.set_num_threads(1)
+
+
+def warm_up(watch: Watch, place: Path) -> None:
+    """Read a sound data set in this process, so that calls find compiled what they need."""
+    from taskbuilder.cli import main as taskbuilder
+
+    with Path(os.devnull).open("w") as sink, redirect_stdout(sink), redirect_stderr(sink):
+        for number, words in enumerate(COMMANDS):
+            out = watch.scratch / f"warm-{number}"
+            taskbuilder([{SET: str(place), OUT: str(out)}.get(w, w) for w in words])
 
 
 def sound_sets(watch: Watch) -> dict[str, Path]:
