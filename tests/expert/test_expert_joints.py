@@ -229,6 +229,14 @@ def test_a_condition_that_an_order_names_must_be_there(said):
     ]
 
 
+def test_a_tolerance_is_in_metres_or_in_degrees(said):
+    turn = "arm: {turn: chest.hinge, to_deg: 70, tolerance: 0.01, tolerance_deg: 3}"
+    assert said(turn, objects=CHEST) == [
+        "TB106 expert[0].arm: turn has tolerance, in metres, and tolerance_deg, in degrees; give "
+        "one of them"
+    ]
+
+
 def test_a_joint_is_moved_by_its_handle_only(play):
     demonstration, _ = play("arm: {slide: cabinet.runner, to: 0.1}", objects=CABINET)
     assert demonstration.trouble.cause == "lost on the way"

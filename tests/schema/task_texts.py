@@ -212,8 +212,8 @@ expert:
     speed: 0.4
     tolerance: 0.03
   - {until: tray at goal, within: 1.5}
-  - left: {slide: cabinet.slide, to: 0.08}
-    right: [{turn: cabinet.hinge, to_deg: 40, turn_tool: false}, release]
+  - left: {slide: cabinet.slide, to: 0.08, until: failure}
+    right: [{turn: cabinet.hinge, to_deg: 40, turn_tool: false, tolerance_deg: 3}, release]
     third: [{push: ball, to: [0, 0.1, 0]}, {press: cabinet.drawer, to: 0.02}]
   - {third: {press: rod, depth: 0.01}, left: home, right: {posture: tucked, speed: 0.5}}
   - repeat: 3

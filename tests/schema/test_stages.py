@@ -304,11 +304,6 @@ def test_what_is_written_out_again_is_the_same(load, folder):
             "27:12: error[TB106] expert[1].left: tolerance_deg goes with turn only",
         ),
         (
-            "{left: {turn: cube.lid, to_deg: 3, tolerance_deg: 3, tolerance: 0.01}}",
-            "27:12: error[TB106] expert[1].left: turn has tolerance, in metres, and tolerance_deg, "
-            "in degrees; give one of them",
-        ),
-        (
             "{left: {reach: goal, align: true}}",
             "27:12: error[TB106] expert[1].left: align goes with bring only",
         ),
