@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Dict
 from numpy.typing import NDArray
 
 from taskbuilder.data import layout
@@ -17,10 +18,12 @@ from taskbuilder.data.environment import options_of_dataset
 from taskbuilder.data.policies import is_named
 from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.policy import Array
 from taskbuilder.schema.grasping import rules_of
+from taskbuilder.learn.replayed import Replayer, joined
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
@@ -64,6 +67,7 @@ def read_demonstrations(
     task: str,
     cameras: Sequence[str] = (),
     observed: Mapping[str, Sequence[str]] | None = None,
+    replayer: Replayer | None = None,
 ) -> Demonstrations:
     """Read the episodes of a data set in which success holds at the last control step.
 
@@ -71,10 +75,13 @@ def read_demonstrations(
         folder: The data set.
         task: Id of the task; only its episodes are read.
         cameras: Cameras whose pictures are read.
-        observed: Names of the recorded numbers to read, by agent; by default all.
+        observed: Names of the observed numbers to read, by agent; by default all that were
+            recorded.
+        replayer: Plays the episodes again for numbers that were not recorded.
 
     Raises:
-        UsageError: There is no such data set, or it has no such episodes.
+        UsageError: There is no such data set, it has no such episodes, or they do not happen again
+            as they were recorded.
         UnknownNameError: A camera was not recorded.
         StoreError: It is damaged.
         VideoError: A video is damaged.
@@ -87,9 +94,13 @@ def read_demonstrations(
     ends = np.cumsum([episode.steps for episode in episodes])
     names = {agent: robot["observation_names"] for agent, robot in robots.items()}
     observed = names if observed is None else observed
-    columns = {agent: [names[agent].index(name) for name in observed[agent]] for agent in agents}
+    if replayer is not None and any(set(observed[agent]) - set(names[agent]) for agent in agents):
+        seen = joined(list(replayer.observations(episodes)))
+    else:
+        columns = {a: [names[a].index(name) for name in observed[a]] for a in agents}
+        seen = {a: _joined(e.observations[a][:-1, columns[a]] for e in episodes) for a in agents}
     return Demonstrations(
-        {a: _joined(e.observations[a][:-1, columns[a]] for e in episodes) for a in agents},
+        seen,
         {
             agent: _joined(
                 explicit_gripper(e.actions[agent]) if agent in binary else e.actions[agent]
@@ -224,7 +235,8 @@ def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None
 
     Raises:
         UsageError: It is of another task, has no successful episodes, or its robots act or observe
-            in another way.
+            in another way. With the option ``observe: task``, they may observe what was not
+            recorded.
     """
     dataset = load_dataset(folder)
     where = display_path(folder)
@@ -245,13 +257,32 @@ def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None
             )
         for difference in _differences(robots, env):
             raise UsageError(f"{where} does not fit {task.name} as it is now: {difference}")
-    for agent, names in observed_names(task, options).items():
-        for name in names:
-            if name not in robots[agent]["observation_names"]:
-                raise UsageError(
-                    f"{where} was recorded with observe {recorded}, without {name}, which {agent} "
-                    "observes; collect another data set, with --observe task"
-                )
+    check_pictures(task, options, recorded=True)
+
+
+def check_pictures(task: Task, options: Mapping[str, Any], *, recorded: bool = False) -> None:
+    """Check that robots observe no pictures but those that a run learns from.
+
+    Args:
+        task: The task.
+        options: Options of the environment that a policy will play in.
+        recorded: Whether the run learns from a data set.
+
+    Raises:
+        UsageError: The task file lists others.
+    """
+    cameras = tuple(options.get("cameras", ()))
+    with closing(parallel_env(task, **options)) as env:
+        for agent, space in env.observation_spaces.items():
+            listed = [name for name in space if name != VECTOR] if isinstance(space, Dict) else []
+            others = [name for name in listed if name.removesuffix(".rgb") not in cameras]
+            if not others:
+                continue
+            advice = "training learns from numbers here; give --observe scene"
+            if recorded and all(name.endswith(".rgb") for name in others):
+                names = (*cameras, *(name.removesuffix(".rgb") for name in others))
+                advice = f"give --cameras {','.join(names)}, or --observe scene"
+            raise UsageError(f"{agent} observes {', '.join(others)}; {advice}")
 
 
 def observed_names(task: Task, options: Mapping[str, Any]) -> dict[str, Sequence[str]]:

@@ -16,7 +16,7 @@ from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, reference_of
 from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.policy import TrainedPolicy
-from taskbuilder.learn.recordings import check_recorded, identity, task_in
+from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
 from taskbuilder.learn.zoo import load_policy, save_policy
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.rollout.files import save_rollouts
@@ -139,7 +139,8 @@ def check_task(plan: Plan, task: Task) -> None:
 
     Raises:
         UsageError: The task lacks an expert or progress, no robot can have the plan's rule of
-            grasping, or the data set is not of this task.
+            grasping, its robots observe pictures that the run does not learn from, or the data set
+            is not of this task.
     """
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
@@ -147,6 +148,7 @@ def check_task(plan: Plan, task: Task) -> None:
     if plan.data:
         check_recorded(Path(plan.data), task, plan.env)
         return
+    check_pictures(task, plan.env)
     if plan.reward in ("shaped", "ratchet") and task.description.progress is None:
         raise UsageError(
             f"{task.name} has no progress; write it into its description, or choose --reward team"

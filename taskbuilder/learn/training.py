@@ -32,6 +32,7 @@ from taskbuilder.learn.plan import Plan, make_settings
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.practice import Batches, Interaction, Practice
 from taskbuilder.learn.recordings import observed_names, read_demonstrations
+from taskbuilder.learn.replayed import Replayer
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
@@ -303,7 +304,13 @@ def _data_set(plan: Plan, task: Task, folder: Path, stack: ExitStack) -> tuple[T
     del folder, stack
     algorithm = find_algorithm(plan.algorithm)
     learner = algorithm.learner(
-        read_demonstrations(plan.data, task.name, plan.cameras, observed_names(task, plan.env)),
+        read_demonstrations(
+            plan.data,
+            task.name,
+            plan.cameras,
+            observed_names(task, plan.env),
+            Replayer(task, plan.env),
+        ),
         make_settings(algorithm.settings, plan.settings),
         seed=plan.seed,
         device=plan.device,

@@ -22,11 +22,13 @@ from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, resume, train
 from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
 from taskbuilder.learn.policy import Network
-from taskbuilder.learn.recordings import read_demonstrations
+from taskbuilder.learn.recordings import observed_names, read_demonstrations
+from taskbuilder.learn.replayed import Replayer
 from taskbuilder.learn.runs import check_task
 from taskbuilder.learn.vision import PictureEncoders
 from taskbuilder.learn.zoo import save_policy
 from taskbuilder.rollout.play import play
+from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.task import load_task
 
 SMALL = {"hidden": [32], "chunk": 4, "batch": 64, "channels": [4, 4, 8]}
@@ -384,3 +386,64 @@ def test_a_run_whose_data_set_has_changed_is_not_resumed(recorded, tmp_path):
     (data / "manifest.json").write_text(json.dumps({**manifest, "seal": "another"}))
     with pytest.raises(UsageError, match="has changed since this run began"):
         resume(tmp_path / "run")
+
+
+# --- what the task lists, and the whole scene lacks
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    """An episode of the expert of press_button, which sees the whole scene."""
+    folder = tmp_path_factory.mktemp("data") / "pressed"
+    collect(CollectPlan(("press_button",), 1, options={"observe": "scene"}), folder)
+    return folder
+
+
+def test_what_the_scene_lacks_is_observed_by_playing_the_episodes_again(pressed, tmp_path):
+    """The whole scene has the button, but not its cap, which the task file lists."""
+    run = train(data=pressed, observe="task", out=tmp_path / "run", **BC)
+    task = load_task("press_button")
+    names = observed_names(task, run.plan.env)
+    assert "button.cap.x" in names["arm"]
+    assert (
+        "button.cap.x"
+        not in load_dataset(pressed).about["tasks"]["press_button"]["robots"]["arm"][
+            "observation_names"
+        ]
+    )
+    replayer = Replayer(task, run.plan.env)
+    read = read_demonstrations(pressed, "press_button", observed=names, replayer=replayer)
+    (episode,) = load_dataset(pressed)
+    with closing(parallel_env(task, frame="task")) as env:
+        played = play(env, RecordedActions(episode.actions), episode.seed, observations=True)
+    assert np.array_equal(read.observations["arm"], played.observations["arm"][:-1])
+    assert evaluate(run.policy, 1, jobs=1).episodes == 1
+
+
+def test_an_episode_that_happens_otherwise_is_refused(pressed, tmp_path):
+    folder = shutil.copytree(pressed, tmp_path / "data")
+    (place,) = (folder / "episodes").iterdir()
+    arrays, about = read_arrays(place / "arrays.npz", "episode")
+    write_arrays(place / "arrays.npz", {**arrays, "reward": arrays["reward"] + 1.0}, about)
+    with pytest.raises(UsageError, match="does not happen again as it was recorded"):
+        train(data=folder, observe="task", out=tmp_path / "run", **BC)
+
+
+def test_pictures_that_a_task_lists_are_learned_from_or_refused(tmp_path):
+    library = load_task("reach").file.entry
+    for kind in (".yaml", ".py"):
+        text = library.file.with_suffix(kind).read_text()
+        text = text.replace("task: reach", "task: seen").replace("class Reach", "class Seen")
+        text = text.replace("time_left]", "time_left, front.rgb]")
+        (tmp_path / f"seen{kind}").write_text(text)
+    task = str(tmp_path / "seen.yaml")
+    cameras = Cameras(("front",), (32, 32))
+    data = tmp_path / "data"
+    collect(CollectPlan((task,), 1, cameras=cameras, options={"observe": "scene"}), data)
+    options = {"data": data, "observe": "task", "out": tmp_path / "run", **BC}
+    with pytest.raises(UsageError, match=r"arm observes front\.rgb; give --cameras front"):
+        train(task, **options)
+    with pytest.raises(UsageError, match="training learns from numbers here"):
+        train(task, observe="task", out=tmp_path / "other", steps=10)
+    run = train(task, cameras=("front",), **options)
+    assert run.plan.observe == "task"
