@@ -338,7 +338,7 @@ class World(Single):
     # What touches what
 
     def held(self, body: str, robot: str) -> bool:
-        """Whether a robot holds an object, a part or a link, by opposing fingers or by suction."""
+        """Whether a robot holds an object, a part or a link: with fingers, suction or attached."""
         return self._touch.held(body, robot)
 
     def grip_forces(self, body: str, robot: str) -> tuple[float, ...]:
