@@ -134,7 +134,8 @@ ENTRIES = {
         "The expert gives a robot without a gripper or suction cup an order that requires one, "
         "such as `grasp` or `release`, or the `action` of such a robot has the key `gripper`. "
         "Such a robot can only move its arm, push and press. This code is also reported if a "
-        "robot with a suction cup has `gripper: continuous`, because suction is either on or off.",
+        "robot with a suction cup has `gripper: continuous`, because suction is either on or off, "
+        "or if a robot without fingers has the key `grasp`.",
         within(
             "scene.robots.left",
             "model: ur5e_pusher\naction: {gripper: binary}",

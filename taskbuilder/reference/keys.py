@@ -13,14 +13,24 @@ from pydantic.fields import FieldInfo
 from taskbuilder.reference.markdown import code, number
 from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
-from taskbuilder.schema import arrangement, expert, joints, order, robot, scene, task, values
+from taskbuilder.schema import (
+    arrangement,
+    expert,
+    joints,
+    order,
+    postures,
+    robot,
+    scene,
+    task,
+    values,
+)
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.order import ONLY_WITH, VERBS
 from taskbuilder.schema.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
-    for module in (scene, arrangement, joints, task, robot, expert, order)
+    for module in (scene, postures, arrangement, joints, task, robot, expert, order)
     for name, model in vars(module).items()
     if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
 }

@@ -114,7 +114,7 @@ def test_a_task_is_validated_and_rendered_with_it(run):
     ran = run("validate", *words, "--level", "build", "--json")
     (report,) = json.loads(ran.out)["tasks"]
     assert report["ok"]
-    assert "--grasp attach" in report["made"]["command"]
+    assert "--grasp attach" in report["making"]["command"]
     assert "grasp attach" in run("validate", *words, "--level", "build").out.splitlines()[0]
     picture = ("--size", "32x24", "--renderer", "tiny")
     assert run("render", *words, *picture).status == 0
