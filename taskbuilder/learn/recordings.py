@@ -22,8 +22,8 @@ from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.policy import Array
-from taskbuilder.schema.grasping import rules_of
 from taskbuilder.learn.replayed import Replayer, joined
+from taskbuilder.schema.grasping import rules_of
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
 
