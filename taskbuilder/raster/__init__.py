@@ -16,14 +16,14 @@ from taskbuilder.raster.meshes import (
     sphere,
 )
 from taskbuilder.raster.patterns import Pattern
-from taskbuilder.raster.scene import Camera, Drawing, Lamp, MeshInstance, Scene
+from taskbuilder.raster.scene import Drawing, Lamp, MeshInstance, PinholeCamera, Scene
 
 __all__ = [
-    "Camera",
     "Drawing",
     "Lamp",
     "MeshInstance",
     "Pattern",
+    "PinholeCamera",
     "Scene",
     "TriangleMesh",
     "box",

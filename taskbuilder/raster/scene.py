@@ -52,7 +52,7 @@ class MeshInstance:
 
 
 @dataclass(frozen=True)
-class Camera:
+class PinholeCamera:
     """A pinhole camera with square pixels.
 
     Attributes:
@@ -173,7 +173,7 @@ class Scene:
 
     def draw(
         self,
-        camera: Camera,
+        camera: PinholeCamera,
         lamp: Lamp,
         *,
         backdrop: NDArray[np.uint8],

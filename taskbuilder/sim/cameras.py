@@ -201,7 +201,7 @@ def _rasterised(
     behind: NDArray[np.uint8],
     shadow: bool,
 ) -> _Drawn:
-    from taskbuilder.raster import Camera, Lamp  # loads Numba
+    from taskbuilder.raster import Lamp, PinholeCamera  # loads Numba
     from taskbuilder.sim.raster import raster_world
 
     width, height = size
@@ -209,7 +209,7 @@ def _rasterised(
     world = raster_world(client)
     world.refresh()
     drawing = world.scene.draw(
-        Camera(view.extrinsics[:3], focal, width, height, view.near, view.far),
+        PinholeCamera(view.extrinsics[:3], focal, width, height, view.near, view.far),
         Lamp(light.direction, light.color, light.ambient, light.diffuse),
         backdrop=behind,
         shadow=shadow,

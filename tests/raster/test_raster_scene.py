@@ -9,7 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from taskbuilder.raster import Camera, Drawing, Lamp, MeshInstance, Pattern, Scene, box, sphere
+from taskbuilder.raster import (
+    Drawing,
+    Lamp,
+    MeshInstance,
+    Pattern,
+    PinholeCamera,
+    Scene,
+    box,
+    sphere,
+)
 
 NOWHERE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 IN_LINK = np.eye(3, 4)
@@ -18,7 +27,7 @@ EVEN = Lamp((0.0, 0.0, -1.0), (1.0, 1.0, 1.0), 1.0, 0.0)
 LAMP = Lamp((0.0, 0.0, -1.0), (1.0, 1.0, 1.0), 0.4, 0.6)
 """The camera's own: it looks along z, and so does the light."""
 
-CAMERA = Camera(np.eye(3, 4), focal=60.0, width=80, height=60, near=0.05, far=10.0)
+CAMERA = PinholeCamera(np.eye(3, 4), focal=60.0, width=80, height=60, near=0.05, far=10.0)
 
 
 def at(x: float, y: float, z: float) -> tuple[float, ...]:
