@@ -53,9 +53,7 @@ ENTRIES = {
         "An episode was saved and continued, then restored and continued with the same actions. "
         "The two continuations differ. The usual cause is a description that keeps state in a "
         "module-level variable, which is not saved. Use conditions with memory instead, such as "
-        "`Once`, `Then` and `Sustained`. If the description has no conditions, measures or reward "
-        "terms of its own, or if the positions differ, it is not the cause. The message then says "
-        "so, and the finding is at the scene. No known task has this fault; please report yours.",
+        "`Once`, `Then` and `Sustained`. If the message says that it is not the cause, report it.",
         Example(
             "module",
             "highest = []\n\n\n@measure\ndef record(world):\n    if world.time == 0:\n"

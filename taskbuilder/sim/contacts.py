@@ -68,11 +68,6 @@ def contacts(
     )
 
 
-def sorted_contacts(client: Client) -> tuple[ContactPoint, ...]:
-    """All contacts, in an order that does not depend on the order in which Bullet lists them."""
-    return tuple(sorted(contacts(client)))
-
-
 def part(client: Client, bodies: Iterable[Body]) -> None:
     """Move everything apart, so that nothing touches.
 

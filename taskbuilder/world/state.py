@@ -22,7 +22,7 @@ class WorldState:
         time: Seconds since the episode began.
         sites: Pose of each site, in the world or in the frame that it moves with.
         quantities: Values of the quantities that the task can randomise.
-        contacts: All contacts.
+        contacts: All contacts in which something can move.
         forces: Forces between the watched pairs of bodies.
         look: How the episode looks.
     """

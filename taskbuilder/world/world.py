@@ -17,7 +17,7 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contact_order import ContactOrder
-from taskbuilder.sim.contacts import part, sorted_contacts
+from taskbuilder.sim.contacts import part
 from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, release, restore, save
 from taskbuilder.world.cameras import camera_view
@@ -219,7 +219,7 @@ class World(Single):
         for robot in self.robots.values():
             motors += [robot.arm, robot.gripper]
         sites = {name: site.pose for name, site in self.sites.items()}
-        snapshot, met = save(self.client, motors), sorted_contacts(self.client)
+        snapshot, met = save(self.client, motors), self.contact_order.contacts()
         return WorldState(
             *(snapshot, self.time, sites, self.quantities, met, self._forces.readings, self.look)
         )
@@ -231,7 +231,7 @@ class World(Single):
         """
         part(self.client, self._bodies)
         restore(state.snapshot)
-        self.contact_order.restored(sorted_contacts(self.client) == state.contacts)
+        self.contact_order.restored(self.contact_order.contacts() == state.contacts)
         self.time = state.time
         for name, pose in state.sites.items():
             self.sites[name].pose = pose
