@@ -197,6 +197,10 @@ def _wait(child: int, begun: float) -> tuple[bool, int, resource.struct_rusage]:
             return False, status, usage
         time.sleep(pause)
         pause = min(0.05, pause * 1.2)
+    # It may have ended while this process was stopped.
+    ended, status, usage = os.wait4(child, os.WNOHANG)
+    if ended:
+        return False, status, usage
     os.killpg(child, signal.SIGKILL)
     _, status, usage = os.wait4(child, 0)
     return True, status, usage
