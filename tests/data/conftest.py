@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from own_task import DESCRIPTION, GOOD
 
 from taskbuilder.data.collecting import collect
 from taskbuilder.data.plan import CollectPlan
@@ -43,25 +44,6 @@ def mixed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def copied(pictured: Path, tmp_path: Path) -> Path:
     """A copy of `pictured`."""
     return Path(shutil.copytree(pictured, tmp_path / "copied"))
-
-
-GOOD = """\
-task: good
-summary: One arm lifts a cube.
-scene:
-  robots:
-    arm: {model: ur5e, base: {position: [0, 0, 0]}}
-  objects:
-    cube: {shape: {box: [0.04, 0.04, 0.04]}, mass: 0.1, position: [0.5, 0, 0.02]}
-"""
-DESCRIPTION = """\
-from taskbuilder.description import Above, Bonus, Description
-
-
-class Good(Description):
-    success = Above("cube", height=0.2)
-    reward = (Bonus("done", success, 1.0),)
-"""
 
 
 @pytest.fixture

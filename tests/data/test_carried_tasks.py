@@ -13,7 +13,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from conftest import DESCRIPTION, GOOD
+from own_task import DESCRIPTION, GOOD
 
 from taskbuilder.carried import carry, load_carried
 from taskbuilder.cli import main
