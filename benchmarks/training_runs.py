@@ -86,6 +86,7 @@ def summary(folder: Path) -> dict[str, Any]:
         "seed": plan["seed"],
         **machine_of(plan),
         "observe": plan["observe"],
+        **({"grasp": "attach"} if plan.get("grasp") == "attach" else {}),
         "steps": int(rows[-1].split(",")[0]),
         "minutes": round(float(last_update[1]) / 60.0, 1),
         **{key: result[key] for key in MEASURED},
