@@ -52,6 +52,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "task": tasks.page,
     "verbs": keys.verbs,
     "view": vocabulary.view,
+    "whole_scene": training.whole_scene,
     "zoo": training.zoo,
 }
 

@@ -142,6 +142,22 @@ def algorithms(_: str) -> str:
     return table([*head, "success at the last step", "furthest stage", "minutes"], rows)
 
 
+def whole_scene(_: str) -> str:
+    """Behaviour cloning in tasks whose fixed objects are placed at random."""
+    rows = [
+        [
+            title(run["task"]),
+            OBSERVED[run["observe"]],
+            f"{run['demonstrations']}",
+            f"{run['updates']:,}",
+            f"{run['successes']} of {run['episodes']}",
+        ]
+        for run in read("whole_scene.json")["runs"]
+    ]
+    head = ["task", "policies observe", "demonstrations", "updates", "episodes with success"]
+    return table(head, rows)
+
+
 def distillation(_: str) -> str:
     """Students of policies that were learned from scratch, every seed."""
     rows = []
