@@ -21,6 +21,9 @@ GEOMETRY = "TB418"
 TREE = "TB419"
 IGNORED = "TB420"
 TOO_MANY = "TB421"
+PLACEHOLDER = "TB422"
+CENTER_OF_MASS = "TB423"
+NO_COLLISION = "TB424"
 
 CODES: dict[str, tuple[str, str]] = {
     MISSING: (
@@ -88,7 +91,8 @@ CODES: dict[str, tuple[str, str]] = {
     MASS: (
         "Implausible or missing mass",
         "A link that moves needs a mass above 0 and at most 1000 kg. Without `<inertial>`, "
-        "the physics engine assumes 1 kg, and with a mass of 0 the link does not move.",
+        "the physics engine assumes 1 kg, and with a mass of 0 the link does not move. An object "
+        "whose root has no mass needs `fixed: true`, because it is immovable.",
     ),
     INERTIA: (
         "Impossible inertia",
@@ -126,5 +130,26 @@ CODES: dict[str, tuple[str, str]] = {
         "Too many links",
         "The physics engine supports at most 128 links in a URDF and corrupts memory beyond "
         "that. Merge links that do not move relative to each other.",
+    ),
+    PLACEHOLDER: (
+        "Implausible inertia",
+        "The moments of inertia of a link of an object differ by a factor of more than 20 from "
+        "those of its shape with uniform density, or exceed what the mass and the shape allow: "
+        "no moment can exceed the mass times the square of the largest distance from the centre "
+        "of mass. Such placeholders, often 1 kg·m² about each axis, are common in published "
+        "files. The object resists turning like a flywheel, and may remain tilted on its edge. "
+        "Write the moments that the message gives.",
+    ),
+    CENTER_OF_MASS: (
+        "Centre of mass outside the body",
+        "The centre of mass of a link of an object lies far outside the box around its shapes: "
+        "by more than half the diagonal of the box. Correct `<inertial><origin xyz=…/>`, which "
+        "is in the frame of the link, in metres.",
+    ),
+    NO_COLLISION: (
+        "No collision shape",
+        "An object, or a link of it that moves, can be seen but has no `<collision>`. It passes "
+        "through everything, and nothing can be placed by its bounds. Add the element, usually "
+        "with the geometry of `<visual>`.",
     ),
 }

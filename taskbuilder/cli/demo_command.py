@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import statistics
+import sys
 from collections.abc import Callable, Generator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.cli.output import paint, print_json, progress, say
+from taskbuilder.cli.output import paint, print_json, progress, say, show_finding
 from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import EnvFactory, is_trained
@@ -32,6 +33,7 @@ from taskbuilder.task import Task, load_task
 from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import save_image
 from taskbuilder.visual.strip import film_strip
+from taskbuilder.world.inertias import doubtful_inertias
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -41,6 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     grasp = arguments.grasp or "task"
     task = load_task(arguments.task, catalogue=catalogue, robots=robots, grasp=grasp)
     _check(task, arguments)
+    for finding in (*task.warnings, *doubtful_inertias(task.file)):
+        print(show_finding(finding), file=sys.stderr)
     factory = _factory(catalogue, arguments)
     make_folder(arguments.out)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)

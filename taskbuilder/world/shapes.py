@@ -60,7 +60,7 @@ def link_box(shapes: tuple[UrdfShape, ...], size: float) -> Box:
     """Bounding box of a link's collision shapes in the link's frame."""
     corners: list[Vec3] = [(0.0, 0.0, 0.0)] if not shapes else []
     for shape in shapes:
-        box = placed_bounds(_urdf_shape(shape), shape.pose)
+        box = placed_bounds(urdf_shape(shape), shape.pose)
         corners += [box.low, box.high]
     box = bounding_box(corners)
     return Box(
@@ -77,14 +77,15 @@ def distance_from(shapes: tuple[UrdfShape, ...], size: float, point: Vec3) -> fl
     unscaled = scale(point, 1.0 / size)
     gaps = []
     for shape in shapes:
-        box = bounds(_urdf_shape(shape))
+        box = bounds(urdf_shape(shape))
         seen = shape.pose.inverse().apply(unscaled)
         out = [max(abs(seen[i] - box.center[i]) - box.half[i], 0.0) for i in range(3)]
         gaps.append(math.hypot(*out) * size)
     return min(gaps, default=math.inf)
 
 
-def _urdf_shape(shape: UrdfShape) -> Shape:
+def urdf_shape(shape: UrdfShape) -> Shape:
+    """A shape of a URDF as the simulation knows it, without its pose in the link."""
     size = shape.size
     if shape.kind == "box":
         return BoxShape((size[0], size[1], size[2]))

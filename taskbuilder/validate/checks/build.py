@@ -21,6 +21,7 @@ from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.world.inertias import doubtful_inertias, inertias
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.shapes import distance_from
@@ -40,8 +41,9 @@ ENERGY_PER_KG = 50.0  # J/kg: falling five metres
 def build_family(context: Context) -> FamilyResult:
     """Build every variation, and let each rest for a second."""
     task, measures = context.task, context.measures
-    checks: dict[str, Check] = {}
-    findings: list[Finding] = []
+    check, found = check_inertias(task)
+    checks = {check.code: check}
+    findings = list(found)
     for variation in context.progress(range(context.variations), "build"):
         wrong: list[Finding] = []
         started = time.perf_counter()
@@ -100,6 +102,20 @@ def _look(task: Task, world: World) -> Iterator[Result]:
     world.reset(0)
     yield check_cameras(task, world)
     yield from check_rest(task, world)
+
+
+def check_inertias(task: Task) -> Result:
+    """Moments of inertia and centres of mass fit the shapes of URDFs."""
+    objects = task.file.spec.scene.objects
+    factors = [
+        inertia.factor
+        for name, asset in task.file.assets.items()
+        if isinstance(asset, Urdf) and name in objects
+        for inertia in inertias(asset, fixed=objects[name].fixed)
+    ]
+    furthest = max(factors, key=lambda factor: abs(math.log(factor)), default=1.0)
+    check = Check("TB422", "inertias fit the shapes", True, furthest, None, "times")
+    return check, list(doubtful_inertias(task.file))
 
 
 def check_masses(task: Task, world: World) -> Result:
