@@ -61,6 +61,20 @@ def check_mimics(elements: Sequence[Element], report: Report) -> None:
         if mimic and mimicked and (mimicked not in moving or mimicked == name):
             message = f"mimics {quoted(mimicked)}, which is no other moving joint; name one"
             report.error(codes.JOINT, mimic, f"joint {name}", message)
+        elif mimic and mimicked and name in _mimicked_by(mimicked, elements):
+            message = f"mimics {quoted(mimicked)}, which mimics it; let one of them be free"
+            report.error(codes.JOINT, mimic, f"joint {name}", message)
+
+
+def _mimicked_by(name: str, elements: Sequence[Element]) -> list[str]:
+    """The joints that a joint mimics, directly or by way of others."""
+    named = {element.get("name"): element.first("mimic") for element in elements}
+    followed: list[str] = []
+    mimic = named.get(name)
+    while mimic and (leader := mimic.get("joint")) and leader not in followed:
+        followed.append(leader)
+        mimic = named.get(leader)
+    return followed
 
 
 def _end(element: Element, tag: str, subject: str, report: Report) -> str:
@@ -133,4 +147,8 @@ def _mimic(element: Element, subject: str, report: Report) -> UrdfMimic | None:
         report.error(codes.JOINT, mimic, subject, 'needs <mimic joint="…"/>')
         return None
     multiplier = number(mimic, "multiplier")
+    if multiplier == 0.0:
+        message = "mimics with a multiplier of 0, and so never moves; make it a fixed joint"
+        report.error(codes.JOINT, mimic, subject, message)
+        return None
     return UrdfMimic(joint, 1.0 if multiplier is None else multiplier, number(mimic, "offset") or 0)

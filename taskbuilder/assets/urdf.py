@@ -14,7 +14,7 @@ from taskbuilder.assets.markup import MAX_BYTES, Element, parse, serialized
 from taskbuilder.assets.model import JointType, Urdf, UrdfJoint, UrdfLink
 from taskbuilder.assets.paths import AssetError, require_readable
 from taskbuilder.assets.report import Report
-from taskbuilder.assets.schema import cleaned
+from taskbuilder.assets.schema import cleaned, number
 from taskbuilder.assets.tree import check_names, check_tree
 from taskbuilder.errors import FileError, Location
 
@@ -55,6 +55,8 @@ def read_urdf(
     named_links = check_names(robot.all("link"), report)
     check_names(robot.all("joint"), report)
     root = check_tree(robot, named_links, list(robot.all("joint")), report)
+    if not fixed and root in named_links:
+        _check_root(named_links[root], report)
     joints = _joints(robot, report)
     still = _unmoved(robot) if fixed else frozenset()
     links = _links(robot, still, report, files)
@@ -188,6 +190,20 @@ def _robot_name(robot: Element, report: Report) -> str:
     if not name:
         report.error(codes.NAME, robot, "", "the robot has no name; write <robot name=…>")
     return name
+
+
+def _check_root(root: Element, report: Report) -> None:
+    """Reports a root that is not fixed and that cannot move all the same."""
+    name, inertial = root.get("name"), root.first("inertial")
+    element = inertial.first("mass") if inertial else None
+    if name == "world" and inertial is None:
+        cause, mend = "is the world itself to the physics engine", "give it another name and a mass"
+    elif number(element, "value") == 0.0:
+        cause, mend = "has a mass of 0 and is not fixed", "give it a mass"
+    else:
+        return
+    message = f"{cause}, so the object is immovable; write fixed: true in the task file, or {mend}"
+    report.warning(codes.MASS, element or root, f"link {name}", message)
 
 
 def _joints(robot: Element, report: Report) -> tuple[UrdfJoint, ...]:

@@ -77,7 +77,7 @@ def _moving_joints(world: World) -> list[str]:
         f"{name}.{joint}"
         for name, thing in world.objects.items()
         for joint, info in thing.body.joints.items()
-        if info.type != "fixed"
+        if info.type != "fixed" and joint not in thing.mimics
     ]
 
 

@@ -177,6 +177,7 @@ def _check_joints(source: Source, name: str, thing: ObjectSpec, urdf: Urdf) -> I
             yield Finding("TB301", message, dotted(path), source.locate(path, key=True))
             continue
         joint = _scaled(moving[key], size)
+        yield from _led(source, path, joint, written)
         wrong = list(_wrong_units(source, path, joint, written))
         yield from wrong or _beyond(source, path, joint, written)
 
@@ -186,6 +187,20 @@ def _scaled(joint: UrdfJoint, size: float) -> UrdfJoint:
     if joint.type != "prismatic" or joint.lower is None or joint.upper is None:
         return joint
     return replace(joint, lower=joint.lower * size, upper=joint.upper * size)
+
+
+def _led(
+    source: Source, path: Path_, joint: UrdfJoint, written: JointSpec | float
+) -> Iterator[Finding]:
+    """A start of a joint that follows another one."""
+    spec = JointSpec.of(written, turns=joint.type != "prismatic")
+    if joint.mimic is None or spec.begin is None:
+        return
+    message = (
+        f"{joint.name} mimics {joint.mimic.joint}, and starts where that has it; "
+        f"write the start of {joint.mimic.joint}"
+    )
+    yield Finding("TB106", message, dotted(path), source.locate(path, key=True))
 
 
 def _wrong_units(

@@ -162,16 +162,18 @@ def couple(
     follower: int,
     *,
     ratio: float = 1.0,
+    offset: float = 0.0,
     max_force: float = 100.0,
 ) -> int:
-    """Make one joint follow another, as the fingers of a parallel gripper do.
+    """Make one joint follow another: follower position = ratio · leader position + offset.
 
     Args:
         client: The client of the body.
         body: The body.
         leader: Index of the joint that leads.
-        follower: Index of the joint that follows; both move links of the same kind of joint.
-        ratio: Follower position for a unit of leader position.
+        follower: Index of the joint that follows.
+        ratio: Follower position for a unit of leader position; not 0.
+        offset: Follower position at leader position 0, rad or m.
         max_force: Largest force (N) or torque (Nm) of the coupling.
 
     Returns:
@@ -181,5 +183,12 @@ def couple(
     constraint: int = client.bullet.createConstraint(
         body.id, leader, body.id, follower, p.JOINT_GEAR, axis, ORIGIN, ORIGIN
     )
-    client.bullet.changeConstraint(constraint, gearRatio=-ratio, erp=0.1, maxForce=max_force)
+    # Bullet holds leader + gearRatio · follower at the target.
+    client.bullet.changeConstraint(
+        constraint,
+        gearRatio=-1.0 / ratio,
+        relativePositionTarget=-offset / ratio,
+        erp=0.1,
+        maxForce=max_force,
+    )
     return constraint

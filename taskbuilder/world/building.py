@@ -30,6 +30,7 @@ from taskbuilder.world.attaching import AttachingFingers
 from taskbuilder.world.end_effector import EndEffector, Tool
 from taskbuilder.world.fingers import Fingers
 from taskbuilder.world.loading import Loader
+from taskbuilder.world.mimics import couple_joints, mimics_of, starting
 from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
@@ -174,7 +175,10 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     if "restitution" in spec.model_fields_set:
         body.set_restitution(spec.restitution)
     indices = tuple(body.joints[joint.name].index for joint in moving)
-    body.reset_joints(indices, [joint.begin or 0.0 for joint in said.values()])
+    mimics = mimics_of(urdf, size)
+    start = starting({name: joint.begin or 0.0 for name, joint in said.items()}, mimics)
+    body.reset_joints(indices, list(start.values()))
+    couple_joints(body, mimics)
     passive = {
         joint: made
         for index, (joint, how) in zip(indices, said.items(), strict=True)
@@ -183,7 +187,7 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
     links = tuple(link.name for link in urdf.links if urdf.moving_joints_above(link.name))
     frames = _grasp_frames(spec, body)
-    return SceneObject(name, spec, body, boxes, frames, indices, links, passive)
+    return SceneObject(name, spec, body, boxes, frames, indices, links, passive, tuple(mimics))
 
 
 def _limits(

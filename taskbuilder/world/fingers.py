@@ -143,6 +143,8 @@ def _motorised(body: Body, model: RobotModel, spec: GripperSpec) -> Motors:
     gears = [gear for chain in chains for gear in pairwise(chain)]
     gears += [(driven[0], joint) for joint in (*driven[1:], *beside)]
     for leader, follower in gears:
+        if not (_travel(spec, leader) and _travel(spec, follower)):
+            continue  # one of them stays where it is
         ratio = _travel(spec, follower) / _travel(spec, leader)
         couple(
             body.client, body, body.joints[leader].index, body.joints[follower].index, ratio=ratio

@@ -37,6 +37,7 @@ class SceneObject:
         joints: Indices of the joints that move.
         moving_links: Names of the links that they move.
         passive: What acts on those that have more than constant friction, by name.
+        mimics: Names of those that follow another one, which are no states of their own.
     """
 
     name: str
@@ -47,6 +48,7 @@ class SceneObject:
     joints: tuple[int, ...] = ()
     moving_links: tuple[str, ...] = ()
     passive: Mapping[str, PassiveJoint] = field(default_factory=dict)
+    mimics: tuple[str, ...] = ()
 
     @property
     def free_links(self) -> frozenset[int] | None:

@@ -165,6 +165,22 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     "nan axis": (changed("0 2 0", "0 nan 0"), codes.NUMBER),
     "mimics nobody": (changed("<axis", '<mimic joint="elbow"/><axis'), codes.JOINT),
     "mimics itself": (changed("<axis", '<mimic joint="shoulder"/><axis'), codes.JOINT),
+    "mimics with nothing": (
+        with_more(
+            LINK.format("x")
+            + '<joint name="j" type="continuous"><parent link="hand"/><child link="x"/>'
+            '<mimic joint="shoulder" multiplier="0"/></joint>'
+        ),
+        codes.JOINT,
+    ),
+    "mimic each other": (
+        with_more(
+            LINK.format("x")
+            + '<joint name="j" type="continuous"><parent link="hand"/><child link="x"/>'
+            '<mimic joint="shoulder"/></joint>'
+        ).replace("<axis", '<mimic joint="j"/><axis', 1),
+        codes.JOINT,
+    ),
     "no limit": (
         changed('<limit lower="-1" upper="1" effort="10" velocity="2"/>', ""),
         codes.LIMIT,
@@ -273,6 +289,31 @@ def test_what_is_fixed_to_the_world_needs_no_mass(read: Reader) -> None:
     assert read(stands, fixed=True).warnings == ()
     moved = changed(ARM[ARM.index("<inertial>") : ARM.index("    <visual>")], "")
     assert {finding.code for finding in read(moved, fixed=True).warnings} == {codes.MASS}
+
+
+MASSLESS = """<robot name="block">
+  <link name="block">
+    <inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0"/></inertial>
+    <collision><geometry><box size="1 1 1"/></geometry></collision>
+  </link>
+</robot>"""
+OF_THE_WORLD = """<robot name="block">
+  <link name="world"/>
+  <link name="block">
+    <inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial>
+    <collision><geometry><box size="1 1 1"/></geometry></collision>
+  </link>
+  <joint name="j" type="fixed"><parent link="world"/><child link="block"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize(("text", "line"), [(MASSLESS, 3), (OF_THE_WORLD, 2)])
+def test_an_immovable_root_is_to_be_fixed(read: Reader, text: str, line: int) -> None:
+    (finding,) = read(text).warnings
+    assert (finding.code, finding.severity) == (codes.MASS, "warning")
+    assert finding.location and finding.location.line == line
+    assert "write fixed: true" in finding.message
+    assert read(text, fixed=True).warnings == ()
 
 
 def test_what_belongs_to_other_programs_is_left_out_in_silence(read: Reader) -> None:
