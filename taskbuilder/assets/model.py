@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from taskbuilder.assets.markup import Element
-from taskbuilder.errors import Finding, UnknownNameError
+from taskbuilder.errors import Finding, Location, UnknownNameError
 from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.wording import quoted, suggestion
 
@@ -162,6 +162,36 @@ class Urdf:
             found += [joint] if joint.moves else []
             joint = self.joint_above(joint.parent)
         return tuple(found)
+
+    def fixed_to(self, link: str) -> Iterator[tuple[str, Pose]]:
+        """A link and all that fixed joints connect to it, with their poses in its frame."""
+        poses = {link: Pose()}
+        pending = [link]
+        while pending:
+            current = pending.pop()
+            yield current, poses[current]
+            for joint in self.joints:
+                ends = (joint.parent, joint.child)
+                if joint.moves or current not in ends:
+                    continue
+                other, step = (
+                    (joint.child, joint.origin)
+                    if current == joint.parent
+                    else (joint.parent, joint.origin.inverse())
+                )
+                if other not in poses:
+                    poses[other] = poses[current] @ step
+                    pending.append(other)
+
+    def place_of(self, link: str) -> Location:
+        """Where the file describes a link.
+
+        Raises:
+            UnknownNameError: There is no such link.
+        """
+        self.link(link)
+        element = next(each for each in self.tree.all("link") if each.get("name") == link)
+        return Location(self.path, element.line, element.column)
 
 
 def _no_such(kind: str, name: str, urdf: Urdf, names: list[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from taskbuilder.assets import codes
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.errors import Finding
@@ -31,6 +32,36 @@ def check_object(
     yield from _check_grasps(source, name, thing, asset)
     if isinstance(asset, Urdf):
         yield from _check_joints(source, name, thing, asset)
+        yield from _check_collisions(name, thing, asset)
+
+
+def check_surfaces(
+    source: Source, scene: SceneSpec, assets: Mapping[str, Mesh | Urdf]
+) -> Iterator[Finding]:
+    """Surfaces without collision shapes, through which everything falls.
+
+    Args:
+        source: The task file.
+        scene: Its scene.
+        assets: Meshes and URDFs of its objects.
+    """
+    for group, things in (("objects", scene.objects), ("sites", scene.sites)):
+        for name, thing in things.items():
+            surface = (thing.place.surface if thing.place else None) or ""
+            owner, _, link = surface.partition(".")
+            urdf = assets.get(owner)
+            if not isinstance(urdf, Urdf) or (link and link not in [x.name for x in urdf.links]):
+                continue
+            links = [urdf.link(link)] if link else urdf.links
+            if not any(each.collisions for each in links):
+                path: Path_ = ("scene", group, name, "place", "surface")
+                solid = [f"{owner}.{each.name}" for each in urdf.links if each.collisions]
+                mend = f"name one that has: {', '.join(solid)}" if solid else _ADD
+                message = f"{surface} has no collision shape, so nothing can stand on it; {mend}"
+                yield Finding(codes.NO_COLLISION, message, dotted(path), source.locate(path))
+
+
+_ADD = "add <collision> to a link of its URDF, usually with the geometry of <visual>"
 
 
 def locks(scene: SceneSpec) -> Iterator[tuple[Path_, str]]:
@@ -164,6 +195,26 @@ def _check_grasps(
             message = f'the URDF has no link "{point.link}"; '
             message += suggestion(point.link, links, what="it has")
             yield Finding("TB301", message, dotted(path), source.locate(path))
+
+
+def _check_collisions(name: str, thing: ObjectSpec, urdf: Urdf) -> Iterator[Finding]:
+    """An object that nothing can touch, or a link of it that moves and can only be seen.
+
+    What is fixed at a written position may be there to be looked at.
+    """
+    if not any(link.collisions for link in urdf.links):
+        if not thing.fixed or thing.place is not None:
+            message = f"{name} has no collision shape, so it cannot be placed and stand; {_ADD}"
+            place = urdf.place_of(urdf.root)
+            yield Finding(codes.NO_COLLISION, message, f"link {urdf.root}", place)
+        return
+    for joint in urdf.moving_joints:
+        moved = [urdf.link(link) for link, _ in urdf.fixed_to(joint.child)]
+        if any(link.visuals for link in moved) and not any(link.collisions for link in moved):
+            message = f"it is seen and moves, and passes through everything; {_ADD}"
+            place = urdf.place_of(joint.child)
+            subject = f"link {joint.child}"
+            yield Finding(codes.NO_COLLISION, message, subject, place, "warning")
 
 
 def _check_joints(source: Source, name: str, thing: ObjectSpec, urdf: Urdf) -> Iterator[Finding]:

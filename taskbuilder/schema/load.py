@@ -12,7 +12,7 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
-from taskbuilder.schema.articulation import check_object, check_orders
+from taskbuilder.schema.articulation import check_object, check_orders, check_surfaces
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.end_effectors import check_end_effectors
 from taskbuilder.schema.explain import parse
@@ -281,6 +281,7 @@ def _check_scene(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterato
             yield from _check_posture(loading.source, place, model, posture.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
+    yield from check_surfaces(loading.source, scene, loading.assets)
     yield from check_arrangements(loading.source, scene, loading.assets)
     yield from check_orders(loading.source, spec.expert, scene, loading.assets)
     yield from check_end_effectors(loading.source, spec.expert, scene, loading.robots)

@@ -134,7 +134,7 @@ def inertias(urdf: Urdf, *, fixed: bool) -> Iterator[Inertia]:
         if not (turns and link.mass and inertial and shapes):
             continue
         entries = [number(inertial.first("inertia"), entry) or 0.0 for entry in _ENTRIES]
-        stated = np.linalg.eigvalsh(_matrix(entries))
+        stated = _principal(_matrix(entries))
         if stated[0] <= 0.0:
             continue  # which has been reported
         frame = read_pose(inertial)
@@ -142,8 +142,7 @@ def inertias(urdf: Urdf, *, fixed: bool) -> Iterator[Inertia]:
         seen = (*link.collisions, *link.visuals)
         corners = [s.pose.apply(c) for s in seen for c in bounds(urdf_shape(s)).corners()]
         most = link.mass * max(math.dist(frame.position, corner) for corner in corners) ** 2
-        uniform = np.linalg.eigvalsh(tensor)
-        yield Inertia(link.name, link.mass, stated, uniform, tensor, most)
+        yield Inertia(link.name, link.mass, stated, _principal(tensor), tensor, most)
 
 
 def _moved(urdf: Urdf, *, fixed: bool) -> list[UrdfLink]:
@@ -163,7 +162,7 @@ def _uniform(shapes: Sequence[UrdfShape], mass: float) -> NDArray[np.float64]:
         own = _turned(np.diag(piece.inertia), frame)
         steiner = offset @ offset * np.eye(3) - np.outer(offset, offset)
         tensor += piece.volume * (own + steiner)
-    return tensor * mass / volumes.sum()
+    return np.asarray(tensor * mass / volumes.sum(), dtype=np.float64)
 
 
 def _turned(tensor: NDArray[np.float64], frame: Pose) -> NDArray[np.float64]:
@@ -171,6 +170,11 @@ def _turned(tensor: NDArray[np.float64], frame: Pose) -> NDArray[np.float64]:
     axes = np.array([frame.axis(index) for index in range(3)]).T
     turned: NDArray[np.float64] = axes @ tensor @ axes.T
     return turned
+
+
+def _principal(tensor: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Principal moments, ascending."""
+    return np.asarray(np.linalg.eigvalsh(tensor), dtype=np.float64)
 
 
 def _matrix(entries: Sequence[float]) -> NDArray[np.float64]:
@@ -202,26 +206,12 @@ def _complaint(inertia: Inertia) -> str:
 def _around(urdf: Urdf, link: UrdfLink) -> Box | None:
     """Box around the shapes of a link and of what is fixed to it, in its frame; None without."""
     corners: list[Vec3] = []
-    for other, pose in _fixed_to(urdf, link.name, Pose(), frozenset()):
+    for other, pose in urdf.fixed_to(link.name):
         held = urdf.link(other)
         for shape in (*held.collisions, *held.visuals):
             box = placed_bounds(urdf_shape(shape), pose @ shape.pose)
             corners += [box.low, box.high]
     return bounding_box(corners) if corners else None
-
-
-def _fixed_to(
-    urdf: Urdf, link: str, pose: Pose, seen: frozenset[str]
-) -> Iterator[tuple[str, Pose]]:
-    """A link and all that are fixed to it, with their poses."""
-    yield link, pose
-    for joint in urdf.joints:
-        if joint.moves:
-            continue
-        if joint.parent == link and joint.child not in seen:
-            yield from _fixed_to(urdf, joint.child, pose @ joint.origin, seen | {link})
-        elif joint.child == link and joint.parent not in seen:
-            yield from _fixed_to(urdf, joint.parent, pose @ joint.origin.inverse(), seen | {link})
 
 
 def _outside(point: Vec3, box: Box) -> float:

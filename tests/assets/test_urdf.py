@@ -311,7 +311,8 @@ OF_THE_WORLD = """<robot name="block">
 def test_an_immovable_root_is_to_be_fixed(read: Reader, text: str, line: int) -> None:
     (finding,) = read(text).warnings
     assert (finding.code, finding.severity) == (codes.MASS, "warning")
-    assert finding.location and finding.location.line == line
+    assert finding.location
+    assert finding.location.line == line
     assert "write fixed: true" in finding.message
     assert read(text, fixed=True).warnings == ()
 
