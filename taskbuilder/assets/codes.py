@@ -30,14 +30,16 @@ CODES: dict[str, tuple[str, str]] = {
         "Asset not found",
         "A file refers to another file that does not exist. Write the path of the other file "
         "relative to the file that refers to it, or as `package://NAME/…`, where NAME is a folder "
-        "beside or above the file that refers to it.",
+        "beside or above the file that refers to it, inside the allowed folders.",
     ),
     OUTSIDE: (
         "Asset outside the allowed folders",
         "An asset must be in the folder of the task or robot that uses it, in a folder given by "
-        "`--task-path` or `TASKBUILDER_PATH`, or in the package pybullet_data. Copy the asset to "
-        "the folder of the task or robot, and write its path relative to the file that refers to "
-        "it. Absolute paths and URLs are refused, because they do not work on every machine.",
+        "`--task-path` or `TASKBUILDER_PATH`, in the ROS package of the URDF that refers to it "
+        "(the nearest folder above with a `package.xml`), or in the package pybullet_data. Copy "
+        "the asset to the folder of the task or robot, and write its path relative to the file "
+        "that refers to it. Absolute paths and URLs are refused, because they do not work on "
+        "every machine.",
     ),
     NOT_READABLE: (
         "Asset cannot be read",
@@ -79,9 +81,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     NAME: (
         "Invalid or duplicate name",
-        "Every link and every joint needs a unique name of at most 128 bytes. The robot and every "
-        "material need a name as well. The physics engine crashes if two joints have the same "
-        "name.",
+        "Every link and every joint needs a unique name of at most 128 bytes. The robot needs a "
+        "name as well. The physics engine crashes if two joints have the same name.",
     ),
     NUMBER: (
         "Invalid number",

@@ -45,7 +45,7 @@ def read_link(
     collisions = _shapes(element, "collision", subject, report, files)
     for visual in element.all("visual"):
         for material in visual.all("material"):
-            read_material(material, subject, report, files)
+            read_material(material, subject, files)
     inertial = element.first("inertial")
     if inertial is None:
         if jointed or (movable and collisions):
@@ -71,11 +71,8 @@ def as_vec3(values: tuple[float, ...]) -> Vec3:
     return (x, y, z)
 
 
-def read_material(material: Element, subject: str, report: Report, files: Files) -> None:
-    """Checks the name of a material, without which Bullet refuses it, and its texture."""
-    if not material.get("name"):
-        message = "<material> needs name=…, even where it gives its own colour"
-        report.error(codes.NAME, material, subject, message)
+def read_material(material: Element, subject: str, files: Files) -> None:
+    """Checks the texture of a material."""
     for texture in material.all("texture"):
         files.texture(texture, subject)
 

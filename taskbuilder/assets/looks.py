@@ -95,7 +95,8 @@ def _color(visual: Element, robot: Element) -> Rgba | None:
     material = visual.first("material")
     if material is None:
         return None
-    named = [each for each in _materials(robot) if each.get("name") == material.get("name")]
+    name = material.get("name")
+    named = [each for each in _materials(robot) if name and each.get("name") == name]
     for each in (material, *named):
         color = each.first("color")
         words = (color.get("rgba") or "").split() if color else []

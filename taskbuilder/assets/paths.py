@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 
 from taskbuilder.assets import codes
@@ -22,6 +23,8 @@ from taskbuilder.wording import quoted, suggestion
 MAX_BYTES = 64 * 2**20
 
 PACKAGE = "package://"
+_PACKAGE_NAME = re.compile(r"package://([^/\s\"'<>]+)/")
+_MANIFEST = "package.xml"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
 
@@ -84,6 +87,33 @@ def resolve(reference: str, folder: Path, roots: Sequence[Path]) -> Path:
         )
     require_readable(actual, reference)
     return actual
+
+
+def package_of(file: Path) -> tuple[Path, ...]:
+    """The ROS package that a file is in: the nearest folder upwards with a ``package.xml``.
+
+    A file of a package may name the others. A folder without this mark is none, whatever its name:
+    ``package://home/…`` would otherwise open ``/home`` to a file that somebody else has written.
+
+    Returns:
+        The folder, or nothing where there is none.
+    """
+    folders = (folder for folder in file.resolve().parents if (folder / _MANIFEST).is_file())
+    return tuple(islice(folders, 1))
+
+
+def packages_named_in(file: Path) -> tuple[Path, ...]:
+    """The folders above a URDF that it names as packages, marked as such or not.
+
+    Only for a file that a person has named. What its ``package://NAME/…`` may lead to is then in a
+    folder that has this name and contains the file.
+    """
+    try:
+        require_readable(file, file.name)
+        names = set(_PACKAGE_NAME.findall(file.read_bytes().decode(errors="replace")))
+    except (AssetError, OSError):  # which reading the file reports
+        return ()
+    return tuple(folder for folder in file.resolve().parents if folder.name in names)
 
 
 def require_readable(path: Path, reference: str, max_bytes: int = MAX_BYTES) -> None:
@@ -166,6 +196,12 @@ def _package(name: str, reference: str, folder: Path, allowed: Sequence[Path]) -
     for candidate in _package_candidates(name, folder.resolve(), allowed):
         if candidate.is_dir():
             return candidate
+    if name in (above.name for above in folder.resolve().parents):
+        raise AssetError(
+            codes.OUTSIDE,
+            f"the folder {quoted(name)} of {quoted(reference)} lies outside the allowed folders; "
+            f"if it is the ROS package of the file, put its {_MANIFEST} into it",
+        )
     raise AssetError(
         codes.MISSING,
         f"no folder {quoted(name)} for {quoted(reference)} beside the file or above it; "

@@ -12,7 +12,7 @@ from taskbuilder.assets.joints import check_mimics, joint_moves, read_joint
 from taskbuilder.assets.links import read_link, read_material
 from taskbuilder.assets.markup import MAX_BYTES, Element, parse, serialized
 from taskbuilder.assets.model import JointType, Urdf, UrdfJoint, UrdfLink
-from taskbuilder.assets.paths import AssetError, require_readable
+from taskbuilder.assets.paths import AssetError, package_of, require_readable
 from taskbuilder.assets.report import Report
 from taskbuilder.assets.schema import cleaned, number
 from taskbuilder.assets.tree import check_names, check_tree
@@ -34,7 +34,7 @@ def read_urdf(
     Args:
         path: The URDF file.
         roots: Folders inside which its meshes and textures must lie; those of pybullet_data
-            are allowed as well.
+            and of the ROS package that the file is in are allowed as well.
         fixed: Whether its root is fixed to the world, so that the mass of links without a moving
             joint above them does not matter.
         trusted: Whether to take the content of meshes for good, as of those that come with
@@ -46,6 +46,7 @@ def read_urdf(
     robot = _robot_element(path)
     report = Report(path)
     robot = cleaned(robot, report)
+    roots = (*roots, *package_of(path))
     files = Files(path.resolve().parent, roots, trusted=trusted, report=report)
     name = _robot_name(robot, report)
     count = len(list(robot.all("link")))
@@ -61,7 +62,7 @@ def read_urdf(
     still = _unmoved(robot) if fixed else frozenset()
     links = _links(robot, still, report, files)
     for material in robot.all("material"):
-        read_material(material, f"material {material.get('name')}", report, files)
+        read_material(material, f"material {material.get('name')}", files)
     return Urdf(
         path=path,
         name=name,
@@ -141,7 +142,13 @@ def _for_engine(element: Element, urdf: Urdf, assumed: Mapping[str, bool]) -> El
         urdf: What was read.
         assumed: By the name of each link without a mass, whether it weighs 1 kg or nothing.
     """
-    children = tuple(_for_engine(child, urdf, assumed) for child in element.children)
+    children = tuple(
+        _for_engine(child, urdf, assumed) for child in element.children if not _says_nothing(child)
+    )
+    if element.tag == "material" and not element.get("name"):
+        # Bullet refuses a material without a name, and takes the same name for the same colour.
+        name = f"at_{element.line}_{element.column}"
+        return element.with_children(children).with_attributes(name=name)
     if element.tag == "link" and element.attributes["name"] in assumed:
         children = (_assumed(element, assumed[element.attributes["name"]]), *children)
     if element.tag in ("mesh", "texture"):
@@ -153,6 +160,11 @@ def _for_engine(element: Element, urdf: Urdf, assumed: Mapping[str, bool]) -> El
             child.with_attributes(xyz=axis) if child.tag == "axis" else child for child in children
         )
     return element.with_children(children)
+
+
+def _says_nothing(element: Element) -> bool:
+    """Whether an element is a material that has no name, colour or texture."""
+    return element.tag == "material" and not element.get("name") and not element.children
 
 
 def _assumed(link: Element, heavy: bool) -> Element:

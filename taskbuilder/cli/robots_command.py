@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
-from taskbuilder.assets.paths import PACKAGE, AssetError, resolve
+from taskbuilder.assets.paths import PACKAGE, AssetError, packages_named_in, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.proposed import robot_file
@@ -122,7 +122,7 @@ def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None
         path = Path(reference).absolute()
         if not path.exists():
             raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
-        return read_urdf(path, (path.parent,), fixed=True), None
+        return read_urdf(path, (path.parent, *packages_named_in(path)), fixed=True), None
     if Path(reference).is_file() and not reference.endswith((".yaml", ".yml")):
         raise UnknownNameError(f"{reference} is no robot; name a robot.yaml, a .urdf or an .xml")
     robot = load_robot(catalogue.robot(reference, Path()), catalogue.folders)

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from taskbuilder.assets import AssetError, codes, resolve
-from taskbuilder.assets.paths import pybullet_data_folder
-from taskbuilder.errors import Location
+from taskbuilder.assets import AssetError, codes, read_urdf, resolve
+from taskbuilder.assets.paths import packages_named_in, pybullet_data_folder
+from taskbuilder.errors import FileError, Location
 
 
 @pytest.fixture
@@ -36,6 +36,55 @@ def folder(tmp_path: Path) -> Path:
 def test_finds_the_file(folder: Path, reference: str, leads_to: str) -> None:
     root = folder.parent
     assert resolve(reference, folder, [root]) == (root / leads_to).resolve()
+
+
+ROBOT = """<robot name="arm">
+  <link name="arm">
+    <inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial>
+    <collision><geometry><mesh filename="{}"/></geometry></collision>
+  </link>
+</robot>"""
+MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A URDF of the layout of ROS: in a folder beside that of its meshes."""
+    for name in ("urdf", "meshes"):
+        (tmp_path / "home" / "arm_description" / name).mkdir(parents=True)
+    folder = tmp_path / "home" / "arm_description"
+    (folder / "meshes" / "arm.obj").write_text(MESH)
+    (tmp_path / "home" / "secret.obj").write_text(MESH)
+    return folder
+
+
+def test_a_urdf_may_name_the_meshes_of_its_ros_package(package: Path) -> None:
+    file = package / "urdf" / "arm.urdf"
+    file.write_text(ROBOT.format("package://arm_description/meshes/arm.obj"))
+    with pytest.raises(FileError, match=r"TB402.* put its package\.xml into it"):
+        read_urdf(file, [file.parent])
+    assert packages_named_in(file) == (package,)
+    assert read_urdf(file, [file.parent, *packages_named_in(file)]).meshes
+    (package / "package.xml").write_text("<package/>")
+    assert read_urdf(file, [file.parent]).meshes == (package / "meshes" / "arm.obj",)
+
+
+@pytest.mark.parametrize(
+    "reference",
+    [
+        "package://arm_description/../secret.obj",
+        "package://home/secret.obj",
+        "../../secret.obj",
+        "package://arm_description/meshes/link.obj",
+    ],
+)
+def test_a_package_opens_no_folder_above_it(package: Path, reference: str) -> None:
+    (package / "package.xml").write_text("<package/>")
+    (package / "meshes" / "link.obj").symlink_to(package.parent / "secret.obj")
+    file = package / "urdf" / "arm.urdf"
+    file.write_text(ROBOT.format(reference))
+    with pytest.raises(FileError, match="TB402"):
+        read_urdf(file, [file.parent])
 
 
 @pytest.mark.parametrize(

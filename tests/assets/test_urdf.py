@@ -132,7 +132,6 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     ),
     "link without name": (with_more("<link/>"), codes.NAME),
     "long name": (changed('name="hand"', f'name="{"h" * 200}"'), codes.NAME),
-    "material without name": (changed('material name="red"/', "material/"), codes.NAME),
     "line break in name": (changed('name="hand"', 'name="ha&#10;nd"'), codes.NAME),
     "two roots": (with_more(LINK.format("stray")), codes.TREE),
     "two parents": (with_more(JOINT.format("x", "base", "hand")), codes.TREE),
@@ -315,6 +314,29 @@ def test_an_immovable_root_is_to_be_fixed(read: Reader, text: str, line: int) ->
     assert finding.location.line == line
     assert "write fixed: true" in finding.message
     assert read(text, fixed=True).warnings == ()
+
+
+@pytest.mark.parametrize("name", ["", 'name=""'])
+def test_materials_need_no_names_and_keep_their_colours(read: Reader, name: str) -> None:
+    text = changed('material name="red"/', f"material {name}/")
+    shape = '<geometry><box size="0.1 0.1 0.1"/></geometry>'
+    for rgba in ("0 1 0 1", "0 0 1 1"):
+        color = f'<material {name}><color rgba="{rgba}"/></material>'
+        text = text.replace("</visual>", f"</visual><visual>{shape}{color}</visual>", 1)
+    urdf = read(text)
+    assert urdf.warnings == ()
+    materials = [
+        m for link in urdf.tree.all("link") for v in link.all("visual") for m in v.all("material")
+    ]
+    assert len(materials) == 3
+    path = urdf.path.with_name("resolved.urdf")
+    path.write_text(resolved_text(urdf))
+    bullet = import_pybullet()
+    client = bullet.connect(bullet.DIRECT)
+    body = bullet.loadURDF(str(path))
+    colors = [data[7] for data in bullet.getVisualShapeData(body)]
+    bullet.disconnect(client)
+    assert {(0, 1, 0, 1), (0, 0, 1, 1)} <= set(colors)
 
 
 def test_what_belongs_to_other_programs_is_left_out_in_silence(read: Reader) -> None:

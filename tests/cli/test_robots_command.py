@@ -63,6 +63,18 @@ def test_any_urdf_can_be_checked_by_its_path(run):
     assert Path("renders/physics.png").is_file()
 
 
+def test_a_urdf_of_a_ros_package_finds_its_meshes(run, tmp_path):
+    package = tmp_path / "made_description"
+    for name in ("urdf", "meshes"):
+        (package / name).mkdir(parents=True)
+    shutil.copy(Path(pybullet_data_folder()) / "cube.obj", package / "meshes" / "cube.obj")
+    mesh = '<geometry><mesh filename="package://made_description/meshes/cube.obj"/></geometry>'
+    text = f'<robot name="made"><link name="a"><collision>{mesh}</collision></link></robot>'
+    (package / "urdf" / "made.urdf").write_text(text)
+    ran = run("robots", "check", str(package / "urdf" / "made.urdf"), "--json")
+    assert (ran.data["ok"], ran.data["findings"]) == (True, [])
+
+
 def own_robot(folder, name):
     """A robot file, and a URDF, of a folder's own; by its name it may be one of the library."""
     entry = Catalogue.discover().robots["ur5e"]
