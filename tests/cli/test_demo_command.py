@@ -38,6 +38,17 @@ def test_the_expert_plays_and_is_shown(run):
     assert cv2.imread(files[1]).shape == (550, 990, 3)
 
 
+def test_what_is_doubtful_about_the_task_is_told_first(run, good):
+    task = Path("good.yaml")
+    brick = "    brick: {shape: {urdf: package://pybullet_data/lego/lego.urdf}, position: [2, 0, 0.02]}\n"
+    task.write_text(task.read_text().replace("  objects:\n", f"  objects:\n{brick}", 1))
+    ran = run("demo", "good.yaml", "--episodes", "1", *RANDOM, "--json")
+    (line,) = ran.err.splitlines()
+    assert "lego.urdf:13:8: warning[TB422] link legobrick: " in line
+    assert "write <inertia " in line
+    assert ran.data["task"] == "good"
+
+
 def test_json_has_the_shape_that_others_rely_on(run, good):
     ran = run("demo", "good.yaml", "--episodes", "2", *RANDOM, "--json")
     assert (ran.status, ran.err) == (1, "")

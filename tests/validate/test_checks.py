@@ -119,6 +119,15 @@ def test_an_implausible_mass_is_a_warning_and_fails_nothing(mass, validate):
     assert (finding.code, finding.severity) == ("TB308", "warning")
 
 
+def test_a_placeholder_of_an_inertia_is_a_warning_and_the_factor_is_measured(validate):
+    brick = "    brick: {shape: {urdf: package://pybullet_data/lego/lego.urdf}, position: [2, 0, 0.012]}"
+    report = validate(("  sites:\n", f"{brick}\n  sites:\n"), only=("build",))
+    (finding,) = [finding for finding in report.findings if finding.code == "TB422"]
+    (check,) = [c for family in report.families for c in family.checks if c.code == "TB422"]
+    assert finding.severity == "warning"
+    assert check.value == pytest.approx(77_270, rel=1e-3)
+
+
 def test_bodies_that_overlap_are_told_before_the_physics_throws_them_apart(validate):
     table = "    table: {shape: {box: [1, 1, 0.4]}, fixed: true, position: [0, 0, 0.2]}\n"
     report = validate(("  sites:\n", f"{table}  sites:\n"), (CUBE, "position: [2, 0, 0.02]"))
