@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from taskbuilder.description.check import check_description
 from taskbuilder.description.description import Description, with_members
@@ -28,13 +30,22 @@ class Task:
 
     Attributes:
         file: The contents of the YAML file, with the robots and assets that it uses.
-        description: The description class.
+        declared: The description class of the Python file.
         warnings: Findings that do not prevent the use of the task.
     """
 
     file: TaskFile
-    description: type[Description]
+    declared: type[Description]
     warnings: tuple[Finding, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Without the description: where it is made for the groups of a scene, no module has it.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def description(self) -> type[Description]:
+        """The description class, with the groups of the scene written out, member by member."""
+        return with_members(self.declared, self.file.names)
 
     @property
     def name(self) -> str:
@@ -106,8 +117,8 @@ def load_task(
         if file is not None and not any(finding.severity == "error" for finding in findings):
             file = with_robots(file, other_robots(robots or {}), catalogue)
             file = with_grasp(file, grasp)
-            description = with_members(description, file.names)
-            about = things_named(description, file.spec.instructions, file.names)
+            full = with_members(description, file.names)
+            about = things_named(full, file.spec.instructions, file.names)
             return Task(replace(file, named=about), description, tuple(findings))
     raise FileError(findings)
 

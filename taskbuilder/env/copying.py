@@ -1,8 +1,9 @@
 """Copies of environments, which build a world of their own and replay the episode so far.
 
-A copy that shared the physics would move the original, and a forked process cannot step the
-physics of its parent. So a copy is made from the task, the options and a saved state, whose actions
-are played again. If these do not lead to the current state, copying is refused.
+A copy that shared the physics would move the original. So a copy is made from the task, the
+options and a saved state, whose actions are played again. If these do not lead to the current
+state, copying is refused. A forked process may not step the physics of its parent, but it may copy
+an environment of its parent, as SuperSuit's processes do.
 """
 
 from __future__ import annotations
@@ -63,7 +64,8 @@ def _state(env: Copyable) -> EpisodeState | None:
         UsageError: The environment is closed, or its physics diverged.
     """
     episode = env.episode
-    episode.check_usable()
+    if episode.closed:
+        raise UsageError("this environment is closed; make another")
     if episode.exploded:
         raise UsageError("an environment whose physics diverged; reset it first")
     return episode.save(snapshot=False) if episode.begun else None

@@ -87,6 +87,16 @@ class Course(Single):
         return self._worlds[self.variation]
 
     @property
+    def standing(self) -> World:
+        """The world as it stands, which a forked process may read, too.
+
+        Raises:
+            UsageError: The environment was closed.
+        """
+        self._check_open()
+        return self._worlds[self.variation]
+
+    @property
     def closed(self) -> bool:
         """Whether it was closed."""
         return self._closed
@@ -97,11 +107,14 @@ class Course(Single):
         Raises:
             UsageError: It cannot be used here.
         """
-        if self._closed:
-            raise UsageError("this environment is closed; make another")
+        self._check_open()
         if Lineage.forks != self._forks:
             what = "this environment is used in another process than the one that made it"
             raise UsageError(f"{what}; make one there")
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise UsageError("this environment is closed; make another")
 
     def meter(self, pairs: Sequence[Pair]) -> None:
         """Also measure the contact forces between these pairs of bodies."""

@@ -68,6 +68,11 @@ class Episode(Single):
         """
         return self._course.world
 
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._course.closed
+
     def check_usable(self) -> None:
         """Check that the environment is open, and was made in this process.
 
@@ -268,7 +273,8 @@ class Episode(Single):
             snapshot: Whether to take a snapshot of the physics engine, where it is of use.
 
         Raises:
-            UsageError: There was no reset yet, or the physics diverged.
+            UsageError: There was no reset yet, or the physics diverged; or a snapshot is to be
+                taken in a forked process.
         """
         if self._course.closed or self.exploded or not self.begun:
             raise UsageError("there is no state to save; reset first")
@@ -287,7 +293,7 @@ class Episode(Single):
             over=self.over,
             noise=self.noise_rng.bit_generator.state,
             waiting=dict(course.waiting),
-            fingerprint=fingerprint(course.world),
+            fingerprint=fingerprint(course.standing),
             snapshot=snapshot_of(course.world) if snapshot else None,
         )
 

@@ -82,7 +82,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         self.possible_agents = list(task.agents)
         self.agents: list[str] = []
         self._observer = Observer(task, options, self.episode.world)
-        self._seeds = np.random.default_rng()
+        self._generator: np.random.Generator | None = None
         self._last: Observations = {}
         self._noise: Mapping[str, Any] = {}  # of the generator before the last look
 
@@ -166,6 +166,13 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
 
     # --- stepping
 
+    @property
+    def _seeds(self) -> np.random.Generator:
+        """Draws the seeds of episodes; made when first needed, as unseeded copies share none."""
+        if self._generator is None:
+            self._generator = np.random.default_rng()
+        return self._generator
+
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, Infos]:
@@ -183,7 +190,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         """
         del options
         if seed is not None:
-            self._seeds = np.random.default_rng(seed)
+            self._generator = np.random.default_rng(seed)
         self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
         self.agents = list(self.possible_agents)
         words = {"instruction": self.task_description}

@@ -61,16 +61,17 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
 
     Attributes:
         num_envs: Number of environments.
+        config: Their task, their options and how each is wrapped.
     """
 
-    def __init__(
-        self, signature: Signature, backend: Backend, num_envs: int, mode: AutoresetMode, name: str
-    ) -> None:
+    def __init__(self, config: WorkerConfig, backend: Backend, mode: AutoresetMode) -> None:
         self._finalizer = weakref.finalize(self, backend.close)
-        self.num_envs = num_envs
-        self.metadata = {"name": f"{name}_v0", "render_modes": [], "autoreset_mode": mode}
+        self.config = config
+        self.num_envs = num_envs = config.num_envs
+        name = f"{config.task.name}_v0"
+        self.metadata = {"name": name, "render_modes": [], "autoreset_mode": mode}
         self._same_step = mode is AutoresetMode.SAME_STEP
-        self._signature = signature
+        self._signature = signature = config.signature
         self._backend = backend
         self._buffers = backend.buffers
         # What was returned last. Workers may die while they write to buffers that they share.
@@ -338,7 +339,7 @@ def make_vec(
         if workers
         else InProcess(config)
     )
-    return TaskVectorEnv(signature, backend, num_envs, mode, loaded.name)
+    return TaskVectorEnv(config, backend, mode)
 
 
 def _signature(task: Task, options: Options, wrap: Wrap) -> Signature:

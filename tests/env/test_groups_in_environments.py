@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import pickle
+from contextlib import closing
+
 import numpy as np
 import pytest
 from env_tasks import arm, moment, physical, play, random_actions
 
+from taskbuilder import make_vec
+from taskbuilder.env.infos import make_info
 from taskbuilder.schema.dump import as_yaml
 from taskbuilder.task import load_task
 
@@ -68,6 +73,21 @@ def test_a_reward_counts_the_members(group):
     env.episode.world.refresh()
     _, rewards, *_ = env.step(random_actions(env, 0, 1)[0])
     assert rewards["arm"] == pytest.approx(1.0)
+
+
+def test_a_copy_and_a_worker_judge_the_same(group):
+    env = group()
+    actions = random_actions(env, 3, 4)
+    with (
+        closing(pickle.loads(pickle.dumps(env))) as other,
+        closing(make_vec(env.task, 1, workers=1)) as vec,
+    ):
+        for each in (env, other, vec):
+            each.reset(seed=3)
+        assert play(other, actions) == play(env, actions)
+        for action in actions:
+            _, _, _, _, infos = vec.step({agent: a[None] for agent, a in action.items()})
+        assert {key: infos[key][0] for key in env.info_keys} == make_info(env.episode)
 
 
 def test_a_saved_state_goes_on_as_it_went(group):

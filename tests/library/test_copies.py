@@ -1,0 +1,54 @@
+"""Every task of the library: what a copy of it plays, and a worker, to the bit."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from taskbuilder import catalogue, make_vec, parallel_env
+
+TASKS = sorted(name for name, entry in catalogue().tasks.items() if entry.trusted)
+SEED = 3
+COPIES = {"deepcopy": copy.deepcopy, "pickle": lambda env: pickle.loads(pickle.dumps(env))}
+
+
+def draw(env, number):
+    """Random actions for a number of steps."""
+    rng = np.random.default_rng(number)
+    sizes = {agent: env.action_space(agent).shape for agent in env.possible_agents}
+    return [
+        {agent: rng.uniform(-1, 1, size).astype(np.float32) for agent, size in sizes.items()}
+        for _ in range(number)
+    ]
+
+
+def told(seen, rewards, state):
+    """What agents see and are paid, and the state, as bytes."""
+    parts = [*seen.values(), *map(np.float64, rewards.values()), state]
+    return [np.asarray(part).tobytes() for part in parts]
+
+
+def play(env, actions):
+    steps = ((env.step(action), env) for action in actions)
+    return [told(seen, rewards, env.state()) for (seen, rewards, *_), env in steps]
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_copy_and_a_worker_play_the_same(name):
+    with closing(parallel_env(name)) as env, closing(make_vec(name, 1, workers=1)) as vec:
+        env.reset(seed=SEED)
+        vec.reset(seed=SEED)
+        before, after = draw(env, 2), draw(env, 3)
+        played = play(env, before)
+        copies = {way: make(env) for way, make in COPIES.items()}
+        played += play(env, after)
+        for way, other in copies.items():
+            with closing(other):
+                assert other.task.description.success == env.task.description.success, way
+                assert play(other, after) == played[2:], way
+        rows = [{agent: a[None] for agent, a in action.items()} for action in before + after]
+        assert play(vec, rows) == played
