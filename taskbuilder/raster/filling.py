@@ -14,8 +14,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taskbuilder.raster.kernels import kernel
 
 Array = NDArray[Any]
 
@@ -23,7 +24,7 @@ _HAIR = 1e-6
 """Width in pixels by which triangles overlap, so that no pixel between two of them stays empty."""
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def place(links: Array, link_of: Array, local: Array) -> Array:
     """Poses of shapes in the world.
 
@@ -63,7 +64,7 @@ def place(links: Array, link_of: Array, local: Array) -> Array:
     return made
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def draw(
     shapes: Array,
     spans: Array,
@@ -149,7 +150,7 @@ def draw(
                 _clip(scratch, a, b, c, lens, s, keys, ids, shades)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _is_out(
     m: Array,
     ball: Array,
@@ -187,7 +188,7 @@ def _is_out(
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _clip(
     scratch: Array,
     a: int,
@@ -230,7 +231,7 @@ def _clip(
         _fill(kept, 0, 2, 3, s, keys, ids, shades)
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _project(corner: Array, focal: float, across: float, down: float, made: Array) -> None:
     inverse = 1.0 / corner[2]
     made[0] = across + focal * corner[0] * inverse
@@ -240,7 +241,7 @@ def _project(corner: Array, focal: float, across: float, down: float, made: Arra
     made[4] = corner[2]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _is_seen(corners: Array, a: int, b: int, c: int, width: int, height: int) -> bool:
     """Whether a triangle faces the camera, and may cover the centre of a pixel."""
     xa, ya, xb, yb = corners[a, 0], corners[a, 1], corners[b, 0], corners[b, 1]
@@ -256,7 +257,7 @@ def _is_seen(corners: Array, a: int, b: int, c: int, width: int, height: int) ->
     return bool(high_x >= 0.0 and high_y >= 0.0 and low_x <= width and low_y <= height)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _fill(
     corners: Array,
     a: int,
@@ -307,7 +308,7 @@ def _fill(
             shade += shade_x
 
 
-@njit(cache=True, nogil=True, inline="always", error_model="numpy")
+@kernel(inline="always", error_model="numpy")
 def _bounded(
     begin: float, end: float, x0: float, y0: float, x1: float, y1: float, y: float
 ) -> tuple[float, float]:

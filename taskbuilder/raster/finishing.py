@@ -9,13 +9,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taskbuilder.raster.kernels import kernel
 
 Array = NDArray[Any]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def resolve(
     keys: Array,
     ids: Array,
@@ -54,7 +55,7 @@ def resolve(
                     rgb[row, column, channel] = np.uint8(min(255.0, value))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def blend(
     keys: Array, over_keys: Array, over_shades: Array, color: Array, opacity: float, rgb: Array
 ) -> None:
@@ -72,7 +73,7 @@ def blend(
                     )
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def darken(
     keys: Array,
     ids: Array,
@@ -135,7 +136,7 @@ def darken(
             shades[row, column] = ambient + (shades[row, column] - ambient) * left_over
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def seen_point(
     row: int, column: int, key: float, lens: Array, world: Array
 ) -> tuple[float, float, float, float]:
@@ -159,6 +160,6 @@ def seen_point(
     )
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _along(view: Array, axis: int, x: float, y: float, z: float) -> float:
     return float(view[axis, 0] * x + view[axis, 1] * y + view[axis, 2] * z + view[axis, 3])

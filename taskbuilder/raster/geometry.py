@@ -6,13 +6,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from taskbuilder.raster.kernels import kernel
 
 Array = NDArray[Any]
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def crease_normals(points: Array, triangles: Array, cosine: float) -> Array:
     """Normals at the corners of triangles: the mean over faces around a point that meet smoothly.
 
@@ -58,7 +59,7 @@ def crease_normals(points: Array, triangles: Array, cosine: float) -> Array:
     return normals
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def nearest(points: Array, others: Array) -> Array:
     """The nearest of other points to each point: (p,) of (p, 3) and (o, 3)."""
     order = np.argsort(others[:, 0])

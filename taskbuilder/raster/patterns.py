@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from taskbuilder.raster.finishing import seen_point
+from taskbuilder.raster.kernels import kernel
 
 Array = NDArray[Any]
 
@@ -46,7 +46,7 @@ class Pattern:
         return (KINDS.index(self.kind), self.period, math.cos(self.angle), math.sin(self.angle))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def paint(
     keys: Array,
     ids: Array,
@@ -96,7 +96,7 @@ def paint(
                 rgb[row, column, channel] = np.uint8(min(255.0, value))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _share(kind: int, u: float, v: float, w: float, blur: float) -> float:
     """The share of the second colour, from 0 to 1, at a point given in periods."""
     if kind == 0:  # a third of a period keeps the faces of boxes out of the planes between checks
@@ -111,13 +111,13 @@ def _share(kind: int, u: float, v: float, w: float, blur: float) -> float:
     return min(1.0, max(0.0, 6.0 * (spots - 0.55)))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _sharp(wave: float, blur: float) -> float:
     """A step at the zeros of a sine, as wide as a pixel."""
     return min(1.0, max(0.0, 0.5 + wave / (2.0 * math.pi * blur)))
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _noise(x: float, y: float, z: float) -> float:
     """Value noise: random numbers on a grid, with smooth transitions between them; 0 to 1."""
     i, j, k = math.floor(x), math.floor(y), math.floor(z)
@@ -132,7 +132,7 @@ def _noise(x: float, y: float, z: float) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _hash(i: int, j: int, k: int) -> float:
     """A number from 0 to 1 for each point of the grid."""
     mixed = (i * 73856093) ^ (j * 19349663) ^ (k * 83492791)
