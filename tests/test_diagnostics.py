@@ -96,7 +96,8 @@ OF_FOLDERS = {"TB001", "TB008"}
 GATHERING = {"TB000", "TB100", "TB200", "TB300", "TB400"}
 OF_THE_ENVIRONMENT = {
     *("TB521", "TB522", "TB524", "TB527"),
-    *("TB571", "TB572", "TB573", "TB575", "TB576"),
+    *("TB571", "TB572", "TB573", "TB575", "TB576", "TB577", "TB578", "TB579"),
+    *("TB581", "TB582", "TB583", "TB584"),
 }
 OF_TASKBUILDER = {"TB317"}
 WITHOUT_A_VERDICT = {"TB561"}
@@ -105,6 +106,7 @@ FAMILIES = {
     "TB51": ("reach",),
     "TB52": ("contract",),
     "TB57": ("contract",),
+    "TB58": ("contract",),
     "TB53": ("solvable",),
     "TB534": (),
     "TB54": ("needs its robots",),

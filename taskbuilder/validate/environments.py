@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import gymnasium
-import numpy as np
 from gymnasium.utils.env_checker import check_env as gymnasium_check
-from pettingzoo.test import parallel_api_test
+from pettingzoo import AECEnv
+from pettingzoo.test import api_test, parallel_api_test
 
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.episode import Episode
+from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.errors import Finding, TaskbuilderError, UsageError, in_reading_order
 from taskbuilder.quiet import without_remarks
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.source import dotted
+from taskbuilder.validate.camera_pictures import wrong_with
+from taskbuilder.validate.comparing import Change, Compared, base_of, play_ends
 from taskbuilder.validate.observing import (
     Find,
     check_inside,
@@ -33,6 +37,9 @@ from taskbuilder.validate.observing import (
     watch,
 )
 from taskbuilder.validate.report import Check, Result
+from taskbuilder.validate.stages import SingleAgent, TurnBased
+from taskbuilder.validate.vectors import check_vector, single_of, vector_of
+from taskbuilder.wording import suggestion
 
 MOST_STEPS = 10_000
 """Control steps after which an episode of unknown length counts as endless."""
@@ -42,6 +49,12 @@ KEPT_BYTES = 100_000
 """How many resets there are to see what each of them keeps, and what none may keep."""
 
 CYCLES = 60
+
+LOOKED = 5
+"""Control steps after which `render` must give another picture."""
+
+AFTER_END = 2
+"""Steps of a vector environment after the end of its first episodes."""
 
 
 class ContractError(TaskbuilderError):
@@ -57,20 +70,30 @@ class ContractError(TaskbuilderError):
 
 
 def check_env(
-    env: Any, *, seeds: Sequence[int] = (0, 1), max_steps: int | None = None, raises: bool = True
+    env: Any,
+    *,
+    seeds: Sequence[int] = (0, 1),
+    max_steps: int | None = None,
+    changes: Collection[Change] = (),
+    raises: bool = True,
 ) -> tuple[Finding, ...]:
-    """Check that an environment has the properties that learning libraries rely on.
+    """Check that an environment does what learning libraries rely on, and what its task says.
 
     The environment may come from taskbuilder or from another package, and may have wrappers from
-    PettingZoo, SuperSuit or Gymnasium. `check_env` plays episodes with random actions. If these
-    episodes show no problem, `check_env` then runs PettingZoo's or Gymnasium's own tests. Reset the
-    environment before you use it again.
+    PettingZoo, SuperSuit or Gymnasium. `check_env` plays episodes with random actions. If
+    taskbuilder's environment is inside, found by the attribute ``unwrapped``, every step is
+    compared with its scene: observations, state and pictures, rewards, infos, terminations and
+    truncations, and what robots are told. If these episodes show no problem, `check_env` then runs
+    PettingZoo's or Gymnasium's own tests. Reset the environment before you use it again.
 
     Args:
-        env: A PettingZoo ParallelEnv, or a gymnasium.Env.
+        env: A PettingZoo ParallelEnv or AECEnv, a gymnasium.Env, or an environment of `make_vec`.
         seeds: Seeds of the episodes.
         max_steps: Number of control steps within which an episode must end; by default the length
             of the task's episodes, or 10,000 if this length is not known.
+        changes: What wrappers change on purpose, which is not compared with the scene:
+            ``observations``, ``rewards``, ``actions`` or ``ends``. Observations and actions in a
+            space of another shape are never compared.
         raises: Whether to raise an error if there are findings; otherwise, they are returned.
 
     Returns:
@@ -78,17 +101,47 @@ def check_env(
 
     Raises:
         ContractError: There are findings.
-        UsageError: ``env`` is neither a ParallelEnv nor a gymnasium.Env.
+        UsageError: ``env`` is nothing that can be checked, or ``changes`` has another word.
     """
-    stage = _as_parallel(env)
-    results = list(_checked(env, stage, tuple(dict.fromkeys(seeds)), max_steps))
+    for change in changes:
+        if change not in get_args(Change):
+            help_ = suggestion(change, get_args(Change), what="one of")
+            raise UsageError(f'changes has "{change}"; {help_}')
+    played = tuple(dict.fromkeys(seeds))
+    vec = vector_of(env)
+    if vec is not None:
+        results = list(_checked_vector(env, vec, played, max_steps, changes))
+    else:
+        results = list(_checked(env, _as_parallel(env), played, max_steps, changes))
     findings = tuple(finding for _, found in results for finding in found)
     if findings and raises:
         raise ContractError(findings)
     return findings
 
 
-def _checked(env: Any, stage: Any, seeds: Sequence[int], max_steps: int | None) -> Iterator[Result]:
+def _checked_vector(
+    env: Any,
+    vec: TaskVectorEnv,
+    seeds: Sequence[int],
+    max_steps: int | None,
+    changes: Collection[Change],
+) -> Iterator[Result]:
+    """First a single environment like those of the rows, and then the rows against such a one."""
+    with closing(single_of(vec)) as single:
+        results = list(_checked(single, single, seeds, max_steps, changes))
+        if all(check.ok for check, _ in results) and not changes:
+            steps = (max_steps or single.unwrapped.max_episode_steps) + AFTER_END
+            results.append(check_vector(_unplaced, env, single, seeds[0], steps))
+    yield from results
+
+
+def _checked(
+    env: Any,
+    stage: Any,
+    seeds: Sequence[int],
+    max_steps: int | None,
+    changes: Collection[Change],
+) -> Iterator[Result]:
     episode = episode_of(stage)
     most = max_steps or (episode.horizon if episode else MOST_STEPS)
     actions = list(_played(stage, seeds[0], most))
@@ -96,7 +149,12 @@ def _checked(env: Any, stage: Any, seeds: Sequence[int], max_steps: int | None) 
     yield ended
     if not ended[0].ok:
         return
-    views = watch(stage, seeds, actions)
+    base = base_of(stage)
+    known = isinstance(env, gymnasium.Env) or (
+        base and {*stage.possible_agents} <= {*base.task.agents}
+    )
+    compared = Compared(stage, base, changes=changes) if base and known else None
+    views = watch(compared or stage, seeds, actions)
     results = [
         check_spaces(_unplaced, stage),
         check_seen(_unplaced, views),
@@ -107,9 +165,18 @@ def _checked(env: Any, stage: Any, seeds: Sequence[int], max_steps: int | None) 
         check_own(_unplaced, views, ()),
         check_kept(_unplaced, stage),
     ]
+    if compared:
+        compared.go_on()
     if getattr(env, "render_mode", None) == "rgb_array":
-        env.reset(seed=seeds[0])
-        results.append(check_picture(_unplaced, env.render()))
+        if compared:
+            picture = compared.look(env, seeds[0], actions[:1] * LOOKED)
+        else:
+            env.reset(seed=seeds[0])
+            picture = env.render()
+        results.append(check_picture(_unplaced, picture))
+    if compared and all(check.ok for check, _ in results):
+        play_ends(compared, seeds[0], actions[:2])
+        results += compared.results(_unplaced)
     yield from results
     if all(check.ok for check, _ in results):
         yield _passes(env, len(actions))
@@ -151,21 +218,11 @@ def check_ended(find: Find, env: Any, steps: int) -> Result:
 def check_picture(find: Find, picture: Any) -> Result:
     """`render` returns a picture that is not blank."""
     found = []
-    wrong = _wrong_with(picture)
+    wrong = wrong_with(picture)
     if wrong:
         message = f"render gives {wrong}; a picture is (height, width, 3) of uint8"
         found = [find("TB571", message, "task")]
     return Check("TB571", "render gives pictures", not found, len(found), 0, "pictures"), found
-
-
-def _wrong_with(picture: Any) -> str:
-    if not isinstance(picture, np.ndarray):
-        return "nothing" if picture is None else type(picture).__name__
-    if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
-        return f"an array {picture.shape} of {picture.dtype}"
-    if (picture == picture[0, 0]).all():
-        return f"one colour, {'black' if not picture.any() else tuple(picture[0, 0].tolist())}"
-    return ""
 
 
 def check_kept(find: Find, env: Any) -> Result:
@@ -226,10 +283,14 @@ def _passes(env: Any, steps: int) -> Result:
     """The tests of PettingZoo or Gymnasium pass."""
     parallel = not isinstance(env, gymnasium.Env)
     code, name = ("TB521", "parallel_api_test") if parallel else ("TB523", "check_env")
+    if isinstance(env, AECEnv):
+        code, name = "TB522", "api_test"
     found = []
     try:
         with without_remarks():
-            if parallel:
+            if isinstance(env, AECEnv):
+                api_test(env, num_cycles=min(steps + 10, CYCLES))
+            elif parallel:
                 parallel_api_test(env, num_cycles=min(steps + 10, CYCLES))
             else:
                 gymnasium_check(env, skip_render_check=True)
@@ -239,43 +300,15 @@ def _passes(env: Any, steps: int) -> Result:
     return Check(code, f"{name} passes", not found, len(found), 0, "refusals"), found
 
 
-# --- one agent's environments
-
-
-class _SingleAgent:
-    """A Gymnasium environment as a multi-agent environment with one agent."""
-
-    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
-        self.unwrapped = env.unwrapped
-        self.possible_agents = ["agent"]
-        self.agents: list[str] = []
-        self._env = env
-
-    def reset(self, seed: int | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
-        seen, info = self._env.reset(seed=seed)
-        self.agents = ["agent"]
-        return {"agent": seen}, {"agent": info}
-
-    def step(self, actions: Mapping[str, Any]) -> tuple[dict[str, Any], ...]:
-        seen, reward, terminated, truncated, info = self._env.step(actions["agent"])
-        if terminated or truncated:
-            self.agents = []
-        return tuple({"agent": told} for told in (seen, reward, terminated, truncated, info))
-
-    def observation_space(self, _: str) -> Any:
-        return self._env.observation_space
-
-    def action_space(self, _: str) -> Any:
-        return self._env.action_space
-
-
 def _as_parallel(env: Any) -> Any:
     if isinstance(env, gymnasium.Env):
-        return _SingleAgent(env)
+        return SingleAgent(env)
+    if isinstance(env, AECEnv):
+        return TurnBased(env)
     needed = ("possible_agents", "reset", "step", "observation_space", "action_space")
-    if all(hasattr(env, name) for name in needed) and not hasattr(env, "agent_iter"):
+    if all(hasattr(env, name) for name in needed):
         return env
     raise UsageError(
-        f"{type(env).__name__} is neither a PettingZoo ParallelEnv nor a gymnasium.Env; check the "
-        "environment that it was made of"
+        f"{type(env).__name__} is neither a PettingZoo ParallelEnv or AECEnv, nor a gymnasium.Env, "
+        "nor of make_vec; check the environment that it was made of"
     )

@@ -8,7 +8,7 @@ the observations were wrong, which these tests would only report again.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
 from typing import Any
@@ -24,9 +24,17 @@ from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.quiet import without_remarks
 from taskbuilder.task import Task
+from taskbuilder.validate.checks.views import check_views, compare_turns
+from taskbuilder.validate.comparing import Compared, play_ends
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import SMALL, EnvCache, Start, at_work
-from taskbuilder.validate.environments import check_ended, check_kept, check_picture, regions
+from taskbuilder.validate.environments import (
+    LOOKED,
+    check_ended,
+    check_kept,
+    check_picture,
+    regions,
+)
 from taskbuilder.validate.locate import arose_in_description, finding_in_file
 from taskbuilder.validate.observing import (
     Find,
@@ -55,7 +63,9 @@ def contract_family(context: Context) -> FamilyResult:
     find = partial(finding_in_file, task)
     results = [_check_end(find, env)]
     if results[0][0].ok:
-        views = watch(env, range(min(context.seeds, EPISODES)), _actions(context, env))
+        actions = _actions(context, env)
+        compared = Compared(env, env)
+        views = watch(compared, range(min(context.seeds, EPISODES)), actions)
         blind = [agent for agent in task.agents if not sees_itself(task, agent)]
         results += [
             check_spaces(find, env),
@@ -68,13 +78,29 @@ def contract_family(context: Context) -> FamilyResult:
             check_kept(find, env),
         ]
         if task.file.scenes[0].cameras:
-            results.append(_check_render(find, env))
+            results.append(_check_render(find, compared, actions))
+    if all(check.ok for check, _ in results):
+        results += _compared(context, find, compared, actions)
     if all(check.ok for check, _ in results):
         results += context.spread(partial(at_work, _check_suite, context.source), SUITES)
     wrong = [check.name for check, _ in results if not check.ok]
     summary = f"not so: {', '.join(wrong)}" if wrong else f"{len(_TESTS)} API tests"
     findings = tuple(finding for _, found in results for finding in found)
     return FamilyResult("contract", tuple(check for check, _ in results), findings, summary)
+
+
+def _compared(
+    context: Context, find: Find, compared: Compared, actions: Sequence[Actions]
+) -> list[Result]:
+    """Compare all views of the environment with its scene."""
+    play_ends(compared, 0, actions[:1])
+    of_joint, of_rows = check_views(context.task, find)
+    compared.add(of_joint)
+    compared.add(compare_turns(context.cache, 0))
+    results = compared.results(find)
+    if all(check.ok for check, _ in results):  # else, the rows would only report it again
+        results.append(of_rows)
+    return results
 
 
 def _check_end(find: Find, env: TaskEnv) -> Result:
@@ -87,11 +113,12 @@ def _check_end(find: Find, env: TaskEnv) -> Result:
     return check_ended(find, env, env.episode.horizon)
 
 
-def _check_render(find: Find, env: TaskEnv) -> Result:
-    env.reset(seed=0)
+def _check_render(find: Find, compared: Compared, actions: Sequence[Actions]) -> Result:
+    env = compared.base
     mode, env.render_mode = env.render_mode, "rgb_array"
+    compared.go_on()
     try:
-        return check_picture(find, env.render())
+        return check_picture(find, compared.look(env, 0, [*actions[:1]] * LOOKED))
     finally:
         env.render_mode = mode
 

@@ -87,7 +87,7 @@ def make_page(
 def _made_apart(asked: tuple[str, TaskReport, Catalogue, OtherRobots, str]) -> Page:
     """A page, without the description, which only the process that imported it knows."""
     page = _made(*asked)
-    return replace(page, task=page.task and replace(page.task, description=Description))
+    return replace(page, task=page.task and replace(page.task, declared=Description))
 
 
 def _made(
