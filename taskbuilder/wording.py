@@ -44,6 +44,16 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c in "\n\t" else _escaped(c) for c in text)
 
 
+MOST_QUOTED = 200
+"""Characters of a stranger's text that a message shows at most."""
+
+
+def excerpt(text: object) -> str:
+    """The beginning of a text of somebody else's, on one line, as a message may quote it."""
+    line = printable(" ".join(str(text)[: 2 * MOST_QUOTED].split()))
+    return line if len(line) <= MOST_QUOTED else f"{line[: MOST_QUOTED - 1]}…"
+
+
 def _escaped(character: str) -> str:
     return character.encode("unicode_escape").decode()
 
