@@ -13,7 +13,7 @@ import math
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 from taskbuilder.errors import TaskbuilderError, display_path
 from taskbuilder.files import write_whole
+from taskbuilder.untrusted import parse_json, read_plain
+from taskbuilder.wording import excerpt
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -80,18 +82,23 @@ def read_arrays(
         OSError: It cannot be read.
     """
     name = display_path(path)
-    if largest is not None and path.stat().st_size > largest:
+    if largest is None:
+        return unpacked_arrays(path.read_bytes(), kind, name)
+    if path.stat().st_size > largest:
         raise StoreError(f"{name}: is larger than a {kind} may be ({largest >> 20} MiB)")
-    return unpacked_arrays(path.read_bytes(), kind, name)
+    return unpacked_arrays(read_plain(path, largest), kind, name, parse=parse_json)
 
 
-def unpacked_arrays(content: bytes, kind: str, name: str) -> tuple[Arrays, dict[str, Any]]:
+def unpacked_arrays(
+    content: bytes, kind: str, name: str, *, parse: Callable[[bytes], Any] = json.loads
+) -> tuple[Arrays, dict[str, Any]]:
     """The arrays and words of a file; see `read_arrays`.
 
     Args:
         content: What the file contains.
         kind: What its words must say it is.
         name: Its path, for messages.
+        parse: Reads its words.
 
     Raises:
         StoreError: It is cut off, changed, or another kind of file.
@@ -102,12 +109,14 @@ def unpacked_arrays(content: bytes, kind: str, name: str) -> tuple[Arrays, dict[
             arrays = {
                 part.removesuffix(".npy"): _array(file.read(part)) for part in file.namelist()
             }
-        about = json.loads(arrays.pop(_ABOUT).tobytes())
+        about = parse(arrays.pop(_ABOUT).tobytes())
     except _DAMAGED as error:
-        raise StoreError(f"{name}: is damaged, or no file of taskbuilder's ({error})") from None
+        raise StoreError(
+            f"{name}: is damaged, or no file of taskbuilder's ({excerpt(error)})"
+        ) from None
     found = about.get("kind") if isinstance(about, dict) else None
     if found != kind:
-        raise StoreError(f"{name}: is a {found or 'foreign file'}; a {kind} is needed")
+        raise StoreError(f"{name}: is a {excerpt(found or 'foreign file')}; a {kind} is needed")
     return arrays, about
 
 

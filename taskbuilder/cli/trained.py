@@ -14,6 +14,7 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.runs import named_task, task_of_run
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
+from taskbuilder.wording import excerpt
 
 _OBSERVED = {
     "scene": "the whole scene, more than the task file lists for each robot",
@@ -76,7 +77,11 @@ def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue) -> Path:
 
 
 def origin(about: Mapping[str, Any]) -> list[list[str]]:
-    """What a policy observes and how it was trained: rows of a word and a text."""
+    """What a policy observes and how it was trained: rows of a word and a text to print."""
+    return [[word, excerpt(text)] for word, text in _origin(about)]
+
+
+def _origin(about: Mapping[str, Any]) -> list[list[str]]:
     track = about.get("track")
     helped = _HELPED.get(str(track), "not known what helped")
     if about.get("starts") and track != "resets":

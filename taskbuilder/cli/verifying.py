@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.evaluated import DISTURBANCES, Evaluated, check_plays, evaluated, named_player
@@ -14,7 +14,7 @@ from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.digests import digest
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.evaluation import env_options
-from taskbuilder.learn.zoo import policy_file
+from taskbuilder.learn.zoo import LARGEST, POLICY_FILE, policy_file
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.schema.other_robots import OtherRobots, other_robots
 from taskbuilder.sources import digests_of_library, digests_of_task
@@ -25,11 +25,14 @@ from taskbuilder.trial.certificate import (
 )
 from taskbuilder.trial.verification import (
     Point,
+    compare_claims,
     compare_episodes,
     compare_files,
     compare_machines,
     compare_seals,
 )
+from taskbuilder.untrusted import place_within, read_plain
+from taskbuilder.wording import excerpt
 
 
 def verify(arguments: argparse.Namespace) -> int:
@@ -37,8 +40,9 @@ def verify(arguments: argparse.Namespace) -> int:
     file: Path = arguments.verify
     data = read_certificate(file)
     if not arguments.json:
-        print(paint(f"{data['task']} · {data['policy']}", "bold"))
-        print(f"  certificate of {len(data['seeds'])} episodes, made {data['made']}\n", flush=True)
+        print(paint(excerpt(f"{data['task']} · {data['policy']}"), "bold"))
+        made = f"certificate of {len(data['seeds'])} episodes, made {excerpt(data['made'])}"
+        print(f"  {made}\n", flush=True)
     points = list(_points(file, data, arguments))
     wrong = [point.about for point in points if point.decides and not point.same]
     if arguments.json:
@@ -56,9 +60,10 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
     name = _policy(arguments.policy or data["policy"], file, given=bool(arguments.policy))
     sealed = compare_seals(data)
     machines = compare_machines(data)
-    here: dict[str, Any] = {"library": digests_of_library()}
+    here: dict[str, Any] = {"library": digests_of_library(), "policy": {}}
     if named_player(name) is None:
-        here["policy"] = {data["policy"]: digest(policy_file(name).read_bytes())}
+        content = read_plain(policy_file(name), LARGEST)
+        here["policy"] = {data["policy"]: digest(content)}
     try:
         robots = asked_robots(arguments) or _robots(data, catalogue)
         found = _found(name, data, catalogue, robots, given=bool(arguments.policy))
@@ -76,12 +81,13 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
         files = compare_files(data, here)
         played = _unplayed(str(error))
     else:
-        played = compare_episodes(data, again)
+        claims = compare_claims(data, again, policy_given=bool(arguments.policy))
+        played = (claims, *compare_episodes(data, again))
     return [*files, *sealed, *machines, *played]
 
 
 def _unplayed(error: str) -> tuple[Point, ...]:
-    return (Point("episodes", (f"cannot be played: {error.splitlines()[0]}",)),)
+    return (Point("episodes", (f"cannot be played: {excerpt(error)}",)),)
 
 
 def _policy(name: str, certificate: Path, *, given: bool) -> str:
@@ -91,13 +97,15 @@ def _policy(name: str, certificate: Path, *, given: bool) -> str:
     """
     if given or name.startswith("zoo:") or named_player(name) is not None:
         return name
-    path = PurePosixPath(name)
-    file = certificate.resolve().parent / path
-    if path.is_absolute() or ".." in path.parts or not file.exists():
+    try:
+        file = place_within(certificate.resolve().parent, name)
+    except OSError:  # it leads to another folder, or is not there
         raise UsageError(
-            f"where is the policy {name}? Name its file: taskbuilder evaluate POLICY --verify "
-            f"{display_path(certificate)}"
-        )
+            f"where is the policy {excerpt(name)}? Name its file: taskbuilder evaluate POLICY "
+            f"--verify {display_path(certificate)}"
+        ) from None
+    if file.is_dir():
+        place_within(file, POLICY_FILE)
     return str(file)
 
 
@@ -111,7 +119,9 @@ def _robots(data: Mapping[str, Any], catalogue: Catalogue) -> OtherRobots:
     robots = other_robots(data["options"].get("robots", ()))
     for name, model in robots:
         if looks_like_path(model):
-            raise UsageError(f"where is the robot {model}? Name its file: --robot {name}=FILE")
+            raise UsageError(
+                f"where is the robot {excerpt(model)}? Name its file: --robot {name}=FILE"
+            )
         catalogue.robot(model, Path())
     return robots
 

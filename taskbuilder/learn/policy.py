@@ -122,10 +122,19 @@ class TrainedPolicy:
 
 
 def _layers(arrays: Mapping[str, Array], agent: str, count: int) -> tuple[tuple[Array, Array], ...]:
-    return tuple(
+    """The layers of an agent; broadcasting must not make of two arrays one of any size.
+
+    Raises:
+        ValueError: An array is no weight or no bias.
+    """
+    layers = tuple(
         (arrays[f"{agent}/{number}/weight"], arrays[f"{agent}/{number}/bias"])
         for number in range(count)
     )
+    for weight, bias in layers:
+        if weight.ndim != 2 or bias.shape != weight.shape[1:]:
+            raise ValueError(f"{agent} has a layer of shapes {weight.shape} and {bias.shape}")
+    return layers
 
 
 def folded(

@@ -17,10 +17,12 @@ from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.task import Task
 from taskbuilder.trial.arms import SUBJECT
 from taskbuilder.trial.results import Arms, as_data, record
+from taskbuilder.untrusted import parse_json, read_plain
+from taskbuilder.wording import excerpt
 
 KIND, FORMAT = "taskbuilder certificate", 1
 
-MOST_BYTES = 256 * 2**20
+MOST_BYTES = 32 << 20
 """Maximum size of a certificate in bytes."""
 
 _SECTIONS = (
@@ -110,19 +112,18 @@ def read_certificate(path: Path) -> dict[str, Any]:
 
     Raises:
         UsageError: It is damaged, not a certificate, or of another version.
-        OSError: It cannot be read.
+        OSError: It cannot be read, is too large, or is a device or a FIFO.
     """
     name = display_path(path)
-    if path.stat().st_size > MOST_BYTES:
-        raise UsageError(f"{name} is too large to be a certificate")
+    content = read_plain(path, MOST_BYTES)
     try:
-        data = json.loads(path.read_bytes())
-    except (ValueError, RecursionError) as error:
+        data = parse_json(content)
+    except ValueError as error:
         raise UsageError(f"{name} is damaged, or no certificate ({error})") from None
     if not isinstance(data, dict) or data.get("kind") != KIND:
         raise UsageError(f"{name} is no certificate; evaluate --certificate FILE writes one")
     if data.get("format") != FORMAT:
-        found = data.get("format")
+        found = excerpt(data.get("format"))
         raise UsageError(f"{name} has format {found}; this version reads {FORMAT}")
     if wrong := next(_misshapen(data), None):
         raise UsageError(f"{name} is damaged: {wrong}")
@@ -142,13 +143,20 @@ def _misshapen(data: Mapping[str, Any]) -> Iterator[str]:
         if not isinstance(data.get(name), shape):
             yield f"it has no {name}"
             return
-    if not data["seeds"] or not all(isinstance(seed, int) and seed >= 0 for seed in data["seeds"]):
+    known = {"kind", "format", "command", *shapes}
+    yield from (f"it has {excerpt(name)}, which no certificate has" for name in {*data} - known)
+    seeds, compared = data["seeds"], data["controls_seeds"]
+    if not seeds or not all(type(seed) is int and seed >= 0 for seed in seeds):
         yield "its seeds are no whole numbers"
+    if isinstance(compared, bool) or not 0 <= compared <= len(seeds):
+        yield f"controls_seeds is {compared}, and it has {len(seeds)} seeds"
     for name in ("library", "task", "policy"):
         if not isinstance(data["digests"].get(name), dict):
             yield f"it has no digests of the {name}"
     for name, listed in data["episodes"].items():
         if not isinstance(listed, list) or not all(isinstance(each, dict) for each in listed):
-            yield f"the episodes of {name} are no list of records"
-    if str(SUBJECT) not in data["episodes"]:
-        yield "it has no episodes"
+            yield f"the episodes of {excerpt(name)} are no list of records"
+        elif len(listed) > len(seeds):
+            yield f"it has {len(listed)} episodes of {excerpt(name)} and {len(seeds)} seeds"
+    if len(data["episodes"].get(str(SUBJECT), ())) != len(seeds):
+        yield "it does not have an episode for each seed"

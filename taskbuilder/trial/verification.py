@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from taskbuilder.digests import differences
+from taskbuilder.digests import differences, digest_of
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.trial.certificate import seals
+from taskbuilder.wording import excerpt
 
 MOST_NAMED = 5
 """Maximum number of files and episodes that are named; the rest is counted."""
@@ -20,7 +21,7 @@ class Point:
 
     Attributes:
         about: The subject: ``policy``, ``task``, ``library``, ``seeds``, ``certificate``,
-            ``versions``, ``processor``, ``system`` or ``episodes``.
+            ``versions``, ``processor``, ``system``, ``options``, ``episodes`` or ``results``.
         differs: The differences, in words; empty if there are none.
         decides: Whether a difference means that the certificate is not verified. Another machine
             may still give the same episodes bit for bit.
@@ -38,7 +39,7 @@ class Point:
     def __str__(self) -> str:
         if self.same:
             return "the same"
-        shown = ", ".join(self.differs[:MOST_NAMED])
+        shown = ", ".join(map(excerpt, self.differs[:MOST_NAMED]))
         more = len(self.differs) - MOST_NAMED
         return f"{shown} and {more} more" if more > 0 else shown
 
@@ -63,8 +64,11 @@ def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
     edited = [name for name, seal in now.items() if data["seals"].get(name) != seal]
     seeds = ["are not those that the certificate was made with"] if "seeds" in edited else []
     drawn = [each.get("seed") for each in data["episodes"]["policy"]]
+    first = data["seeds"][0]
     if not seeds and drawn != data["seeds"]:
         seeds = ["are not those of its episodes"]
+    elif not seeds and data["seeds"] != list(range(first, first + len(drawn))):
+        seeds = ["do not follow each other, as those of an evaluation do"]
     told = (f"{name} edited" for name in edited if name != "seeds")
     return Point("seeds", tuple(seeds)), Point("certificate", tuple(told))
 
@@ -85,6 +89,38 @@ def _changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
             yield f"{name} {now}, was {was}"
 
 
+def compare_claims(
+    data: Mapping[str, Any], again: Mapping[str, Any], *, policy_given: bool
+) -> Point:
+    """Compare what a certificate says of its trial with what was played.
+
+    An option that was left out of the trial, such as one that no environment has, would otherwise
+    be a claim that nobody has checked.
+
+    Args:
+        data: The certificate.
+        again: A certificate of the same trial, played on this machine.
+        policy_given: Whether the user has named the policy, whose path may then be another.
+    """
+    there, here = dict(data["options"]), dict(again["options"])
+    told = [
+        f"option {name} is {_short(here.get(name))} here, not {_short(there.get(name))}"
+        for name in dict.fromkeys((*there, *here))
+        if name not in there or name not in here or not _same(there[name], here[name])
+    ]
+    told += [
+        f"{name} is {_short(again[name])} here, not {_short(data[name])}"
+        for name in ("task", "controls_seeds", *(() if policy_given else ("policy",)))
+        if not _same(data[name], again[name])
+    ]
+    return Point("options", tuple(told))
+
+
+def _same(there: Any, here: Any) -> bool:
+    """Whether two values are the same in JSON, where true is not 1."""
+    return digest_of(there) == digest_of(here)
+
+
 def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple[Point, ...]:
     """Compare the replayed episodes with the certificate, bit for bit.
 
@@ -97,8 +133,10 @@ def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple
     results = [
         f"{name} is {_short(here.get(name))}, not {_short(there.get(name))}"
         for name in dict.fromkeys((*there, *here))
-        if name not in there or name not in here or here[name] != there[name]
+        if name not in there or name not in here or not _same(here[name], there[name])
     ]
+    if not results and not _same(data["results"], again["results"]):
+        results = ["are named otherwise"]  # "a.b" may be one name, or two
     return Point("episodes", tuple(told)), Point("results", tuple(results))
 
 
@@ -113,7 +151,7 @@ def _episodes(
         if len(there[arm]) != len(here[arm]):
             yield f"{arm} has {len(here[arm])} episodes, not {len(there[arm])}"
         for said, found in zip(there[arm], here[arm], strict=False):
-            wrong = [name for name in found if said.get(name) != found[name]]
+            wrong = [n for n in found if n not in said or not _same(said[n], found[n])]
             wrong += [name for name in said if name not in found]
             if wrong:
                 yield f"{arm}, seed {found['seed']}: {' and '.join(wrong)}"
