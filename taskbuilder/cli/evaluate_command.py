@@ -16,7 +16,7 @@ from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
-from taskbuilder.cli.trained import origin
+from taskbuilder.cli.trained import origin, trusts
 from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.cli.verifying import verify
 from taskbuilder.errors import UsageError, display_path
@@ -100,13 +100,16 @@ def _found(arguments: argparse.Namespace, variation: int | str | None) -> Evalua
     """Who is evaluated where, checked."""
     asked = (arguments.noise, randomized(arguments.randomize))
     disturbances = {n: value for n, value in zip(DISTURBANCES, asked, strict=True) if value}
+    catalogue = catalogue_of(arguments)
+    arguments.trust = trusts(arguments, arguments.policy, catalogue)  # and does not ask again
     found = evaluated(
         arguments.policy,
-        catalogue_of(arguments),
+        catalogue,
         variation=variation,
         disturbances=disturbances,
         robots=asked_robots(arguments),
         grasp=arguments.grasp,
+        trust=arguments.trust,
     )
     _check(found, arguments)
     return found

@@ -80,6 +80,7 @@ def evaluated(
     disturbances: Mapping[str, Any] | None = None,
     robots: OtherRobots = (),
     grasp: str | None = None,
+    trust: bool = False,
 ) -> Evaluated:
     """Find who is evaluated and where; refuses what cannot play before anything is played.
 
@@ -93,6 +94,7 @@ def evaluated(
         disturbances: Other options of the environment, which training does not decide.
         robots: Other models for robots of the scene, in place of those in ``options``.
         grasp: The rule of grasping, even if training had another; by default that of training.
+        trust: Whether the task at a path that a run records may be run.
 
     Raises:
         UnknownNameError: There is no such policy or task.
@@ -112,7 +114,7 @@ def evaluated(
         chosen |= player.options
     else:
         player, file = load_policy(name), policy_file(name)
-        reference = task or str(task_of(name, player, catalogue))
+        reference = task or str(task_of(name, player, catalogue, trust=trust))
         chosen = options_of(player)
     chosen = {**(options if options is not None else chosen), **(disturbances or {})}
     if variation is not None:

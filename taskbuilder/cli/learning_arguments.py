@@ -16,6 +16,7 @@ from taskbuilder.cli.shared_options import (
     add_randomize,
     add_ray,
     add_renderer,
+    add_trust,
 )
 from taskbuilder.learn.algorithms import ALGORITHMS
 
@@ -43,6 +44,7 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--resume", type=Path, metavar="RUN", help="continue the run in this folder"
     )
+    add_trust(parser, "--resume: ")
     parser.add_argument(
         "--out", type=Path, metavar="RUN", help="folder of the run (default runs/TASK-TRACK-SEED)"
     )
@@ -280,6 +282,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         action="store_true",
         help="film the best, a median and a failed episode, as MP4 and GIF",
     )
+    add_trust(parser, "")
     add_picture(parser, cameras="the first camera of the scene", of="a film")
     add_renderer(parser)
     add_json(parser)

@@ -138,3 +138,13 @@ def add_show(parser: ArgumentParser) -> None:
         help="annotations to draw over the pictures: one or more of frames, grasps, sites, "
         "regions, cameras, reach (the area that each arm reaches)",
     )
+
+
+def add_trust(parser: ArgumentParser, when: str) -> None:
+    """--trust, for the tasks of runs."""
+    parser.add_argument(
+        "--trust",
+        action="store_true",
+        help=f"{when}run the task at the path that the run records, if it is not in the catalogue; "
+        "a task is a program, so read it first if the run is somebody else's",
+    )

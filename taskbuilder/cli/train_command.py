@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from taskbuilder.cli.output import paint, progress, say
 from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, make_folder
+from taskbuilder.cli.trained import trusts
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, reference_of
@@ -31,7 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.resume:
         _check_alone(arguments)
         catalogue = catalogue_of(arguments)
-        plan, task = runs.find(arguments.resume, catalogue)
+        trust = trusts(arguments, arguments.resume, catalogue)
+        plan, task = runs.find(arguments.resume, catalogue, trust=trust)
         with runs.locked(arguments.resume, new=False):
             _go_on(arguments.resume, plan, task)
         return 0
@@ -72,7 +74,7 @@ def _train_one(arguments: argparse.Namespace) -> None:
     catalogue = catalogue_of(arguments)
     folder: Path = arguments.out
     if (folder / RUN_FILE).exists():
-        plan, task = runs.find(folder, catalogue)
+        plan, task = runs.find(folder, catalogue, trust=True)  # this command has begun it
         with runs.locked(folder, new=False):
             _go_on(folder, plan, task)
         return

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.output import can_ask, confirmed
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.expert.named import POLICIES
 from taskbuilder.learn.plan import RUN_FILE
 from taskbuilder.learn.policy import TrainedPolicy
-from taskbuilder.learn.runs import named_task, task_of_run
+from taskbuilder.learn.runs import named_task, task_of_run, task_to_trust
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 from taskbuilder.wording import excerpt
@@ -60,19 +62,37 @@ def is_trained(name: str) -> bool:
     return name.startswith("zoo:") or "/" in name or Path(name).exists()
 
 
-def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue) -> Path:
+def trusts(arguments: argparse.Namespace, run: str | Path | None, catalogue: Catalogue) -> bool:
+    """Whether the task of a run may be run: what --trust says, or who sits at the terminal.
+
+    Args:
+        arguments: The command line.
+        run: The folder of a run; what is none needs no trust.
+        catalogue: Where its task is looked up.
+    """
+    if arguments.trust or not can_ask() or not run or not (Path(run) / RUN_FILE).is_file():
+        return bool(arguments.trust)
+    file = task_to_trust(Path(run), catalogue)
+    return file is not None and confirmed(
+        f"The run is of the task {excerpt(file)}, which is not in the catalogue. It is a Python "
+        "program. Run it?"
+    )
+
+
+def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue, *, trust: bool) -> Path:
     """The file of the task that a policy is for; nothing is imported to find it.
 
     Args:
         name: Of the policy.
         policy: The same.
         catalogue: Where its task is looked up.
+        trust: Whether the task at a path that a run records may be run.
 
     Raises:
         UsageError: It is nowhere that the user has named.
     """
     if (Path(name) / RUN_FILE).is_file():
-        return task_of_run(Path(name), catalogue)
+        return task_of_run(Path(name), catalogue, trust=trust)
     return named_task(name, policy.about.get("task"), catalogue)
 
 

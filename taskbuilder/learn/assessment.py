@@ -37,6 +37,7 @@ def evaluate(
     task: str | Path | Task | None = None,
     first_seed: int = evaluation.SEED,
     jobs: int | None = None,
+    trust: bool = False,
     **options: Any,
 ) -> evaluation.EvaluationSummary:
     """Evaluate a policy without exploration, by default in episodes that training did not use.
@@ -47,6 +48,8 @@ def evaluate(
         task: The task to play; by default the task that the policy was trained on.
         first_seed: Seed of the first episode.
         jobs: Number of processes; by default one for each CPU core.
+        trust: Whether to run the task at the path that the folder of a run records, if the
+            catalogue does not have it. A task is a Python program.
         options: Options of the environment that differ from those used in training; see `Options`.
 
     Returns:
@@ -54,14 +57,14 @@ def evaluate(
 
     Raises:
         UsageError: The policy does not fit the task, its file does not exist, or the task that it
-            was trained on is not in the catalogue.
+            was trained on is not in the catalogue or not trusted.
         UnknownNameError: The zoo has no policy of this name, or ``task`` names an unknown task.
     """
     named = "the policy"
     if not isinstance(policy, TrainedPolicy):
         named = str(policy)
         if task is None and (Path(named) / RUN_FILE).is_file():
-            task = task_of_run(Path(named), Catalogue.discover())
+            task = task_of_run(Path(named), Catalogue.discover(), trust=trust)
         policy = load_policy(named)
     place = task
     if place is None:  # a file may come from anybody, so its task is only looked up by name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import io
 import math
 import zlib
 from collections.abc import Mapping
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 
 from taskbuilder.errors import TaskbuilderError, display_path
 from taskbuilder.learn.plan import Plan, load_plan
+from taskbuilder.untrusted import read_within
+from taskbuilder.wording import excerpt
 
 Column = NDArray[np.float64]
 Table = Mapping[str, Column]
@@ -52,6 +55,10 @@ class RunLog:
     updates: Table
 
 
+_LARGEST = 32 << 20
+"""Maximum size of a table in bytes, unpacked: hundreds of thousands of rows."""
+
+
 def read_run(folder: Path) -> RunLog:
     """Read a training run; its tables may be compressed, such as ``episodes.csv.gz``.
 
@@ -69,7 +76,7 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
     """Read a table; a table that does not exist yet has no rows."""
     packed = path.with_name(f"{path.name}.gz")
     if path.exists():
-        data = path.read_bytes()
+        data = read_within(path.parent, path.name, _LARGEST)
     elif packed.exists():
         path, data = packed, _unpacked(packed)
     else:
@@ -85,7 +92,7 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
         names = next(rows, list(needed))
         missing = [name for name in needed if name not in names]
         if missing:
-            has = ", ".join(names)
+            has = excerpt(", ".join(names))
             raise damaged(path, 1, f"has no column {missing[0]}; the columns are {has}")
         values = [_row(path, rows.line_num, row, names) for row in rows]
     except csv.Error as error:
@@ -97,10 +104,15 @@ def _read(path: Path, needed: tuple[str, ...]) -> Table:
 
 
 def _unpacked(path: Path) -> bytes:
+    content = read_within(path.parent, path.name, _LARGEST)
     try:
-        return gzip.decompress(path.read_bytes())
+        with gzip.open(io.BytesIO(content)) as file:
+            data = file.read(_LARGEST + 1)
     except (gzip.BadGzipFile, EOFError, zlib.error):
         raise LogError(f"{display_path(path)} is damaged, or not compressed with gzip") from None
+    if len(data) > _LARGEST:
+        raise LogError(f"{display_path(path)} has more than {_LARGEST >> 20} MiB when unpacked")
+    return data
 
 
 def _row(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
@@ -116,7 +128,7 @@ def _number(path: Path, line: int, name: str, word: str) -> float:
         value = None
     # Losses may be NaN if the learner diverged; other columns may not.
     if value is None or not (math.isfinite(value) or path.stem == "updates"):
-        raise damaged(path, line, f'{name} is "{word}", which is no number')
+        raise damaged(path, line, f'{excerpt(name)} is "{excerpt(word)}", which is no number')
     return value
 
 

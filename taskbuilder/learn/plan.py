@@ -18,12 +18,16 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.schema.grasping import GraspChoice
-from taskbuilder.wording import suggestion
+from taskbuilder.untrusted import parse_json, read_within
+from taskbuilder.wording import excerpt, suggestion
 
 FORMAT = 1
 """Version of the format of a run's folder; others are refused."""
 
 RUN_FILE = "run.json"
+
+_LARGEST = 1 << 20
+"""Maximum size of this file in bytes."""
 
 _LATER = (
     *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
@@ -331,7 +335,7 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
     if not file.is_file():
         raise UsageError(f"{name} is no training run; it has no {RUN_FILE}")
     try:
-        about = json.loads(file.read_text(encoding="utf-8"))
+        about = parse_json(read_within(folder, RUN_FILE, _LARGEST))
         found = about["format"]
         if found == FORMAT:
             later = {name: getattr(Plan, name) for name in _LATER if name not in about}
@@ -340,9 +344,9 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
             settings = {renamed(name): value for name, value in plan.settings.items()}
             plan = replace(plan, settings=settings)
     except (ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{display_path(file)} is damaged: {error}") from None
+        raise UsageError(f"{display_path(file)} is damaged: {excerpt(error)}") from None
     if found != FORMAT:
-        raise UsageError(f"{name} is a run of format {found}; this version reads {FORMAT}")
+        raise UsageError(f"{name} is a run of format {excerpt(found)}; this version reads {FORMAT}")
     plan.check()
     return plan, about
 

@@ -24,6 +24,8 @@ from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.schema.grasping import grasp_rules
 from taskbuilder.task import Task, load_task
+from taskbuilder.untrusted import names_within
+from taskbuilder.wording import excerpt
 
 START_EPISODES = 50
 """Expert episodes for start states, if the run has no demonstrations."""
@@ -88,19 +90,22 @@ def train(
     return TrainedRun(folder, made, load_policy(str(folder)))
 
 
-def resume(folder: str | Path, *, watch: Watch = lambda _: None) -> TrainedRun:
+def resume(folder: str | Path, *, watch: Watch = lambda _: None, trust: bool = False) -> TrainedRun:
     """Resume a training run from its newest checkpoint.
 
     Args:
         folder: Folder of the run.
         watch: Called with the status of the run after each step of all environments.
+        trust: Whether to run the task at the path that the run records, if the catalogue does not
+            have it. A task is a Python program.
 
     Raises:
-        UsageError: There is no run, its task has changed, or another process is training in it.
+        UsageError: There is no run, its task has changed or is not trusted, the folder has links,
+            or another process is training in it.
     """
     check_torch()
     path = Path(folder)
-    plan, task = find(path)
+    plan, task = find(path, trust=trust)
     with locked(path, new=False):
         go_on(path, plan, task, watch)
     return TrainedRun(path, plan, load_policy(str(path)))
@@ -230,14 +235,21 @@ def create(
     )
 
 
-def find(folder: Path, catalogue: Catalogue | None = None) -> tuple[Plan, Task]:
-    """The plan of a run, and its task if it has not changed.
+def find(
+    folder: Path, catalogue: Catalogue | None = None, *, trust: bool = False
+) -> tuple[Plan, Task]:
+    """The plan of a run that is to be resumed, and its task if it has not changed.
 
     Raises:
-        UsageError: There is no run, or the task's files or the data set have changed.
+        UsageError: There is no run, the task is not trusted, the task's files or the data set have
+            changed, or the folder has links, through which training would write to other files.
     """
     plan, about = load_plan(folder)
-    file = task_of_run(folder, catalogue or Catalogue.discover())
+    for name in names_within(folder):
+        if (folder / name).is_symlink():
+            where = display_path(folder / name)
+            raise UsageError(f"{where} is a link; put the file itself there to resume the run")
+    file = task_of_run(folder, catalogue or Catalogue.discover(), trust=trust)
     task = load_task(file, catalogue=catalogue)
     if about.get("digest") != _digest(task):
         raise UsageError(
@@ -249,29 +261,53 @@ def find(folder: Path, catalogue: Catalogue | None = None) -> tuple[Plan, Task]:
     return plan, task
 
 
-def task_of_run(folder: Path, catalogue: Catalogue) -> Path:
+def task_of_run(folder: Path, catalogue: Catalogue, *, trust: bool = False) -> Path:
     """Find the file of the task of a run, without importing anything.
-
-    A user who names the folder has trained there, so the recorded path of the task is trusted.
-    Paths into the folder itself and paths relative to the working directory are not trusted,
-    because a folder from somebody else could bring its own code.
 
     Args:
         folder: Folder of the run.
         catalogue: The catalogue in which the task is looked up by name, and by its file name.
+        trust: Whether the task at the path that the run records may be run.
 
     Raises:
-        UsageError: The task is not in a place that the user has named.
+        UsageError: The task is not in a place that the user has named, or is not trusted.
+    """
+    if (path := task_to_trust(folder, catalogue)) is not None:
+        if trust:
+            return path
+        raise UsageError(
+            f"{display_path(folder)} is of the task {excerpt(path)}, which is not in the catalogue "
+            "here. A task is a program: if it is yours, or you have read it, give --trust (in "
+            "Python: trust=True), or name its folder by --task-path"
+        )
+    task = load_plan(folder)[0].task
+    if task not in catalogue.tasks and looks_like_path(task):
+        task = Path(task).stem
+    return named_task(display_path(folder), task, catalogue)
+
+
+def task_to_trust(folder: Path, catalogue: Catalogue) -> Path | None:
+    """The file of the task of a run if it is not in the catalogue; None if the catalogue has it.
+
+    A run that somebody else has made may record any path. Relative paths and paths into the folder
+    of the run count for nothing, because the folder could bring its own code.
+
+    Args:
+        folder: Folder of the run.
+        catalogue: The catalogue, with the folders that the user has named.
+
+    Raises:
+        UsageError: There is no run.
     """
     task = load_plan(folder)[0].task
-    if task not in catalogue.tasks:
-        path = Path(task)
-        within = path.resolve().is_relative_to(folder.resolve())
-        if path.is_absolute() and path.is_file() and not within:
-            return path
-        if looks_like_path(task):
-            task = path.stem
-    return named_task(display_path(folder), task, catalogue)
+    path = Path(task)
+    if task in catalogue.tasks or "\0" in task or not path.is_absolute():
+        return None
+    path = path.resolve()  # /proc/self/cwd/task.yaml is a file of the working directory
+    if path.is_relative_to(folder.resolve()) or not path.is_file():
+        return None
+    known = {entry.file.resolve() for entry in catalogue.tasks.values()}
+    return None if path in known else path
 
 
 def named_task(name: str, task: object, catalogue: Catalogue) -> Path:

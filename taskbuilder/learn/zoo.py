@@ -95,4 +95,6 @@ def _file(name: str) -> Path:
         )
     if not (path / POLICY_FILE).is_file():
         raise UsageError(f"{display_path(path)} has no {POLICY_FILE}; it comes with an evaluation")
+    if (path / POLICY_FILE).is_symlink():
+        raise UsageError(f"{display_path(path / POLICY_FILE)} is a link; name the file itself")
     return path / POLICY_FILE

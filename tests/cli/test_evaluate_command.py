@@ -150,7 +150,8 @@ def test_a_run_is_measured_by_the_policy_in_its_folder(run, policy):
     folder = write_run(Path("runs/sideways-scratch-3"), task=task, steps=400, every=100)
     policy.rename(folder / "policy.npz")
     # The task is found where training found it, with no folder named.
-    ran = run("evaluate", "runs/sideways-scratch-3", "--episodes", "1", "--jobs", "1", "--out", "o")
+    words = ("--episodes", "1", "--jobs", "1", "--out", "o", "--trust")
+    ran = run("evaluate", "runs/sideways-scratch-3", *words)
     assert (ran.status, ran.err) == (0, "")
     assert ran.out.splitlines()[-1] == "o/sideways-scratch-3.json"
 

@@ -194,7 +194,7 @@ def test_a_task_that_has_changed_is_not_gone_on_with(run, tmp_path):
     words = ("train", "sideways.yaml", "--reward", "team", "--steps", "60", *SHORT, *TINY)
     assert run(*words, "--out", "mine").status == 0
     file.write_text(file.read_text().replace("0.45, 0.08", "0.45, 0.09"))
-    ran = run("train", "--resume", "mine")
+    ran = run("train", "--resume", "mine", "--trust")
     assert (ran.status, ran.out) == (2, "")
     assert "sideways has changed since this run began; train anew, or put its files back" in ran.err
 
@@ -270,5 +270,5 @@ def test_a_run_goes_on_from_any_folder(run, tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     for name in ("by-path", "by-name"):
-        ran = run("train", "--resume", f"../{name}")
+        ran = run("train", "--resume", f"../{name}", "--trust")
         assert (ran.status, ran.err) == (0, "")

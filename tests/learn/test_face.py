@@ -32,7 +32,7 @@ def test_a_run_is_begun_and_gone_on_with(tmp_path):
     run = train(task, out=tmp_path / "run", settings=TINY, **SHORT)
     assert run.plan.settings["hidden"] == (8,)
     assert set(run.policy.networks) == {"arm"}
-    again = resume(tmp_path / "run")
+    again = resume(tmp_path / "run", trust=True)
     assert again.policy.about == run.policy.about
     with pytest.raises(UsageError, match="is a training run already"):
         train(task, out=tmp_path / "run", settings=TINY, **SHORT)
