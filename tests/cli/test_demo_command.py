@@ -40,7 +40,8 @@ def test_the_expert_plays_and_is_shown(run):
 
 def test_what_is_doubtful_about_the_task_is_told_first(run, good):
     task = Path("good.yaml")
-    brick = "    brick: {shape: {urdf: package://pybullet_data/lego/lego.urdf}, position: [2, 0, 0.02]}\n"
+    shape = "{urdf: package://pybullet_data/lego/lego.urdf}"
+    brick = f"    brick: {{shape: {shape}, position: [2, 0, 0.02]}}\n"
     task.write_text(task.read_text().replace("  objects:\n", f"  objects:\n{brick}", 1))
     ran = run("demo", "good.yaml", "--episodes", "1", *RANDOM, "--json")
     (line,) = ran.err.splitlines()

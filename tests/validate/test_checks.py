@@ -120,7 +120,8 @@ def test_an_implausible_mass_is_a_warning_and_fails_nothing(mass, validate):
 
 
 def test_a_placeholder_of_an_inertia_is_a_warning_and_the_factor_is_measured(validate):
-    brick = "    brick: {shape: {urdf: package://pybullet_data/lego/lego.urdf}, position: [2, 0, 0.012]}"
+    shape = "{urdf: package://pybullet_data/lego/lego.urdf}"
+    brick = f"    brick: {{shape: {shape}, position: [2, 0, 0.012]}}"
     report = validate(("  sites:\n", f"{brick}\n  sites:\n"), only=("build",))
     (finding,) = [finding for finding in report.findings if finding.code == "TB422"]
     (check,) = [c for family in report.families for c in family.checks if c.code == "TB422"]
