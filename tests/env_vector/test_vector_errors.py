@@ -93,7 +93,7 @@ def test_workers_need_descriptions_that_can_be_imported(task_file):
         success = Near("ball", "left.tcp", within=0.1)
         reward = (Distance("reach", "left.tcp", "ball"),)
 
-    task = dataclasses.replace(load_task(task_file), description=Local)
+    task = dataclasses.replace(load_task(task_file), declared=Local)
     make_vec(task, 1).close()
     with pytest.raises(UsageError, match="at the top of a module"):
         make_vec(task, 1, 1)
