@@ -300,7 +300,14 @@ def report(
         "wrong": {
             name: counts.get(name, 0)
             for name in (
-                *("executed", "read elsewhere", "opened a socket", "started a program", "hung"),
+                *(
+                    "executed",
+                    "read elsewhere",
+                    "wrote elsewhere",
+                    "opened a socket",
+                    "started a program",
+                    "hung",
+                ),
                 *("memory", "showed a traceback", "exit 70", "died"),
             )
         },

@@ -48,7 +48,7 @@ class Call:
         said: The last line on standard error.
         seconds: Wall time.
         memory_mb: Largest resident size of its process.
-        executed, read: Canaries that were executed and read.
+        executed, read, wrote: Canaries that were executed, read and written to.
         started: Programs that it started.
         hung: Whether it had to be killed.
         socket: Whether it opened a socket for the internet.
@@ -62,6 +62,7 @@ class Call:
     memory_mb: float = 0.0
     executed: tuple[str, ...] = ()
     read: tuple[str, ...] = ()
+    wrote: tuple[str, ...] = ()
     started: tuple[str, ...] = ()
     hung: bool = False
     socket: bool = False
@@ -77,6 +78,7 @@ class Call:
         wrongs = {
             "executed": bool(self.executed),
             "read elsewhere": bool(self.read),
+            "wrote elsewhere": bool(self.wrote),
             "opened a socket": self.socket,
             "started a program": bool(self.started),
             "hung": self.hung,
@@ -139,22 +141,27 @@ class Watch:
         if not probe.socket:
             raise SystemExit("sockets cannot be watched here; they can on Linux on x86-64")
 
-    def call(self, words: Sequence[str]) -> Call:
-        """Run `taskbuilder` with some words in a process of its own."""
+    def call(self, words: Sequence[str], *, sockets: bool = False) -> Call:
+        """Run `taskbuilder` with some words in a process of its own.
+
+        Args:
+            words: The words.
+            sockets: Whether it may open sockets.
+        """
 
         def run(words: Sequence[str]) -> int:
             from taskbuilder.cli import main
 
             return main(words)
 
-        return self._forked(run, tuple(words))
+        return self._forked(run, tuple(words), sockets=sockets)
 
-    def _forked(self, run: Any, words: tuple[str, ...]) -> Call:
+    def _forked(self, run: Any, words: tuple[str, ...], *, sockets: bool = False) -> Call:
         out, begun = self.scratch / "out.txt", time.monotonic()
         with self._unread():
             child = os.fork()
             if not child:
-                _be_watched(run, words, out, self.scratch / "started.txt", self.scratch)
+                _be_watched(run, words, out, self.scratch, sockets=sockets)
             hung, status, usage = _wait(child, begun)
         text = out.read_bytes().decode(errors="replace")
         started = self.scratch / "started.txt"
@@ -171,6 +178,7 @@ class Watch:
             round(usage.ru_maxrss / 1024, 1),
             executed,
             self._read(),
+            tuple(s.name for s in self._secrets if s.stat().st_mtime != OLD),
             tuple(started.read_text().splitlines()) if started.exists() else (),
             hung,
             code == -signal.SIGSYS,
@@ -180,7 +188,7 @@ class Watch:
     @contextlib.contextmanager
     def _unread(self) -> Iterator[None]:
         for secret in self._secrets:
-            os.utime(secret, (OLD, time.time()))
+            os.utime(secret, (OLD, OLD))
         (self.scratch / "started.txt").unlink(missing_ok=True)
         yield
 
@@ -206,7 +214,7 @@ def _wait(child: int, begun: float) -> tuple[bool, int, resource.struct_rusage]:
     return True, status, usage
 
 
-def _be_watched(run: Any, words: Sequence[str], out: Path, started: Path, folder: Path) -> None:
+def _be_watched(run: Any, words: Sequence[str], out: Path, folder: Path, *, sockets: bool) -> None:
     """Be the child: run a command, and end with its status."""
     status = 99
     try:
@@ -217,9 +225,10 @@ def _be_watched(run: Any, words: Sequence[str], out: Path, started: Path, folder
         os.dup2(sink, 2)
         os.dup2(os.open(os.devnull, os.O_RDWR), 0)
         os.dup2(os.open(os.devnull, os.O_RDWR), 1)
-        note = os.open(started, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+        note = os.open(folder / "started.txt", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
         sys.addaudithook(lambda event, words: _note(note, event, words))
-        _forbid_sockets()
+        if not sockets:
+            _forbid_sockets()
         status = run(words)
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
