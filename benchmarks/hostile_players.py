@@ -203,6 +203,7 @@ def try_kind(
             trials.append(
                 {"name": name, "number": number, "wrong": wrong, "over": over} | vars(call)
             )
+    print(f"{kind}: {count} are done", flush=True)
     return trials
 
 

@@ -383,7 +383,7 @@ def test_a_run_whose_data_set_has_changed_is_not_resumed(recorded, tmp_path):
     data = shutil.copytree(recorded, tmp_path / "data")
     train(data=data, out=tmp_path / "run", **BC)
     manifest = json.loads((data / "manifest.json").read_text())
-    (data / "manifest.json").write_text(json.dumps({**manifest, "seal": "another"}))
+    (data / "manifest.json").write_text(json.dumps({**manifest, "seal": "0" * 64}))
     with pytest.raises(UsageError, match="has changed since this run began"):
         resume(tmp_path / "run")
 
