@@ -48,6 +48,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "processes",
             "arrays",
             "files",
+            "untrusted",
             *SIMULATED,
         ),
     ),
@@ -58,11 +59,12 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
     "trial": (
         *("learn", "expert", "rollout", "env", "sources", "machine", "digests", "files"),
+        "untrusted",
         *SIMULATED,
     ),
     "learn": (
         *("data", "visual", "expert", "rollout", "env", "jobs", "processes", "machine", "arrays"),
-        "files",
+        *("files", "untrusted"),
         *SIMULATED,
     ),
     "data": (
@@ -88,7 +90,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "processes": ("errors", "interpreters", "quiet"),
     "machine": ("digests", "engine"),
     "digests": (),
-    "arrays": ("files", *FOUNDATION),
+    "arrays": ("files", "untrusted", *FOUNDATION),
     "files": (),
     "untrusted": (),
     "diagnostics": (),

@@ -37,6 +37,7 @@ class SecondReferee:
         self._agents = tuple(agents)
         self._staged: Callable[[Outcome], Outcome] = _as_judged
         self._steps = 0
+        self._repeats = True
 
     def begin(self) -> None:
         """Begin an episode, after the reset of the environment."""
@@ -52,9 +53,25 @@ class SecondReferee:
             steps: Number of control steps in this episode.
         """
         self._steps = steps
-        self._outcome = self._staged(self._referee.judge(self._env.episode.world))
+        self._outcome = self._staged(self._judged())
         self._failed = self._failed or self._outcome.failure
         self._succeeded = self._succeeded or (self._outcome.success and not self._failed)
+
+    def _judged(self) -> Outcome:
+        """The outcome; notes whether the description gives the same when it is asked again.
+
+        A description that counts how often it is asked pays a second referee something else. That
+        is no fault of the environment, and TB504 is about it.
+        """
+        world, referee = self._env.episode.world, self._referee
+        memory = referee.memory
+        outcome = referee.judge(world)
+        if self._steps == 1:
+            after = referee.memory
+            referee.memory = memory
+            self._repeats = referee.judge(world) == outcome
+            referee.memory = after
+        return outcome
 
     @contextmanager
     def staged(self, *, success: bool, failure: bool) -> Iterator[None]:
@@ -85,6 +102,8 @@ class SecondReferee:
 
     def rewards(self, paid: Mapping[str, Any], infos: Mapping[str, Any]) -> Iterator[Difference]:
         """The rewards that are not what the description pays."""
+        if not self._repeats:
+            return
         for agent, expected in self._expected_rewards().items():
             given = paid.get(agent)
             if not isinstance(given, int | float | np.number) or not math.isfinite(given):
@@ -113,6 +132,8 @@ class SecondReferee:
 
     def infos(self, told: Mapping[str, Any]) -> Iterator[Difference]:
         """The infos that are missing, or not what the description says."""
+        if not self._repeats:
+            return
         expected = self._expected_infos()
         for agent in self._agents:
             given = told.get(agent, {})

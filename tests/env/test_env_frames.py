@@ -486,7 +486,7 @@ def test_the_frame_is_ones_own_in_every_variation(make):
     variations = set()
     for seed in range(8):
         env.reset(seed=seed)
-        variations.add(env.episode._variation)
+        variations.add(env.episode.variation)
         before = env.episode.world.pose("right.tcp").position
         forward = {"left": np.zeros(5), "right": np.array([1.0, 0.0, 0.0, 0.0, 0.0])}
         env.step(forward)

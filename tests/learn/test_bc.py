@@ -309,13 +309,21 @@ def test_every_episode_begins_without_chunks_of_the_one_before(trained, recorded
     assert all((first.actions[a] == again.actions[a]).all() for a in first.actions)
 
 
-@pytest.mark.parametrize("wrong", [{"length": 0}, {"every": 9}, {"decay": float("nan")}, {"x": 1}])
-def test_a_file_whose_chunks_cannot_be_executed_is_refused(wrong, tmp_path):
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        ({"length": 0}, "lacks parts of a policy"),
+        ({"every": 9}, "lacks parts of a policy"),
+        ({"decay": float("nan")}, "NaN is no number of JSON"),
+        ({"x": 1}, "lacks parts of a policy"),
+    ],
+)
+def test_a_file_whose_chunks_cannot_be_executed_is_refused(wrong, why, tmp_path):
     save_policy(tmp_path / "policy.npz", constant([0.0] * 4, ChunkExecution(4)))
     arrays, about = read_arrays(tmp_path / "policy.npz", "policy")
     about["chunks"] |= wrong
     write_arrays(tmp_path / "policy.npz", arrays, about)
-    with pytest.raises(StoreError, match="lacks parts of a policy"):
+    with pytest.raises(StoreError, match=why):
         load_policy(str(tmp_path / "policy.npz"))
 
 
