@@ -30,8 +30,8 @@ Change = Literal["observations", "rewards", "actions", "ends"]
 SPARE = 5
 """Control steps beyond the length of an episode that are compared before `Compared.go_on`."""
 
-ACTED = 6
-"""Control steps of an episode whose actions are compared with what robots are told."""
+ACTED, STATED = 6, 10
+"""Control steps of an episode whose actions are compared, and those whose state is."""
 
 PICTURED = 3
 """Steps whose observed pictures are compared with what cameras see."""
@@ -273,7 +273,7 @@ class Compared:
             for about, message in self._pictures.compare(agent, seen[agent], self._where()):
                 self._note("TB578", about, message)
         state = getattr(self.inner, "state", None)
-        if state is not None:
+        if state is not None and self._steps <= STATED:
             true_state = self._state.now(self._previous, self.base.state_names)
             space = self.base.state_space
             expected = np.clip(true_state, space.low, space.high)
