@@ -152,7 +152,7 @@ def test_an_import_that_hangs_is_a_finding_in_bounded_time(found, monkeypatch, t
     assert found(text, guarded=True)[0] == (
         "1:1: error[TB213] its import did not end within 0.5 s; a description only declares"
     )
-    assert time.monotonic() - begin < 10.0
+    assert time.monotonic() - begin < 120.0
 
 
 # True in the child process of a trial, and nowhere else.

@@ -89,4 +89,4 @@ def test_a_description_that_hangs_is_given_up(write, monkeypatch):
     (finding,) = [f for f in report.findings if f.code == "TB213"]
     assert str(finding.location.file).endswith("small.py")
     assert "did not end within 1.5 s" in finding.message
-    assert time.monotonic() - started < 15
+    assert time.monotonic() - started < 120
