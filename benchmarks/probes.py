@@ -17,7 +17,7 @@ should.
 The seeds of a task are played in order, and those that were already played are left out. So a run
 can be interrupted, and goes on where it was when it is started again.
 
-Writes benchmarks/results/probes.json after each task; delete the file to begin anew.
+Writes benchmarks/results/probes.json after each task; delete the file to start over.
 """
 
 from __future__ import annotations

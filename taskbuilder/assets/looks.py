@@ -31,7 +31,7 @@ class MeshLook:
 
 
 Redraw = Callable[[MeshLook], Sequence[MeshLook]]
-"""From a mesh in a URDF, with its colour or None, to what is looked at in its place."""
+"""Maps a mesh of a URDF, with its colour or None, to the meshes that are drawn in its place."""
 
 
 def with_looks(urdf: Urdf, redraw: Redraw, *, painted: bool = False) -> Urdf:
@@ -39,7 +39,7 @@ def with_looks(urdf: Urdf, redraw: Redraw, *, painted: bool = False) -> Urdf:
 
     Args:
         urdf: What was read.
-        redraw: Says what is looked at in place of each mesh.
+        redraw: Gives the meshes that are drawn in place of each mesh.
         painted: Whether visuals without a colour become white. Bullet's OpenGL renderer gives them
             colours of its own.
     """

@@ -83,7 +83,7 @@ def check_env(
     PettingZoo, SuperSuit or Gymnasium. `check_env` plays episodes with random actions. If
     taskbuilder's environment is inside, found by the attribute ``unwrapped``, every step is
     compared with its scene: observations, state and pictures, rewards, infos, terminations and
-    truncations, and what robots are told. If these episodes show no problem, `check_env` then runs
+    truncations, and motor commands. If these episodes show no problem, `check_env` then runs
     PettingZoo's or Gymnasium's own tests. Reset the environment before you use it again.
 
     Args:
