@@ -12,12 +12,12 @@ from xml.etree import ElementTree
 import pytest
 
 import taskbuilder
-from taskbuilder import jobs
+from taskbuilder.processes import cores
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.validate.report import TaskReport
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
-TASK_KEYS = {"task", "ok", "making", "findings", "checks", "measures", "probes"}
+TASK_KEYS = {"task", "ok", "making", "findings", "checks", "measures", "probes", "tracebacks"}
 FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path"}
 CHECK_KEYS = {"code", "family", "name", "ok", "value", "limit", "unit"}
 STATIC = ("validate", "--level", "static", "--format", "json")
@@ -56,8 +56,10 @@ def test_json_has_one_shape_for_one_task_and_for_many(run, good, broken):
     many = run(*STATIC, "good.yaml", "broken.yaml")
     assert (one.status, many.status) == (0, 1)
     assert (one.err, many.err) == ("", "")
-    assert set(one.data) == set(many.data) == {"version", "ok", "tasks"}
+    assert set(one.data) == set(many.data) == {"version", "ok", "complete", "tasks"}
     assert (one.data["ok"], many.data["ok"]) == (True, False)
+    assert one.data["complete"]
+    assert many.data["complete"]
     assert undated(one) == undated(many)[:1]
     for task in many.data["tasks"]:
         assert set(task) == TASK_KEYS
@@ -261,7 +263,7 @@ def asked(monkeypatch):
 def test_as_many_processes_as_cores_unless_asked_otherwise(run, good, asked):
     run("validate", "good.yaml")
     run("validate", "good.yaml", "--jobs", "3")
-    assert [call["jobs"] for call in asked] == [jobs.cores(), 3]
+    assert [call["jobs"] for call in asked] == [cores(), 3]
 
 
 @pytest.mark.parametrize(
