@@ -172,12 +172,12 @@ class Clearance:
         `SLACK_M` as pairs a little nearer.
         """
         self._place(posture)
-        found: dict[Key, ClosestPoint] = {}
+        closest: dict[Key, ClosestPoint] = {}
         for number, (one, other) in enumerate(self._pairs):
             for gap in gaps(one.body, other.body, CLEARANCE_M + SLACK_M):
                 key = _key(number, one, other, gap.link_a, gap.link_b)
-                found[key] = min(gap, found.get(key, gap), key=lambda gap: gap.distance)
-        return found
+                closest[key] = min(gap, closest.get(key, gap), key=lambda gap: gap.distance)
+        return closest
 
     def _place(self, posture: Posture) -> None:
         for name, joints in posture.joints.items():
@@ -193,12 +193,12 @@ class Clearance:
         return ClearanceViolation(*names, one.driver, gap.distance, advice)
 
     def _advice(self, other: _Solid, distance: float) -> str:
-        thing = self._collision_world.world.objects.get(other.name)
-        if thing is None or other.limbs or other.driver:
+        obj = self._collision_world.world.objects.get(other.name)
+        if obj is None or other.limbs or other.driver:
             return ""
         if distance >= 0.0:
             return f"; if the two may touch, write touching: [{other.name}]"
-        return "" if thing.spec.fixed else f"; to push it, write touching: [{other.name}]"
+        return "" if obj.spec.fixed else f"; to push it, write touching: [{other.name}]"
 
     def _drivers(self, key: Key) -> Iterator[str]:
         return (solid.driver for solid in self._pairs[key[0]] if solid.driver)
@@ -212,8 +212,8 @@ def _solids(collision_world: CollisionWorld, drivers: Mapping[str, str]) -> Iter
     world = collision_world.world
     for name, robot in world.robots.items():
         yield _Solid(name, robot.body, drivers.get(name, ""), True)
-    for name, thing in world.objects.items():
-        yield _Solid(name, thing.body, drivers.get(name, ""), False)
+    for name, obj in world.objects.items():
+        yield _Solid(name, obj.body, drivers.get(name, ""), False)
     if world.floor is not None:
         yield _Solid("floor", world.floor, "", False)
 

@@ -59,11 +59,11 @@ class CollisionWorld:
         Returns:
             The commanded joints of each arm.
         """
-        for name, thing in self.world.objects.items():
+        for name, obj in self.world.objects.items():
             original = live.objects[name].body
-            thing.body.place(original.pose())
-            if thing.joints:
-                pose_joints(thing.body, thing.joints, original.joint_states(thing.joints)[0])
+            obj.body.place(original.pose())
+            if obj.joints:
+                pose_joints(obj.body, obj.joints, original.joint_states(obj.joints)[0])
         commanded = {name: robot.commanded() for name, robot in live.robots.items()}
         for name, robot in self.world.robots.items():
             indices = self._moving[name]

@@ -43,7 +43,7 @@ def goal_of(space: Space, start: Waypoint, rng: np.random.Generator) -> Waypoint
     for part in space.parts:
         if isinstance(part, Carried):
             for name, aim in part.aims(part.end).items():
-                joints[name] = _solved(part.arms[name], aim, start.posture.joints[name], rng)
+                joints[name] = _solve(part.arms[name], aim, start.posture.joints[name], rng)
     return Waypoint(space.end, space.posture(joints))
 
 
@@ -64,7 +64,7 @@ def ends(
     for part in parts:
         if isinstance(part, Jointed) and part.reach.name in goals:
             goal = goals[part.reach.name]
-            end = _solved(part.reach, goal, part.begin, rng)
+            end = _solve(part.reach, goal, part.begin, rng)
             near.append(Jointed(part.reach, part.begin, end))
         else:
             near.append(part)
@@ -90,16 +90,16 @@ def _factor(part: Subspace) -> int:
 
 def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subspace]:
     """An arm with each of the joint solutions for its goal."""
-    found: list[ArmJoints] = [part.end]
+    solutions: list[ArmJoints] = [part.end]
     chain, arm = part.reach.arm.robot.chain, part.reach.arm
     for _ in range(_factor(part) * BRANCHES):
         (beginning,) = beginnings_of(chain, rng, 1).tolist()
         result = solve(chain, arm.base_from_world @ goal, start=beginning, rng=rng, attempts=1)
         if result.ok:
             joints = _wound(part.reach, result.joints, part.begin)
-            if all(_apart(joints, other) > SAME for other in found):
-                found.append(joints)
-    return [Jointed(part.reach, part.begin, joints) for joints in found]
+            if all(_apart(joints, other) > SAME for other in solutions):
+                solutions.append(joints)
+    return [Jointed(part.reach, part.begin, joints) for joints in solutions]
 
 
 def _wound(reach: Reach, joints: Sequence[float], near: Sequence[float]) -> ArmJoints:
@@ -117,15 +117,15 @@ def _apart(one: Sequence[float], other: Sequence[float]) -> float:
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
-def _solved(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Generator) -> ArmJoints:
+def _solve(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Generator) -> ArmJoints:
     """Joint positions that bring a tool to a pose in the world.
 
     Raises:
         PlanningError: There is no solution.
     """
     target = reach.arm.base_from_world @ aim
-    found = solve(reach.arm.robot.chain, target, start=start, rng=rng)
-    off = Off(reach.name, found.position_error_m, found.angle_error)
+    solution = solve(reach.arm.robot.chain, target, start=start, rng=rng)
+    off = Off(reach.name, solution.position_error_m, solution.angle_error)
     if off.late:
         x, y, z = aim.position
         raise PlanningError(
@@ -134,4 +134,4 @@ def _solved(reach: Reach, aim: Pose, start: Sequence[float], rng: np.random.Gene
             f"{reach.name} cannot bring its tool to ({x:.3f}, {y:.3f}, {z:.3f}): the nearest pose "
             f"found is off by {off}",
         )
-    return found.joints
+    return solution.joints

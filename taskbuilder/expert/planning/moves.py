@@ -91,9 +91,9 @@ def check_moves(moves: Sequence[Move], held: Mapping[str, str], world: World) ->
         action = world.scene.robots[name].action
         if not can_be_planned(action):
             raise UsageError(f"experts do not plan for {action.arm}; use another mode")
-    for thing in (*held.values(), *(thing for move in moves for thing in move.touching)):
-        if thing not in world.objects:
-            raise UsageError(f'there is no object "{thing}"; there are {", ".join(world.objects)}')
+    for name in (*held.values(), *(name for move in moves for name in move.touching)):
+        if name not in world.objects:
+            raise UsageError(f'there is no object "{name}"; there are {", ".join(world.objects)}')
     for move in moves:
         if not move.carriers:
             raise UsageError("a move needs a robot that makes it")

@@ -13,7 +13,7 @@ from taskbuilder.expert.planning.collision_world import AttachedObject, Collisio
 from taskbuilder.expert.planning.errors import PlanningError
 from taskbuilder.expert.planning.goals import ends, goal_of
 from taskbuilder.expert.planning.moves import Move, check_moves
-from taskbuilder.expert.planning.search import Search, Way
+from taskbuilder.expert.planning.search import Search, Waypoints
 from taskbuilder.expert.planning.spaces import Space
 from taskbuilder.expert.planning.subspaces import ArmJoints, Jointed, Subspace
 from taskbuilder.expert.planning.timing import Trajectory, timed
@@ -28,7 +28,7 @@ search for a detour to nearer ones comes first."""
 MOST_SEARCHED = 2
 """Maximum number of joint solutions at the goal for which trees are grown."""
 
-Look = Callable[[Search], Way | None]
+Look = Callable[[Search], Waypoints | None]
 
 
 class Planner:
@@ -74,10 +74,10 @@ class Planner:
         moving = tuple(name for move in moves for name in move.carriers)
         riders = world.riders(live, dict(sorted(held.items(), key=lambda i: i[0] not in moving)))
         motion = _Motion(world, moves, moving, joints, held, riders, rng)
-        space, way = motion.way()
+        space, path = motion.path()
         speeds = {name: move.speed for move in moves for name in move.carriers}
         laden = {rider.robot for rider in riders}
-        return timed(way, space.reaches, speeds, laden)
+        return timed(path, space.reaches, speeds, laden)
 
     def close(self) -> None:
         """Free the copies of the world."""
@@ -104,7 +104,7 @@ class _Motion:
     riders: Sequence[AttachedObject]
     rng: np.random.Generator
 
-    def way(self) -> tuple[Space, Way]:
+    def path(self) -> tuple[Space, Waypoints]:
         """The first path that is found.
 
         Raises:
@@ -113,12 +113,12 @@ class _Motion:
         first: Search | None = None
         for search, look in self._attempts():
             first = first or search
-            way = look(search)
-            if way is not None:
-                return search.space, way
+            path = look(search)
+            if path is not None:
+                return search.space, path
         if first is None:
             raise PlanningError("", "no path", "there is nothing to try")
-        raise first.no_way()
+        raise first.no_path()
 
     def _attempts(self) -> Iterator[tuple[Search, Look]]:
         """The attempts in order, the cheapest and the nearest first."""

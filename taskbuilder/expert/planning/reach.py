@@ -129,13 +129,13 @@ class Reach:
         """
         cost = max(abs(b - a) / most for a, b, most in zip(before, after, self._most, strict=True))
         begin, end = tools
-        way = norm(subtract(end.position, begin.position))
+        distance = norm(subtract(end.position, begin.position))
         if laden:
-            cost = max(cost, way / (LADEN_SPEED * self.arm.dt))
+            cost = max(cost, distance / (LADEN_SPEED * self.arm.dt))
         if self.in_tool_space:
             spec = self.arm.spec
             turn = turn_between(begin.quaternion, end.quaternion)
-            cost = max(cost, way / spec.max_step, turn / math.radians(spec.max_turn_deg))
+            cost = max(cost, distance / spec.max_step, turn / math.radians(spec.max_turn_deg))
         return cost / NEARLY
 
     @cached_property

@@ -17,7 +17,7 @@ from taskbuilder.expert.planning.subspaces import Coordinates
 SHORTCUTS, MANY_SHORTCUTS = 24, 60
 """Attempts to shorten a simple path, and a path from the trees."""
 
-Way = list[Waypoint]
+Waypoints = list[Waypoint]
 
 
 class Search:
@@ -53,7 +53,7 @@ class Search:
         """Length of the straight path, free or not, m."""
         return self.space.length([self._start.at, self.space.end])
 
-    def no_way(self) -> PlanningError:
+    def no_path(self) -> PlanningError:
         """Why no path was found: the most frequent obstacle, or a line that no tool can follow."""
         names = list(self.space.reaches)
         words = " and ".join(names)
@@ -69,46 +69,46 @@ class Search:
             off.robot, "no path", f"{words}{off.robot}'s tool would be off by {off}"
         )
 
-    def straight(self) -> Way | None:
+    def straight(self) -> Waypoints | None:
         """The straight path, if it is free."""
         return self._along(self._start, [self.space.end])
 
-    def simple(self) -> Way | None:
+    def simple(self) -> Waypoints | None:
         """The shortest free detour: up, over and down, or one part at a time."""
         lines = candidate_paths(self.space)
         for line in sorted(lines, key=lambda line: self.space.length([self._start.at, *line])):
-            way = self._along(self._start, line)
-            if way is not None:
-                return self._shortened(way, SHORTCUTS)
+            path = self._along(self._start, line)
+            if path is not None:
+                return self._shorten(path, SHORTCUTS)
         return None
 
-    def connect(self) -> Way | None:
+    def connect(self) -> Waypoints | None:
         """A path of trees that grow from both ends."""
         if len(self.space.begin) == 1:
             return None  # a single line leads round nothing
         ends = (self._start, self._goal)
         for line in rrt.connect(self.space, ends, self._free, self._rng):
-            way = self._along(self._start, line)
-            if way is not None:
-                return self._shortened(way, MANY_SHORTCUTS)
+            path = self._along(self._start, line)
+            if path is not None:
+                return self._shorten(path, MANY_SHORTCUTS)
         return None
 
-    def _along(self, start: Waypoint, line: Sequence[Coordinates]) -> Way | None:
+    def _along(self, start: Waypoint, line: Sequence[Coordinates]) -> Waypoints | None:
         """The path along waypoints in fine steps, if it is free and reaches the goal."""
-        way = [start]
+        path = [start]
         for corner in line:
-            for point in self.space.line(way[-1], corner):
+            for point in self.space.line(path[-1], corner):
                 if not self._free(point):
                     return None
-                way.append(point)
-        if way[-1].off.late:
-            self._astray = max(self._astray, way[-1].off, key=lambda off: off.badness)
+                path.append(point)
+        if path[-1].off.late:
+            self._astray = max(self._astray, path[-1].off, key=lambda off: off.badness)
             return None
-        return way
+        return path
 
-    def _shortened(self, way: Way, tries: int) -> Way:
+    def _shorten(self, path: Waypoints, tries: int) -> Waypoints:
         """The path with free shortcuts, for all parts or for one."""
-        shorter = way
+        shorter = path
         for _ in range(tries):
             first, last = sorted(self._rng.integers(0, len(shorter), 2).tolist())
             if last - first < 2:
@@ -119,22 +119,22 @@ class Search:
                     shorter = [*shorter[:first], *cut, *shorter[last + 1 :]]
                     break
         # What follows a shortcut was not followed anew, and shortcuts were looked at coarsely.
-        checked = self._along(way[0], [point.at for point in shorter[1:]])
-        return checked or way
+        checked = self._along(path[0], [point.at for point in shorter[1:]])
+        return checked or path
 
-    def _cut(self, piece: Way, parts: Sequence[int]) -> Way | None:
+    def _cut(self, piece: Waypoints, parts: Sequence[int]) -> Waypoints | None:
         """A segment of a path on which some parts move straight, if it is free."""
         old = [point.at for point in piece]
         new = self.space.straightened(old, parts)
         if self.space.length(new) > 0.99 * self.space.length(old):
             return None
-        found = [piece[0]]
+        shortcut = [piece[0]]
         for at in new[1:]:
-            point = self.space.step(found[-1], at)
+            point = self.space.step(shortcut[-1], at)
             if not self._free(point):
                 return None
-            found.append(point)
-        return found
+            shortcut.append(point)
+        return shortcut
 
     def _free(self, point: Waypoint) -> bool:
         if point.off.astray:

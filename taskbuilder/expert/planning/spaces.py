@@ -117,8 +117,8 @@ class Space:
 
     def length(self, line: Sequence[Coordinates]) -> float:
         """Length of a path in metres: on each segment, that of the part that moves farthest."""
-        ways = np.diff(np.array(line), axis=0) * self.weights
-        squares = np.add.reduceat(ways * ways, self._firsts, axis=1)
+        differences = np.diff(np.array(line), axis=0) * self.weights
+        squares = np.add.reduceat(differences * differences, self._firsts, axis=1)
         return float(np.sqrt(squares.max(axis=1)).sum())
 
     def straightened(self, line: Sequence[Coordinates], parts: Sequence[int]) -> list[Coordinates]:

@@ -149,10 +149,10 @@ class Carried:
     def weights(self) -> Coordinates:
         """The length in metres of a unit of each coordinate."""
         turn = METRES_PER_RADIAN * turn_between(self.start.quaternion, self.goal.quaternion)
-        way = norm(subtract(self.goal.position, self.start.position))
+        distance = norm(subtract(self.goal.position, self.start.position))
         if self.arc is not None:
-            way = max(way, abs(self.arc.angle) * METRES_PER_RADIAN)
-        return (way + turn,) if self.straight else (1.0, 1.0, 1.0, turn)
+            distance = max(distance, abs(self.arc.angle) * METRES_PER_RADIAN)
+        return (distance + turn,) if self.straight else (1.0, 1.0, 1.0, turn)
 
     def frame(self, at: Coordinates) -> Pose:
         """The pose of the frame at coordinates."""

@@ -37,7 +37,7 @@ class Trajectory:
 
 
 def timed(
-    way: Sequence[Waypoint],
+    path: Sequence[Waypoint],
     reaches: Mapping[str, Reach],
     speeds: Mapping[str, float],
     laden: Collection[str],
@@ -45,17 +45,17 @@ def timed(
     """A trajectory along a path, at the pace of the slowest arm.
 
     Args:
-        way: Points of the path in small steps.
+        path: Points of the path in small steps.
         reaches: The arms that move.
         speeds: Fraction of full speed of each arm.
         laden: The arms that carry a load.
     """
     costs = [
         max(_cost(reach, pair, name in laden) / speeds[name] for name, reach in reaches.items())
-        for pair in pairwise(way)
+        for pair in pairwise(path)
     ]
     waypoints = {
-        name: resampled([point.posture.joints[name] for point in way], costs) for name in reaches
+        name: resampled([point.posture.joints[name] for point in path], costs) for name in reaches
     }
     return Trajectory(waypoints)
 
@@ -71,13 +71,13 @@ def resampled(points: Sequence[Sequence[float]], costs: Sequence[float]) -> tupl
         A point for each control step; the last is that of the path.
     """
     ends = [0.0, *accumulate(costs)]
-    found: list[ArmJoints] = []
+    samples: list[ArmJoints] = []
     for at in schedule(ends[-1])[:-1]:
         index = min(bisect_right(ends, at) - 1, len(costs) - 1)
         share = (at - ends[index]) / costs[index]
         pairs = zip(points[index], points[index + 1], strict=True)
-        found.append(tuple(begin + share * (end - begin) for begin, end in pairs))
-    return (*found, tuple(points[-1])) if ends[-1] > NOTHING else ()
+        samples.append(tuple(begin + share * (end - begin) for begin, end in pairs))
+    return (*samples, tuple(points[-1])) if ends[-1] > NOTHING else ()
 
 
 def schedule(length: float) -> tuple[float, ...]:

@@ -114,8 +114,8 @@ class _DryRun:
             yield from self._act(number, group, {"": stage})
         else:
             queues = {
-                robot: [(phase, order) for order in listed(told) for phase in phases(robot, order)]
-                for robot, told in stage.items()
+                robot: [(phase, order) for order in listed(own) for phase in phases(robot, order)]
+                for robot, own in stage.items()
             }
             for acts in zip_longest(*queues.values(), fillvalue=None):
                 steps = {robot: act for robot, act in zip(queues, acts, strict=True) if act}
@@ -142,7 +142,7 @@ class _DryRun:
                 move = act.choices[0]
                 guess = self._guess(orders[who], tuple(move.carriers))
                 for robot in move.carriers:
-                    poses = tuple(way.goal @ way.carriers[robot] for way in act.choices)
+                    poses = tuple(move.goal @ move.carriers[robot] for move in act.choices)
                     yield Asked(number, robot, str(orders[who]), poses, guess)
                 self.foresight.go(act, guess=bool(guess))
             elif act is not None:

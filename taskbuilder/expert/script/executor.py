@@ -120,9 +120,9 @@ class Executor:
         """The link of an articulated object that a robot holds, such as ``chest.lid``."""
         links = (
             f"{name}.{link}"
-            for name, thing in self.world.objects.items()
-            if thing.joints
-            for link in thing.boxes
+            for name, obj in self.world.objects.items()
+            if obj.joints
+            for link in obj.boxes
         )
         return next((link for link in links if self.world.held(link, robot)), None)
 
@@ -158,11 +158,11 @@ class Executor:
         else:
             yield from self._each({r: o for r, o in stage.items() if r not in self._without})
 
-    def _each(self, told: Mapping[str, Order | tuple[Order, ...]]) -> Iterator[Actions]:
+    def _each(self, orders: Mapping[str, Order | tuple[Order, ...]]) -> Iterator[Actions]:
         """Play orders in parallel: the first phases of all, then the second, and so on."""
         queues: dict[str, deque[Step]] = {
             robot: deque((order, phase) for order in listed(own) for phase in phases(robot, order))
-            for robot, own in told.items()
+            for robot, own in orders.items()
         }
         while any(queues.values()):
             # Orders with `bring` come first, so that the others find objects at their goals.
@@ -197,7 +197,7 @@ class Executor:
     def _act(self, queues: Mapping[str, deque[Step]]) -> Iterator[Actions]:
         """Play the next phase of several orders at the same time."""
         acts, steps = self._next(queues)
-        told = {who: f"{who}: {order}" for who, (order, _) in steps.items()}
+        labels = {who: f"{who}: {order}" for who, (order, _) in steps.items()}
         goes = {who: act for who, act in acts.items() if isinstance(act, Go)}
         grips = {who: act for who, act in acts.items() if isinstance(act, Grip)}
         if grips:
@@ -206,13 +206,13 @@ class Executor:
                 yield self.encoder.hold()
         self._stopped.clear()
         if goes:
-            yield from self._go(goes, told)
+            yield from self._go(goes, labels)
             for _ in range(CORRECTIONS):
-                if not (wrong := self._shifted(goes, steps)):
+                if not (wrong := self._corrections(goes, steps)):
                     break
-                yield from self._go(wrong, told)
-            self._check_arrived(goes, told)
-        yield from self._check_grips(grips, told)
+                yield from self._go(wrong, labels)
+            self._check_arrived(goes, labels)
+        yield from self._check_grips(grips, labels)
 
     def _next(
         self, queues: Mapping[str, deque[Step]]
@@ -229,7 +229,7 @@ class Executor:
             act = None
             while queue and act is None:
                 steps[who] = queue.popleft()
-                act = _computed(who, steps[who], Foreseen(self, moved))
+                act = _next_act(who, steps[who], Foreseen(self, moved))
             if act is not None:
                 acts[who] = act
             if isinstance(act, Go) and act.brings:
@@ -239,9 +239,9 @@ class Executor:
                 moved |= act.moved(self)
         return acts, steps
 
-    def _go(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> Iterator[Actions]:
+    def _go(self, goes: Mapping[str, Go], labels: Mapping[str, str]) -> Iterator[Actions]:
         """Play motions in parallel, until all have arrived or have failed to."""
-        moves, trajectory = self._plan(goes, told)
+        moves, trajectory = self._plan(goes, labels)
         loads = {r: load for move in moves for r in move.carriers if (load := self.load(r))}
         handles = {r: go for go in goes.values() for r in go.choices[0].carriers if go.holds}
         loads |= {robot: go.holds for robot, go in handles.items()}
@@ -252,18 +252,18 @@ class Executor:
             if not joints:
                 break
             yield self.encoder.actions(joints)
-            self._check_loads(loads, handles, missed, told)
+            self._check_loads(loads, handles, missed, labels)
         # Policies do not observe the delay of an episode, so demonstrations must not depend on it.
         late = self._env.episode.longest_delay
         for waited in range(late + self._steps(SETTLE_S)):
             self._stop(goes)
-            if waited >= late and all(self._arrived(who, go) for who, go in goes.items()):
+            if waited >= late and all(self._has_arrived(who, go) for who, go in goes.items()):
                 break
             yield self.encoder.hold()
-            self._check_loads(loads, handles, missed, told)
+            self._check_loads(loads, handles, missed, labels)
 
     def _plan(
-        self, goes: Mapping[str, Go], told: Mapping[str, str]
+        self, goes: Mapping[str, Go], labels: Mapping[str, str]
     ) -> tuple[tuple[Move, ...], Trajectory]:
         """The first combination of choices for which a plan is found."""
         held = {robot: load for robot in self._env.possible_agents if (load := self.load(robot))}
@@ -271,17 +271,19 @@ class Executor:
         started = time.perf_counter()
         for moves in product(*(go.choices for go in goes.values())):
             try:
-                found = self._planner.plan(moves, held=held, rng=self._rng)
+                trajectory = self._planner.plan(moves, held=held, rng=self._rng)
             except PlanningError as blocked:
                 first = first or blocked
             else:
-                return moves, found
+                return moves, trajectory
             finally:
                 self.planning_s += time.perf_counter() - started
                 started = time.perf_counter()
         if first is None:
             raise ValueError("a motion has at least one way to be done")
-        raise StageError(_whose(first.robot, told), first.robot, first.cause, str(first)) from None
+        raise StageError(
+            _whose(first.robot, labels), first.robot, first.cause, str(first)
+        ) from None
 
     # --- checks during and after motions
 
@@ -290,24 +292,24 @@ class Executor:
         loads: Mapping[str, str],
         handles: Mapping[str, Go],
         missed: dict[str, int],
-        told: Mapping[str, str],
+        labels: Mapping[str, str],
     ) -> None:
         world = self._env.episode.world
         for robot, load in loads.items():
             missed[robot] = 0 if world.held(load, robot) else missed[robot] + 1
             if missed[robot] > LOST_STEPS:
                 message = lost_on_the_way(world, robot, load, handles.get(robot))
-                raise StageError(_whose(robot, told), robot, "lost on the way", message)
+                raise StageError(_whose(robot, labels), robot, "lost on the way", message)
 
-    def _shifted(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
+    def _corrections(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
         """Corrected motions of loads, pushed objects and joints that have not arrived."""
-        late = [who for who, go in goes.items() if go.subject and not self._arrived(who, go)]
-        found = {}
+        late = [who for who, go in goes.items() if go.subject and not self._has_arrived(who, go)]
+        corrections = {}
         for who in late:
-            act = _computed(who, steps[who], self)
+            act = _next_act(who, steps[who], self)
             if isinstance(act, Go):
-                found[who] = replace(act, tolerance=goes[who].tolerance)
-        return found
+                corrections[who] = replace(act, tolerance=goes[who].tolerance)
+        return corrections
 
     def _stop(self, goes: Mapping[str, Go]) -> set[str]:
         """Stop motions whose condition holds now; the robots whose motions have stopped."""
@@ -315,7 +317,7 @@ class Executor:
         stopped = (go for who, go in goes.items() if who in self._stopped)
         return {robot for go in stopped for robot in go.choices[0].carriers}
 
-    def _arrived(self, who: str, go: Go) -> bool:
+    def _has_arrived(self, who: str, go: Go) -> bool:
         if go.until:
             return who in self._stopped
         return go.tolerance is None or self._gap(go) <= go.tolerance
@@ -332,45 +334,50 @@ class Executor:
         load = self.load(robot)
         return math.dist(self.pose(load).position, move.goal.position) if load else math.inf
 
-    def _check_arrived(self, goes: Mapping[str, Go], told: Mapping[str, str]) -> None:
+    def _check_arrived(self, goes: Mapping[str, Go], labels: Mapping[str, str]) -> None:
         for who, go in goes.items():
-            if not self._arrived(who, go):
+            if not self._has_arrived(who, go):
                 robot = next(iter(go.choices[0].carriers))
                 message = not_arrived(self.world, robot, go, self._gap(go))
                 message += f'; "{go.until}" does not hold' if go.until else ""
-                raise StageError(told[who], robot, "not arrived", message)
+                raise StageError(labels[who], robot, "not arrived", message)
 
-    def _check_grips(self, grips: Mapping[str, Grip], told: Mapping[str, str]) -> Iterator[Actions]:
+    def _check_grips(
+        self, grips: Mapping[str, Grip], labels: Mapping[str, str]
+    ) -> Iterator[Actions]:
         """Wait until grippers hold or have released their objects."""
         world = self._env.episode.world
         for waited in range(self._steps(GRIP_S)):
             late = waited >= self._steps(PART_S)
-            if all(self._gripped(grip) and (late or self._parted(grip)) for grip in grips.values()):
+            if all(
+                self._has_gripped(grip) and (late or self._has_parted(grip))
+                for grip in grips.values()
+            ):
                 break
             yield self.encoder.hold()
         for who, grip in grips.items():
-            if not self._gripped(grip):
+            if not self._has_gripped(grip):
                 cause = "still held" if grip.opening else "grasp missed"
-                raise StageError(told[who], grip.robot, cause, grip_missed(world, grip))
+                raise StageError(labels[who], grip.robot, cause, grip_missed(world, grip))
 
-    def _gripped(self, grip: Grip) -> bool:
+    def _has_gripped(self, grip: Grip) -> bool:
         world = self._env.episode.world
         if grip.opening:
-            held = bool(grip.thing) and world.held(grip.thing, grip.robot)
+            held = bool(grip.load) and world.held(grip.load, grip.robot)
             return not held and self.is_open(grip.robot)
-        if grip.thing:
+        if grip.load:
             gripper = world.robots[grip.robot].gripper
-            return world.held(grip.thing, grip.robot) and not gripper.closes()
+            return world.held(grip.load, grip.robot) and not gripper.closes()
         return not world.robots[grip.robot].gripper.moves()
 
-    def _parted(self, grip: Grip) -> bool:
+    def _has_parted(self, grip: Grip) -> bool:
         """Whether an opening gripper no longer touches the object that it held."""
         world = self._env.episode.world
-        opens = grip.opening and grip.thing
-        return not opens or not world.fingers_touch(grip.thing, grip.robot)
+        opens = grip.opening and grip.load
+        return not opens or not world.fingers_touch(grip.load, grip.robot)
 
 
-def _computed(who: str, step: Step, now: Situation) -> Go | Grip | None:
+def _next_act(who: str, step: Step, now: Situation) -> Go | Grip | None:
     """The motion or grip of a phase.
 
     Raises:
@@ -384,7 +391,7 @@ def _computed(who: str, step: Step, now: Situation) -> Go | Grip | None:
         raise StageError(f"{who}: {order}", error.robot, cause, message) from None
 
 
-def _whose(robot: str, told: Mapping[str, str]) -> str:
+def _whose(robot: str, labels: Mapping[str, str]) -> str:
     """The order of a robot."""
-    mine = [text for who, text in told.items() if robot in who.split(" and ")]
-    return mine[0] if mine else ", ".join(told.values())
+    mine = [text for who, text in labels.items() if robot in who.split(" and ")]
+    return mine[0] if mine else ", ".join(labels.values())

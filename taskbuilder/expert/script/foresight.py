@@ -88,23 +88,23 @@ class Foresight:
             return
         self._closed.add(robot)
         self.loads[robot] = None
-        if not grip.thing:
+        if not grip.load:
             return
-        link = grip.link or self._nearest_link(robot, grip.thing)
-        if link and joints_above(self.world, grip.thing, link):
-            self.handles[robot] = f"{grip.thing}.{link}"
-        if grip.thing in self.world.movable:
-            self.loads[robot] = grip.thing
+        link = grip.link or self._nearest_link(robot, grip.load)
+        if link and joints_above(self.world, grip.load, link):
+            self.handles[robot] = f"{grip.load}.{link}"
+        if grip.load in self.world.movable:
+            self.loads[robot] = grip.load
 
-    def _nearest_link(self, robot: str, thing: str) -> str:
+    def _nearest_link(self, robot: str, name: str) -> str:
         """The link of an articulated object that is nearest to a tool; "" for other objects."""
-        if not isinstance(self.world.task.assets.get(thing), Urdf):
+        if not isinstance(self.world.task.assets.get(name), Urdf):
             return ""
         at = self.now.tool(robot).position
-        boxes = self.world.objects[thing].boxes
+        boxes = self.world.objects[name].boxes
 
         def distance(link: str) -> float:
-            x, y, z = self.now.pose(f"{thing}.{link}").inverse().apply(at)
+            x, y, z = self.now.pose(f"{name}.{link}").inverse().apply(at)
             low, high = boxes[link].low, boxes[link].high
             return math.dist(
                 (x, y, z),
@@ -134,9 +134,9 @@ class Foresight:
         swung = {handle.partition(".")[0] for handle in handled.values()}
         loads = {load for robot in robots if (load := self.now.load(robot))} - swung
         if go.pushes is not None:
-            thing, place = go.pushes
-            self._carry([thing], place @ self.now.pose(thing).inverse())
-            self.guesses.add(thing)
+            name, place = go.pushes
+            self._carry([name], place @ self.now.pose(name).inverse())
+            self.guesses.add(name)
         elif go.joint is not None:
             self._move_joint(*go.joint)
             handled = {}
@@ -144,20 +144,20 @@ class Foresight:
             self._push(move, before, after, loads | swung)
         first = robots[0]
         shift = after[first] @ before[first].inverse()
-        things = sorted(loads | ({go.brings} if go.brings else set()))
-        self._carry(things, shift)
-        for thing in things if guess else ():
-            self.guesses.add(thing)
+        names = sorted(loads | ({go.brings} if go.brings else set()))
+        self._carry(names, shift)
+        for name in names if guess else ():
+            self.guesses.add(name)
         for robot, handle in handled.items():
             self._turn(handle, before[robot].position, after[robot].position)
         self.tools |= after
         self.guesses = self.guesses.union(robots) if guess else self.guesses.difference(robots)
 
-    def _carry(self, things: Iterable[str], shift: Pose) -> None:
+    def _carry(self, names: Iterable[str], shift: Pose) -> None:
         """Objects move as rigid bodies, with what lies on them."""
-        moving = list(dict.fromkeys(things))
-        for thing in moving:
-            moving += [rider for rider in self._riders(thing) if rider not in moving]
+        moving = list(dict.fromkeys(names))
+        for name in moving:
+            moving += [rider for rider in self._riders(name) if rider not in moving]
         links = [frame for frame in self.moved if frame.partition(".")[0] in moving]
         now = self.now
         self.moved |= {frame: shift @ now.pose(frame) for frame in {*moving, *links}}
@@ -177,12 +177,12 @@ class Foresight:
 
     def _turn(self, handle: str, begin: Vec3, end: Vec3) -> None:
         """A held link follows a tool along its joint, as far as that goes."""
-        thing, _, link = handle.partition(".")
-        above, *others = joints_above(self.world, thing, link)
+        name, _, link = handle.partition(".")
+        above, *others = joints_above(self.world, name, link)
         if others:
-            self.guesses.add(thing)
+            self.guesses.add(name)
             return
-        joint = Joint(self.world, f"{thing}.{above.name}")
+        joint = Joint(self.world, f"{name}.{above.name}")
         at = self.now.pose(joint.child)
         if joint.slides:
             by = dot(subtract(end, begin), joint.axis(at))
@@ -207,24 +207,24 @@ class Foresight:
         self, move: Move, before: dict[str, Pose], after: dict[str, Pose], carried: set[str]
     ) -> None:
         """What a motion may touch goes ahead of it, if it stands in the way."""
-        for thing in dict.fromkeys(name.partition(".")[0] for name in move.touching):
-            spec = self.world.scene.objects[thing]
-            if thing in carried or (spec.fixed and not self.world.objects[thing].joints):
+        for name in dict.fromkeys(touched.partition(".")[0] for touched in move.touching):
+            spec = self.world.scene.objects[name]
+            if name in carried or (spec.fixed and not self.world.objects[name].joints):
                 continue
             for robot, start in before.items():
-                way = subtract(after[robot].position, start.position)
-                ahead = self._pushed(thing, robot, start, way)
+                motion = subtract(after[robot].position, start.position)
+                ahead = self._displacement(name, robot, start, motion)
                 if ahead is not None and not spec.fixed:
-                    self._carry([thing], Pose(ahead))
-            self.guesses.add(thing)
+                    self._carry([name], Pose(ahead))
+            self.guesses.add(name)
 
-    def _pushed(self, thing: str, robot: str, start: Pose, way: Vec3) -> Vec3 | None:
+    def _displacement(self, name: str, robot: str, start: Pose, motion: Vec3) -> Vec3 | None:
         """How a thing is displaced by a tool, level; None if it does not stand in the way."""
-        far = norm(way)
+        far = norm(motion)
         if far < 1e-6:
             return None
-        along = _frame_along(unit(way)).inverse()
-        seen = self.world.box(thing).seen_from(along @ self.now.pose(thing))
+        along = _frame_along(unit(motion)).inverse()
+        seen = self.world.box(name).seen_from(along @ self.now.pose(name))
         pushes = [0.0]
         for box, pose in self._pushers(robot, start):
             hand = box.seen_from(along @ pose)
@@ -233,7 +233,7 @@ class Foresight:
             )
             if not beside and hand.low[0] < seen.high[0]:
                 pushes.append(far - max(seen.low[0] - hand.high[0], 0.0))
-        ahead = scale(unit(way), max(pushes))
+        ahead = scale(unit(motion), max(pushes))
         return (ahead[0], ahead[1], 0.0) if max(pushes) > 0.0 else None
 
     def _pushers(self, robot: str, tool: Pose) -> Iterator[tuple[Box, Pose]]:

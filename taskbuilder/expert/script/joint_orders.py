@@ -61,7 +61,7 @@ def move_joint(now: Situation, robot: str, order: Order) -> Go:
         straight=True,
         arc=arc,
         speed=order.speed,
-        touching=(*order.touching, joint.thing),
+        touching=(*order.touching, joint.owner),
     )
     # What has not moved has not arrived, however near its goal it began.
     finest = FINEST_M if joint.slides else FINEST_RAD

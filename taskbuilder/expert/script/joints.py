@@ -11,9 +11,9 @@ from taskbuilder.geometry import Pose, Vec3, rotate, scale, subtract
 from taskbuilder.world.world import World
 
 
-def joints_above(world: World, thing: str, link: str) -> tuple[UrdfJoint, ...]:
+def joints_above(world: World, owner: str, link: str) -> tuple[UrdfJoint, ...]:
     """The joints that move between an articulated object's base and a link, the nearest first."""
-    urdf = world.task.assets.get(thing)
+    urdf = world.task.assets.get(owner)
     return urdf.moving_joints_above(link) if isinstance(urdf, Urdf) else ()
 
 
@@ -30,16 +30,16 @@ class Joint:
     name: str
 
     @property
-    def thing(self) -> str:
+    def owner(self) -> str:
         """The object."""
         return self.name.partition(".")[0]
 
     @cached_property
     def urdf(self) -> UrdfJoint:
         """The joint in the URDF of its object."""
-        asset = self.world.task.assets[self.thing]
+        asset = self.world.task.assets[self.owner]
         if not isinstance(asset, Urdf):
-            raise TypeError(f"{self.thing} has no joints")
+            raise TypeError(f"{self.owner} has no joints")
         return asset.joint(self.name.partition(".")[2])
 
     @property
@@ -50,21 +50,21 @@ class Joint:
     @property
     def child(self) -> str:
         """The link that it moves, as ``chest.lid``."""
-        return f"{self.thing}.{self.urdf.child}"
+        return f"{self.owner}.{self.urdf.child}"
 
     @property
     def limits(self) -> tuple[float, float]:
         """Least and greatest position, in rad or m."""
-        built = self.world.objects[self.thing].body.joints[self.urdf.name]
+        built = self.world.objects[self.owner].body.joints[self.urdf.name]
         return built.lower, built.upper
 
     @property
     def below(self) -> tuple[str, ...]:
         """All links that move with it, as ``chest.lid``."""
         return tuple(
-            f"{self.thing}.{link}"
-            for link in self.world.objects[self.thing].boxes
-            if self.urdf in joints_above(self.world, self.thing, link)
+            f"{self.owner}.{link}"
+            for link in self.world.objects[self.owner].boxes
+            if self.urdf in joints_above(self.world, self.owner, link)
         )
 
     def axis(self, child: Pose) -> Vec3:

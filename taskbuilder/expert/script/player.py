@@ -206,11 +206,11 @@ class _Script:
             self._ends.append(self._env.episode.steps)
             self._after_stage(number)
         self._stage = 0
-        while self._finish is True or (self._finish and not self._decided):
+        while self._finish is True or (self._finish and not self._is_decided):
             yield self._executor.encoder.hold()
 
     @property
-    def _decided(self) -> bool:
+    def _is_decided(self) -> bool:
         """Whether it is known what the episode comes to."""
         return self._env.episode.succeeded or self._trouble is not None
 

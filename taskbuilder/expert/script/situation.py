@@ -169,13 +169,13 @@ class Grip:
     Attributes:
         robot: The robot.
         opening: From 0 (closed) to 1.
-        thing: The object to hold or to release; "" for none in particular.
+        load: The object to hold or to release; "" for none in particular.
         link: The link of the object that is held, if the task file names it; else "".
     """
 
     robot: str
     opening: float
-    thing: str = ""
+    load: str = ""
     link: str = ""
 
 
@@ -202,5 +202,5 @@ def carrier_of(scene: SceneSpec, frame: str) -> str:
 def grasp_of(scene: SceneSpec, frame: str) -> Grasp | None:
     """The grasp point of a name; None if it is another frame."""
     owner, _, name = frame.partition(".")
-    thing = scene.objects.get(owner)
-    return thing.grasps.get(name) if thing else None
+    obj = scene.objects.get(owner)
+    return obj.grasps.get(name) if obj else None

@@ -38,7 +38,7 @@ def lost_on_the_way(world: World, robot: str, load: str, go: Go | None) -> str:
         load: The object or link.
         go: The motion during which the robot was to hold the link; None for an object.
     """
-    frame = load if go is None else _grasped(world, robot, go)
+    frame = load if go is None else _grasp_frame(world, robot, go)
     at = f"at {_place(world.position(frame))}"
     if frame == f"{robot}.tcp":
         frame, at = load, f"its tool {at}"
@@ -49,7 +49,7 @@ def lost_on_the_way(world: World, robot: str, load: str, go: Go | None) -> str:
     return text + locks(world, {load.partition(".")[0]})
 
 
-def _grasped(world: World, robot: str, go: Go) -> str:
+def _grasp_frame(world: World, robot: str, go: Go) -> str:
     """Where a robot held what a joint moves: the nearest grasp point on it, or the tool.
 
     The frame of a link is at its joint, which may be far from its handle.
@@ -94,10 +94,10 @@ def grip_missed(world: World, grip: Grip) -> str:
     names = ", ".join(touched(world, grip.robot).values())
     state += f" and touches {names}" if names else ""
     if grip.opening:
-        return f"{grip.robot} does not let go of {grip.thing or 'what it touches'}: {state}"
-    forces = world.grip_forces(grip.thing, grip.robot) if grip.thing else ()
+        return f"{grip.robot} does not let go of {grip.load or 'what it touches'}: {state}"
+    forces = world.grip_forces(grip.load, grip.robot) if grip.load else ()
     felt = f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
-    return f"{grip.robot} does not hold {grip.thing or 'anything'}: {felt or state}"
+    return f"{grip.robot} does not hold {grip.load or 'anything'}: {felt or state}"
 
 
 def touched(world: World, robot: str) -> dict[str, str]:
@@ -106,9 +106,9 @@ def touched(world: World, robot: str) -> dict[str, str]:
     The keys are the names of the objects and of other robots.
     """
     own = world.robots[robot].body
-    others: dict[str, Body] = {name: thing.body for name, thing in world.objects.items()}
+    others: dict[str, Body] = {name: obj.body for name, obj in world.objects.items()}
     others |= {name: other.body for name, other in world.robots.items()}
-    found = {}
+    touches = {}
     for name in (n for n in others if n != robot and world.touching(robot, n)):
         other = others[name]
         pairs = dict.fromkeys(
@@ -116,10 +116,10 @@ def touched(world: World, robot: str) -> dict[str, str]:
             for contact in sorted(contacts(world.client, own, other), key=lambda c: -c.force)
         )
         first = next(iter(pairs))[0]  # where it presses most
-        found[name] = (
+        touches[name] = (
             f"{first} with {listed(sorted(link for part, link in pairs if part == first))}"
         )
-    return found
+    return touches
 
 
 def locks(world: World, objects: Collection[str]) -> str:
