@@ -11,7 +11,7 @@ import logging
 import os
 import pickle
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 from taskbuilder.env.env_group import EnvGroup
 from taskbuilder.env.process import WorkerProcess
@@ -56,6 +56,10 @@ class Backend(Protocol):
     def pids(self) -> tuple[int, ...]:
         """Process ids of the workers, if there are any."""
 
+    @property
+    def envs(self) -> tuple[Any, ...]:
+        """The environments, by row, if they are in this process."""
+
     def settle(self) -> None:
         """Wait until no environment is using the buffers, also after an interruption.
 
@@ -99,6 +103,11 @@ class InProcess:
             same_step=config.same_step,
         )
 
+    @property
+    def envs(self) -> tuple[Any, ...]:
+        """The environments, by row."""
+        return self._group.envs
+
     def settle(self) -> None:
         """Wait until no environment is using the buffers."""
 
@@ -132,6 +141,8 @@ class Subprocesses:
         UsageError: The description cannot be sent to other processes.
         WorkerError: A worker does not start.
     """
+
+    envs: tuple[Any, ...] = ()
 
     def __init__(self, config: WorkerConfig, count: int, *, timeout_s: float, retries: int) -> None:
         self._owner = os.getpid()

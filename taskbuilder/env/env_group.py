@@ -51,6 +51,11 @@ class EnvGroup:
         self._same_step = same_step
         self._envs = {row: wrap(TaskEnv(task, options)) for row in rows}
 
+    @property
+    def envs(self) -> tuple[Any, ...]:
+        """The environments, by row."""
+        return tuple(self._envs.values())
+
     def advance(self) -> None:
         """Reset or step every environment, as the buffers say."""
         buffers = self._buffers

@@ -103,6 +103,11 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         return self._signature.state_space
 
     @property
+    def envs(self) -> tuple[Any, ...]:
+        """The environments, by row, as in Gymnasium's `SyncVectorEnv`; none with workers."""
+        return self._backend.envs
+
+    @property
     def worker_pids(self) -> tuple[int, ...]:
         """Process ids of the workers in order; -1 for one that is not running."""
         return self._backend.pids

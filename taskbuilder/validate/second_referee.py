@@ -79,19 +79,11 @@ class SecondReferee:
 
         What an environment makes of success and failure can thus be seen without reaching them.
         """
-        referee = self._env.episode.referee
-        judge = referee.judge
-
-        def given(outcome: Outcome) -> Outcome:
-            return replace(outcome, success=success, failure=failure)
-
-        self._staged = given
-        # In the instance, in place of the method of its class: whatever holds this referee asks it.
-        vars(referee)["judge"] = lambda world: given(judge(world))
+        self._staged = _verdict(success=success, failure=failure)
         try:
-            yield
+            with staged(self._env, success=success, failure=failure):
+                yield
         finally:
-            del vars(referee)["judge"]
             self._staged = _as_judged
 
     @property
@@ -201,6 +193,23 @@ class SecondReferee:
                     f"{agent} is told terminated={given[0]}, truncated={given[1]} {self._where}, "
                     f"but it is {terminated}, {truncated}: {reason}",
                 )
+
+
+@contextmanager
+def staged(env: TaskEnv, *, success: bool, failure: bool) -> Iterator[None]:
+    """The referee of an environment gives another verdict than the scene does."""
+    referee, verdict = env.episode.referee, _verdict(success=success, failure=failure)
+    judge = referee.judge
+    # In the instance, in place of the method of its class: whatever holds this referee asks it.
+    vars(referee)["judge"] = lambda world: verdict(judge(world))
+    try:
+        yield
+    finally:
+        del vars(referee)["judge"]
+
+
+def _verdict(*, success: bool, failure: bool) -> Callable[[Outcome], Outcome]:
+    return lambda outcome: replace(outcome, success=success, failure=failure)
 
 
 def _as_judged(outcome: Outcome) -> Outcome:

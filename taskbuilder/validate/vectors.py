@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.validate.observing import Find
 from taskbuilder.validate.report import Check, Result
+from taskbuilder.validate.second_referee import staged
 from taskbuilder.validate.traces import digest
 
 KEPT_STEPS = 3
@@ -38,6 +40,9 @@ def single_of(vec: TaskVectorEnv) -> Any:
 def check_vector(find: Find, env: Any, single: Any, seed: int, steps: int) -> Result:
     """The rows of a vector environment play what a single environment plays, to the bit.
 
+    Where the rows are in this process, their episodes and those of the single environment are made
+    to fail in the last step but one, so that infos of a failure are seen, and the reset after it.
+
     Args:
         find: Makes findings.
         env: The vector environment, which may have wrappers.
@@ -47,11 +52,13 @@ def check_vector(find: Find, env: Any, single: Any, seed: int, steps: int) -> Re
     """
     count: int = env.num_envs
     actions = _actions(single, count, seed, steps)
-    played = list(_played(env, seed, actions))
+    rows = [row.unwrapped for row in env.unwrapped.envs]
+    failing = single.unwrapped.max_episode_steps - 2 if rows else -1
+    played = list(_played(env, rows, seed, actions, failing))
     same_step = env.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
     wrong = []
     for row in sorted({0, min(1, count - 1), count - 1}):
-        solo = list(_solo(single, seed + row, row, actions, same_step=same_step))
+        solo = list(_solo(single, seed + row, row, actions, failing, same_step=same_step))
         wrong += list(_differences(row, seed + row, solo, played))[:1]
     found = [find("TB584", f"the vector environment: {message}", "task") for message in wrong]
     name = "vector environments play the same"
@@ -90,16 +97,32 @@ class _Step:
         return {name: _row(part, number) for name, part in self.parts.items()}
 
 
-def _played(env: Any, seed: int, actions: Sequence[Mapping[str, Sequence[Any]]]) -> Iterator[_Step]:
+def _played(
+    env: Any,
+    rows: Sequence[TaskEnv],
+    seed: int,
+    actions: Sequence[Mapping[str, Sequence[Any]]],
+    failing: int,
+) -> Iterator[_Step]:
     seen, infos = env.reset(seed=seed)
     yield _Step(_parts(seen, infos, _state(env)), {})
-    for action in actions:
-        batch = {agent: _stacked(rows) for agent, rows in action.items()}
-        seen, rewards, terminated, truncated, infos = env.step(batch)
+    for number, action in enumerate(actions):
+        batch = {agent: _stacked(values) for agent, values in action.items()}
+        with _failure(rows if number == failing else ()):
+            seen, rewards, terminated, truncated, infos = env.step(batch)
         parts = _parts(seen, infos, _state(env))
         paid = {f"the reward of {agent}": pay for agent, pay in rewards.items()}
         ends = {"terminated": terminated, "truncated": truncated}
         yield _Step(parts | paid | ends, infos)
+
+
+@contextmanager
+def _failure(envs: Sequence[TaskEnv]) -> Iterator[None]:
+    """The referees of environments say that the task has failed."""
+    with ExitStack() as stack:
+        for env in envs:
+            stack.enter_context(staged(env, success=False, failure=True))
+        yield
 
 
 def _row(part: Any, number: int) -> Any:
@@ -131,6 +154,7 @@ def _solo(
     seed: int,
     row: int,
     actions: Sequence[Mapping[str, Sequence[Any]]],
+    failing: int,
     *,
     same_step: bool,
 ) -> Iterator[tuple[Parts, Parts]]:
@@ -138,12 +162,13 @@ def _solo(
     first = single.possible_agents[0]
     seen, infos = single.reset(seed=seed)
     yield _of_one(single, seen, infos[first]), {}
-    for action in actions:
+    for number, action in enumerate(actions):
         final: Parts = {}
         if single.agents:
-            seen, rewards, terminated, truncated, infos = single.step(
-                {agent: rows[row] for agent, rows in action.items()}
-            )
+            with _failure((single.unwrapped,) if number == failing else ()):
+                seen, rewards, terminated, truncated, infos = single.step(
+                    {agent: rows[row] for agent, rows in action.items()}
+                )
             ends = {"terminated": terminated[first], "truncated": truncated[first]}
             if not single.agents and same_step:
                 final = _of_one(single, seen, infos[first])

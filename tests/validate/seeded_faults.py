@@ -493,12 +493,53 @@ class FrozenTurns(Turns):
         return self.kept
 
 
+class StillTurns(Turns):
+    """The picture of one agent stands still."""
+
+    picture = None
+
+    def see(self, env, agent, seen):
+        if agent == "left":
+            self.picture = seen["front.rgb"] if self.picture is None else self.picture
+            seen = seen | {"front.rgb": self.picture.copy()}
+        return seen
+
+
+class FailedTurns(Turns):
+    """Infos keep that the task has failed, over the reset."""
+
+    failed = 0.0
+
+    def last(self, observe=True):
+        *rest, info = super().last(observe)
+        self.failed = max(self.failed, info["failed"])
+        return *rest, info | {"failed": self.failed}
+
+    @property
+    def infos(self):
+        infos = self.env.infos
+        self.failed = max(self.failed, *(info["failed"] for info in infos.values()))
+        return {agent: info | {"failed": self.failed} for agent, info in infos.items()}
+
+
 TURN_BASED = {
-    "observations are exchanged": (ExchangedTurns, "TB577", "left sees .* is for right to see"),
-    "the reward is halved": (PaidTurns, "TB579", "left is paid .*, and infos say"),
-    "ends are exchanged": (EndedTurns, "TB581", "left is told terminated="),
-    "actions are halved": (HalvedTurns, "TB583", "left carries out something else .*: half of it"),
-    "the state stands still": (FrozenTurns, "TB577", "the state has .* so after the reset"),
+    "observations are exchanged": (ExchangedTurns, "TB577", "left sees .* is for right to see", {}),
+    "the reward is halved": (PaidTurns, "TB579", "left is paid .*, and infos say", {}),
+    "ends are exchanged": (EndedTurns, "TB581", "left is told terminated=", {}),
+    "actions are halved": (
+        HalvedTurns,
+        "TB583",
+        "left carries out something else .*: half of it",
+        {},
+    ),
+    "the state stands still": (FrozenTurns, "TB577", "the state has .* so after the reset", {}),
+    "a picture stands still": (
+        StillTurns,
+        "TB578",
+        "left: front.rgb never changes",
+        {"cameras": ("front",), "camera_size": (32, 24)},
+    ),
+    "failed stays": (FailedTurns, "TB582", "infos of left say failed is 1.0 .*step 0", {}),
 }
 
 
@@ -533,6 +574,10 @@ def seen_by(spoil):
 
 def first_agent(spoil):
     return lambda seen: seen | {"left": spoil(seen["left"])}
+
+
+def still_picture(spoil):
+    return lambda seen: seen | {"front.rgb": spoil(seen["front.rgb"])}
 
 
 VECTOR = {
@@ -572,6 +617,14 @@ VECTOR = {
         lambda env: Rows(env, act=exchanged),
         "is not that of a single environment",
     ),
+    "a picture stands still": (
+        lambda env: Rows(env, seen_by(first_agent(still_picture(Frozen())))),
+        "what left sees is not that of a single environment",
+    ),
+    "failed stays": (
+        lambda env: FailedRows(env),
+        "failed is not that of a single environment",
+    ),
 }
 
 
@@ -585,3 +638,22 @@ class Ended(VectorWrapper):
     def step(self, actions):
         seen, rewards, terminated, truncated, infos = super().step(actions)
         return seen, rewards, truncated, terminated, infos
+
+
+class FailedRows(VectorWrapper):
+    """Infos keep that the task has failed, over the reset."""
+
+    failed = None
+
+    def noted(self, infos):
+        failed = infos["failed"]
+        self.failed = failed if self.failed is None else np.maximum(self.failed, failed)
+        return infos | {"failed": self.failed.copy()}
+
+    def reset(self, *, seed=None, options=None):
+        seen, infos = super().reset(seed=seed, options=options)
+        return seen, self.noted(infos)
+
+    def step(self, actions):
+        *rest, infos = super().step(actions)
+        return *rest, self.noted(infos)

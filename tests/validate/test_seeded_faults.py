@@ -66,15 +66,16 @@ def test_a_fault_of_the_joint_view_is_found(fault, pair):
 
 @pytest.mark.parametrize("fault", TURN_BASED)
 def test_a_fault_of_the_turn_based_view_is_found(fault, pair):
-    spoilt, code, text = TURN_BASED[fault]
-    with closing(parallel_env(pair)) as env:
+    spoilt, code, text, options = TURN_BASED[fault]
+    with closing(parallel_env(pair, **options)) as env:
         assert_found(check_env(spoilt(parallel_to_aec(env)), seeds=(0,), raises=False), code, text)
 
 
 @pytest.mark.parametrize("fault", VECTOR)
 def test_a_fault_of_the_vector_view_is_found(fault, pair):
     spoilt, text = VECTOR[fault]
-    with closing(make_vec(pair, 2, horizon=6)) as env:
+    pictures = {"cameras": ("front",), **SMALL} if "picture" in fault else {}
+    with closing(make_vec(pair, 2, horizon=6, **pictures)) as env:
         assert_found(check_env(spoilt(env), seeds=(0,), raises=False), "TB584", text)
 
 

@@ -172,7 +172,11 @@ def _turn_based(task: Task) -> None:
         # an array. A dictionary has no shape, so agents that observe images come last.
         env.possible_agents.sort(key=lambda agent: isinstance(env.observation_space(agent), Dict))
         api_test(parallel_to_aec(env), num_cycles=_cycles(env))
-    seed_test(lambda: parallel_to_aec(_env(task)), num_cycles=SEED_CYCLES)
+    with contextlib.ExitStack() as opened:  # the test closes none of those that it makes
+        seed_test(
+            lambda: parallel_to_aec(opened.enter_context(contextlib.closing(_env(task)))),
+            num_cycles=SEED_CYCLES,
+        )
 
 
 def _joint(task: Task) -> None:
