@@ -130,6 +130,22 @@ def from_rpy_deg(rpy_deg: Vec3) -> Quat:
     return from_rpy(*(math.radians(angle) for angle in rpy_deg))
 
 
+def to_rpy_deg(quaternion: Quat) -> Vec3:
+    """Roll, pitch and yaw in degrees; the inverse of `from_rpy_deg`.
+
+    Where the pitch is 90 or -90 degrees, many triples are the same rotation; the roll is then 0.
+    """
+    x, y, z, w = quaternion
+    sine = max(-1.0, min(1.0, 2.0 * (w * y - z * x)))
+    if abs(sine) > 1.0 - 1e-9:
+        roll, yaw = 0.0, 2.0 * math.atan2(z, w)
+    else:
+        roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return math.degrees(roll), math.degrees(math.asin(sine)), math.degrees(yaw)
+
+
+
 def from_axes(x: Vec3, y: Vec3, z: Vec3) -> Quat:
     """Quaternion of the frame whose axes are the given orthonormal, right-handed vectors."""
     # Shepperd's method: divide by the largest of the four candidates, so by nothing near zero.

@@ -33,7 +33,7 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("validate", "bench", "trial", "learn", "visual", "expert"),
+        *("view", "validate", "bench", "trial", "learn", "visual", "expert"),
         *(
             "rollout",
             "env",
@@ -51,6 +51,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "untrusted",
             *SIMULATED,
         ),
+    ),
+    "view": (
+        *("validate", "learn", "visual", "expert", "rollout", "env", "files", "raster"),
+        *SIMULATED,
     ),
     "validate": (
         *("bench", "visual", "expert", "rollout", "env"),

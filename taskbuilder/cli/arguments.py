@@ -13,7 +13,13 @@ from typing import Any, NoReturn
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import Extend, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
-from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
+from taskbuilder.cli.inspection_arguments import (
+    add_bench,
+    add_explain,
+    add_robots,
+    add_schema,
+    add_view,
+)
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_grasp,
@@ -36,6 +42,7 @@ _COMMANDS = (
     "new",
     "validate",
     "watch",
+    "view",
     "render",
     "demo",
     "collect",
@@ -376,6 +383,7 @@ _ADDERS = {
     "new": _add_new,
     "validate": _add_validate,
     "watch": _add_watch,
+    "view": add_view,
     "render": _add_render,
     "demo": _add_demo,
     "collect": add_collect,

@@ -1,4 +1,4 @@
-"""Arguments of the commands `robots`, `bench`, `explain` and `schema`."""
+"""Arguments of the commands `robots`, `bench`, `explain`, `schema` and `view`."""
 
 from __future__ import annotations
 
@@ -82,3 +82,46 @@ def add_schema(adder: CommandAdder) -> None:
     parser.add_argument(
         "sort", choices=("task", "robot"), metavar="KIND", help="kind of file: task or robot"
     )
+
+
+def add_view(adder: CommandAdder) -> None:
+    """`taskbuilder view`."""
+    parser = adder.command(
+        "show a task on a live page in the browser, which follows its files",
+        "handover --seed 3",
+    )
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=0,
+        metavar="N",
+        help="seed of the episode that is shown first (default 0)",
+    )
+    parser.add_argument(
+        "--variation",
+        type=whole(0, 10_000),
+        default=0,
+        metavar="K",
+        help="number of the variation that is shown first (default 0, the task as written)",
+    )
+    parser.add_argument(
+        "--policy",
+        metavar="P",
+        help="who plays first: expert, hold, random, the name of a pretrained policy, or the path "
+        "of a run (default: the expert, if the task has one)",
+    )
+    parser.add_argument(
+        "--export",
+        type=Path,
+        metavar="FILE",
+        help="instead, write an HTML file that plays an episode and needs no server",
+    )
+    parser.add_argument(
+        "--port",
+        type=whole(0, 65_535),
+        default=8765,
+        metavar="N",
+        help="port of the page on this machine (default 8765); 0 for any that is free",
+    )
+    parser.add_argument("--open", action="store_true", help="open the page in the browser")

@@ -61,7 +61,8 @@ class RasterWorld:
 
     Attributes:
         state: As it was given.
-        scene: The shapes.
+        scene: The shapes, packed for drawing.
+        shapes: The shapes, each in its link.
         bodies: Bullet's number of the body of each shape, -1 for a distractor, and -1.
         links: Index of the link of each shape, -1 for a distractor, and -1.
     """
@@ -90,12 +91,20 @@ class RasterWorld:
             rows += 1 + count
         shapes += [_drawn_only(rows, thing) for thing in client.scenery.distractors]
         owners += [(-1, -1)] * len(client.scenery.distractors)
+        self.shapes = tuple(shapes)
         self.scene = Scene(shapes)
         self.bodies = np.array([*(body for body, _ in owners), -1], np.int32)
         self.links = np.array([*(link for _, link in owners), -1], np.int32)
 
     def refresh(self) -> None:
         """Put the shapes where their bodies are."""
+        self.scene.place(self.link_poses())
+
+    def link_poses(self) -> NDArray[np.float64]:
+        """(l, 7) position in metres and quaternion (x, y, z, w) of every link in the world.
+
+        The rows are those that `MeshInstance.link` numbers; the last is the frame of the world.
+        """
         rows: list[tuple[float, ...]] = []
         bullet = self._bullet
         for body, com_from_base, links in self._bodies:
@@ -108,7 +117,7 @@ class RasterWorld:
                 states = bullet.getLinkStates(body, links, computeForwardKinematics=1)
                 rows += [state[4] + state[5] for state in states]
         rows.append(_WORLD)
-        self.scene.place(np.array(rows))
+        return np.array(rows)
 
 
 def _pattern(texture: Texture | None, own: Color) -> Pattern | None:

@@ -1,0 +1,155 @@
+"""The scene in the browser: links that move, and what is drawn around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.sim.cameras import capture
+from taskbuilder.view.marks import WORDS, marks_of, segments
+from taskbuilder.view.shapes import Link, visible_links
+from taskbuilder.world.world import World
+
+LINE_PX = 2.0
+BEHIND = 1.25
+"""Browsers begin so many times as far away as the scene's first camera."""
+
+PICTURE_WIDTH = 240
+"""Width of the small pictures of what cameras see, in pixels."""
+
+Picked = Callable[[str], None]
+
+
+class BrowserScene:
+    """A world in the scene of a viser server.
+
+    Args:
+        server: The server.
+        picked: Called with the name of a link that was clicked.
+    """
+
+    def __init__(self, server: Any, picked: Picked) -> None:
+        self._server = server
+        self._picked = picked
+        self._frames: dict[int, list[Any]] = {}
+        self._known: NDArray[np.float32] | None = None
+        self._marks: dict[str, list[Any]] = {}
+
+    def show(self, world: World) -> None:
+        """Show a world in the place of what was shown before; the viewer's camera stays."""
+        with self._server.atomic():
+            self._server.scene.reset()
+            self._frames, self._known, self._marks = {}, None, {}
+            self._server.scene.set_up_direction("+z")
+            self._server.scene.configure_default_lights()
+            for link in visible_links(world):
+                self._add(link)
+
+    def _add(self, link: Link) -> None:
+        path = f"/scene/{link.name.replace('.', '/')}"
+        frame = self._server.scene.add_frame(path, show_axes=False)
+        self._frames.setdefault(link.row, []).append(frame)
+        for number, mesh in enumerate(link.meshes):
+            handle = self._server.scene.add_mesh_simple(
+                f"{path}/mesh_{number}",
+                mesh.vertices,
+                mesh.triangles,
+                color=mesh.color,
+                opacity=None if mesh.opacity >= 1.0 else mesh.opacity,
+                side="double" if mesh.opacity < 1.0 else "front",
+            )
+            handle.on_click(lambda _, name=link.name: self._picked(name))
+
+    def place(self, poses: NDArray[np.float32]) -> None:
+        """Put the links where they are.
+
+        Args:
+            poses: (l, 7) of all links; see `LinkPoses.now`.
+        """
+        with self._server.atomic():
+            for row, frames in self._frames.items():
+                if self._known is not None and np.array_equal(poses[row], self._known[row]):
+                    continue
+                for frame in frames:
+                    frame.position, frame.wxyz = poses[row, :3], poses[row, 3:]
+        self._known = poses
+
+    # --- what is drawn around it
+
+    def switch(self, word: str, world: World | None) -> None:
+        """Show or hide frames, grasp points, sites, regions, reach or cameras.
+
+        Args:
+            word: One of `WORDS`, or ``cameras``.
+            world: The world as it stands, or None to hide them.
+        """
+        for handle in self._marks.pop(word, []):
+            handle.remove()
+        if world is not None:
+            add = self._cameras(world) if word == "cameras" else self._lines(world, word)
+            self._marks[word] = add
+
+    def _lines(self, world: World, word: str) -> list[Any]:
+        marks = marks_of(world, word)
+        lines, colors = segments(marks)
+        scene = self._server.scene
+        added = []
+        if len(lines):
+            added.append(
+                scene.add_line_segments(
+                    f"/{word}/lines", lines, colors, thickness=LINE_PX, thickness_units="screen"
+                )
+            )
+        for number, tag in enumerate(marks.tags):
+            added.append(scene.add_label(f"/{word}/{number}", tag.text, position=tag.point))
+        return added
+
+    def _cameras(self, world: World) -> list[Any]:
+        added = []
+        for name in world.scene.cameras:
+            view = world.camera(name)
+            x, y, z, w = view.pose.quaternion
+            path = f"/cameras/{name}"
+            added.append(
+                self._server.scene.add_camera_frustum(
+                    path,
+                    float(np.deg2rad(view.fov_deg)),
+                    view.width / view.height,
+                    scale=0.08,
+                    thickness=LINE_PX,
+                    thickness_units="screen",
+                    position=view.eye,
+                    wxyz=(w, x, y, z),
+                )
+            )
+            added.append(
+                self._server.scene.add_label(f"/camera_names/{name}", name, position=view.eye)
+            )
+        return added
+
+
+def camera_pictures(world: World) -> Mapping[str, NDArray[np.uint8]]:
+    """What every camera of a world sees, small: (height, width, 3) uint8 by name."""
+    pictures = {}
+    for name, spec in world.scene.cameras.items():
+        height = round(PICTURE_WIDTH * spec.size[1] / spec.size[0])
+        view = world.camera(name, (PICTURE_WIDTH, height))
+        pictures[name] = capture(world.client, view, light=world.look.light).rgb
+    return pictures
+
+
+def switches() -> Mapping[str, bool]:
+    """What can be shown and hidden, and whether it is shown at first."""
+    return {**dict.fromkeys(WORDS, False), "cameras": False}
+
+
+def look_from(server: Any, world: World) -> None:
+    """Let browsers begin a little behind where the first camera of a scene stands."""
+    view = world.camera(next(iter(world.scene.cameras)))
+    eye, target = np.array(view.eye), np.array(view.target)
+    camera = server.initial_camera
+    camera.position, camera.look_at = target + BEHIND * (eye - target), target
+    camera.up, camera.fov = view.up, float(np.deg2rad(view.fov_deg))

@@ -1,0 +1,126 @@
+"""The task on the page: its environment, who plays in it, and what is wrong with its files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+
+from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.errors import FileError, Finding, PlacementError, TaskbuilderError
+from taskbuilder.expert import Expert
+from taskbuilder.expert.named import policy_named
+from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.zoo import load_policy, zoo_names
+from taskbuilder.rollout.play import Policy
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.used_files import used_files
+from taskbuilder.task import Task, load_task
+from taskbuilder.validate.polling import Polled
+from taskbuilder.view.recording import Moment, Recording, record
+
+SCRIPTED = ("expert", "hold", "random")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What is to be played.
+
+    Attributes:
+        player: ``expert``, ``hold``, ``random``, the name of a pretrained policy, or the path of a
+            run or a policy.
+        seed: Seed of the episode.
+        variation: Number of the variation.
+    """
+
+    player: str = "expert"
+    seed: int = 0
+    variation: int = 0
+
+
+class Stage:
+    """A task that is loaded again when its files change.
+
+    Args:
+        reference: Name of the task, or path of its YAML file.
+        catalogue: The catalogue that names are looked up in.
+
+    Attributes:
+        task: The task as it was last read without errors; None before that.
+        findings: What is wrong with its files now.
+    """
+
+    def __init__(self, reference: str, catalogue: Catalogue) -> None:
+        self._reference, self._catalogue = reference, catalogue
+        self._polled = Polled()
+        self.task: Task | None = None
+        self.findings: tuple[Finding, ...] = ()
+        self.load()
+
+    def load(self) -> bool:
+        """Read the files again; whether they could be read."""
+        catalogue = Catalogue(self._catalogue.folders)
+        entry = catalogue.task(self._reference)
+        self._polled.watch(used_files(entry, catalogue) | self._polled.files)
+        try:
+            self.task = load_task(self._reference, catalogue=catalogue)
+        except FileError as error:
+            self.findings = error.findings
+            return False
+        self.findings = ()
+        return True
+
+    def changed(self) -> bool:
+        """Whether a file has changed since this was asked last."""
+        return bool(self._polled.changed())
+
+    @property
+    def players(self) -> tuple[str, ...]:
+        """Who can play this task: its expert, if it has one, and pretrained policies."""
+        if self.task is None:
+            return SCRIPTED
+        scripted = SCRIPTED if self.task.file.spec.expert else SCRIPTED[1:]
+        own = (name for name in zoo_names() if name.startswith(f"zoo:{self.task.name}/"))
+        return (*scripted, *own)
+
+    def env(self, choice: Choice) -> TaskEnv:
+        """An environment as a player needs it.
+
+        Raises:
+            TaskbuilderError: It cannot be built.
+        """
+        if self.task is None:
+            raise FileError(self.findings)
+        trained = choice.player not in SCRIPTED
+        options = options_of(load_policy(choice.player)) if trained else {}
+        return parallel_env(self.task, **{**options, "variation": choice.variation})
+
+    def play(self, choice: Choice, shown: Callable[[Moment], None]) -> Recording:
+        """Play and record an episode.
+
+        Args:
+            choice: What is to be played.
+            shown: Called with each state as soon as it is reached.
+
+        Raises:
+            TaskbuilderError: It cannot be played.
+        """
+        with ExitStack() as stack:
+            env = stack.enter_context(closing(self.env(choice)))
+            policy = _policy(env, choice.player, stack)
+            return record(env, choice.player, policy, choice.seed, shown)
+
+    def explain(self, error: TaskbuilderError) -> tuple[Finding, ...]:
+        """An error as findings, if it has any."""
+        return error.findings if isinstance(error, FileError | PlacementError) else ()
+
+
+def _policy(env: TaskEnv, player: str, stack: ExitStack) -> Policy:
+    if player not in SCRIPTED:
+        trained = load_policy(player)
+        check_fits(trained, env, player)
+        return trained.player()
+    made = policy_named(player)(env)
+    if isinstance(made, Expert):
+        stack.callback(made.close)
+    return made

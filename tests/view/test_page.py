@@ -1,0 +1,213 @@
+"""The page follows the files, plays episodes and is closed to other sites; no browser is needed."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import socket
+import time
+from pathlib import Path
+
+import pytest
+import viser
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
+
+from taskbuilder.errors import UsageError
+from taskbuilder.view import server as server_module
+from taskbuilder.view.server import PageServer
+from taskbuilder.view.stage import Choice
+
+
+def turn(page, until, seconds=60.0):
+    """Turn the page's loop until something is so."""
+    end = time.monotonic() + seconds
+    page.run(lambda: until() or time.monotonic() > end)
+    assert until()
+
+
+def parts(server):
+    """The names in the scene of the server."""
+    return set(server.viser.scene._handle_from_node_name)
+
+
+def test_the_scene_is_shown_under_its_dotted_names(page_of, touch, server):
+    page_of(touch)
+    names = parts(server)
+    assert {"/scene/cube", "/scene/arm/panda_link3"} <= names
+    assert any(name.startswith("/scene/cube/mesh_") for name in names)
+
+
+def test_an_episode_is_played_paused_and_scrubbed(page_of, touch):
+    page = page_of(touch)
+    page._ask(page._play)
+    turn(page, lambda: page._recording is not None and page._step >= 3)
+    recording = page._recording
+    assert recording.rollout.success
+    assert len(page._charts) == 1  # one robot, so no force between robots
+    page._ask(page._play_or_pause)
+    turn(page, lambda: not page._playing)
+    page._ask(lambda: page._go_to(7, pause=True))
+    turn(page, lambda: page._step == 7)
+    assert "step 7 of 30" in page._outcome.content
+    assert re.search(r"Near.*cm, within 3 cm", page._lamps.content)
+    page._ask(lambda: page._go_to(1000, pause=True))
+    turn(page, lambda: page._step == recording.rollout.steps)
+
+
+def test_the_page_follows_its_files(page_of, touch, server):
+    page = page_of(touch)
+    text = touch.read_text()
+    touch.write_text(text.replace("cube:", "block:"))
+    turn(page, lambda: "/scene/block" in parts(server))
+    assert "/scene/cube" not in parts(server)
+
+
+def test_findings_stand_on_the_page_until_they_are_mended(page_of, touch, server):
+    page = page_of(touch)
+    text = touch.read_text()
+    touch.write_text(text.replace("model: panda", "model: pandaa"))
+    turn(page, lambda: "TB" in page._findings.content)
+    assert "touch.yaml" in page._findings.content.replace("\\", "")
+    assert ":5:" in page._findings.content
+    assert "panda" in page._findings.content
+    assert "/scene/cube" in parts(server)  # what was there last is still to be seen
+    touch.write_text(text)
+    turn(page, lambda: "No findings" in page._findings.content)
+
+
+def test_a_task_with_errors_opens_and_shows_them(page_of, touch):
+    touch.write_text(touch.read_text().replace("shape:", "shap:"))
+    page = page_of(touch)
+    assert "shap" in page._findings.content
+
+
+def test_a_file_that_is_deleted_while_it_is_shown_is_a_finding(page_of, touch):
+    page = page_of(touch)
+    touch.with_suffix(".py").unlink()
+    turn(page, lambda: "No findings" not in page._findings.content)
+
+
+def test_an_expert_that_cannot_do_its_stages_is_told(page_of, touch):
+    touch.write_text(touch.read_text().replace("[0.45, 0, 0.4]", "[3.0, 0, 0.4]"))
+    page = page_of(touch)
+    page._ask(page._play)
+    turn(page, lambda: page._recording is not None)
+    assert "failed in stage 1" in page._recording.verdict()
+
+
+def test_marks_are_switched_on_and_off(page_of, touch, server):
+    page = page_of(touch)
+    for word in ("frames", "sites", "cameras"):
+        page._boxes[word].value = True
+        page._ask(lambda word=word: page._switch(word))
+    turn(page, lambda: {"/frames/lines", "/sites/lines", "/cameras/front"} <= parts(server))
+    assert len(page._pictures) == 1
+    page._boxes["cameras"].value = False
+    page._ask(lambda: page._switch("cameras"))
+    turn(page, lambda: "/cameras/front" not in parts(server))
+
+
+def test_a_click_names_a_part_and_its_pose(page_of, touch):
+    page = page_of(touch)
+    page._ask(lambda: page._pick("cube"))
+    turn(page, lambda: "yaml" in page._picked.content)
+    assert "position: [0.5, 0.2, 0.02]" in page._picked.content
+
+
+def test_requests_of_a_browser_that_floods_the_page_are_dropped(page_of, touch):
+    page = page_of(touch)
+    for _ in range(10_000):
+        page._ask(lambda: None)
+    turn(page, page._requests.empty)
+
+
+# --- the server
+
+
+def greeted(server, **headers):
+    """Whether the server talks to a connection with these headers."""
+
+    async def ask():
+        protocol = f"viser-v{viser.__version__}"
+        address = f"ws://127.0.0.1:{server.port}"
+        async with connect(
+            address, subprotocols=[protocol], additional_headers=headers, max_size=None
+        ) as connection:
+            try:
+                await asyncio.wait_for(connection.recv(), 10.0)
+            except ConnectionClosed:
+                return False
+            return True
+
+    return asyncio.run(ask())
+
+
+def test_the_page_itself_and_programs_are_talked_to(page_of, touch, server):
+    page_of(touch)
+    assert greeted(server)
+    assert greeted(server, Origin=f"http://127.0.0.1:{server.port}")
+    assert greeted(server, Origin=f"http://localhost:{server.port}")
+
+
+@pytest.mark.parametrize(
+    "origin", ["https://elsewhere.example", "http://127.0.0.1:1", "null", "http://[::1"]
+)
+def test_pages_of_other_sites_are_not_talked_to(origin, page_of, touch, server):
+    page_of(touch)
+    assert not greeted(server, Origin=origin)
+
+
+def test_names_that_lead_here_from_elsewhere_are_not_served(page_of, touch, server):
+    page_of(touch)
+
+    async def ask():
+        reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
+        writer.write(
+            b"GET / HTTP/1.1\r\nHost: rebound.example\r\nUpgrade: websocket\r\n"
+            b"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+            b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+            b"Sec-WebSocket-Protocol: viser-v" + viser.__version__.encode() + b"\r\n\r\n"
+        )
+        await reader.readuntil(b"\r\n\r\n")
+        frame = await asyncio.wait_for(reader.read(4), 10.0)
+        writer.close()
+        return frame[0] & 0x0F
+
+    assert asyncio.run(ask()) == 8  # the first frame closes the connection
+
+
+def test_only_this_machine_can_connect(server):
+    assert server.address.startswith("http://127.0.0.1:")
+    (listening,) = {
+        line.split()[1]
+        for line in Path("/proc/net/tcp").read_text().splitlines()[1:]
+        if line.split()[3] == "0A" and int(line.split()[1].split(":")[1], 16) == server.port
+    }
+    assert listening.split(":")[0] == "0100007F"
+
+
+def test_the_page_cannot_be_shared_through_other_servers(server):
+    from viser import _messages
+
+    assert _messages.ShareUrlRequest not in server.viser._websock_server._incoming_handlers
+
+
+def test_a_port_that_is_taken_is_said():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(UsageError, match=rf"port {port} is taken; choose another with --port"):
+            PageServer(port)
+
+
+def test_without_viser_it_is_said_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "viser", None)
+    with pytest.raises(UsageError, match=r'pip install "taskbuilder\[view\]"'):
+        PageServer(0)
+
+
+def test_the_choice_begins_with_the_task_as_written():
+    assert Choice() == Choice("expert", 0, 0)
+    assert server_module.LOCAL == "127.0.0.1"
