@@ -145,7 +145,6 @@ def to_rpy_deg(quaternion: Quat) -> Vec3:
     return math.degrees(roll), math.degrees(math.asin(sine)), math.degrees(yaw)
 
 
-
 def from_axes(x: Vec3, y: Vec3, z: Vec3) -> Quat:
     """Quaternion of the frame whose axes are the given orthonormal, right-handed vectors."""
     # Shepperd's method: divide by the largest of the four candidates, so by nothing near zero.
