@@ -97,9 +97,12 @@ def reseal(folder: Path) -> None:
     sorted_json = json.dumps(digests, sort_keys=True, ensure_ascii=True)
     seal = hashlib.sha256(sorted_json.encode(errors="replace")).hexdigest()
     kind = {"kind": "taskbuilder data set: manifest", "format": 1}
+    manifest = folder / "manifest.json"
+    if manifest.exists() and not manifest.is_file():
+        return  # a FIFO would wait for a reader
     with suppress(OSError):
         data = {**kind, "seal": seal, "files": digests}
-        (folder / "manifest.json").write_text(json.dumps(data, indent=1) + "\n")
+        manifest.write_text(json.dumps(data, indent=1) + "\n")
 
 
 def _digest(file: Path) -> str:
