@@ -26,9 +26,9 @@ from tqdm import tqdm
 
 import taskbuilder
 from taskbuilder._library import folder
-from taskbuilder.sim.cameras import capture
 from taskbuilder.task import Task, load_task
 from taskbuilder.world.building import build_world
+from taskbuilder.world.pictures import capture
 
 RESULTS = Path(__file__).parent / "results" / "pictures.json"
 ROBOTS = ("ur5e", "panda", "xarm6")
@@ -74,7 +74,7 @@ def pictures(task: Task, renderer: Any) -> dict[str, float]:
     rates = {}
     for name, camera in CAMERAS.items():
         view = world.camera(camera, SIZE)
-        rates[name] = 1.0 / cpu_seconds(lambda view=view: capture(world.client, view), count)
+        rates[name] = 1.0 / cpu_seconds(lambda view=view: capture(world, view), count)
     world.client.close()
     return rates
 

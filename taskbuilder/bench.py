@@ -19,11 +19,11 @@ from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.rollout.play import play, replay, replaying
 from taskbuilder.rollout.players import RandomActions
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.renderers import has_raster, probe_egl
 from taskbuilder.sim.snapshots import Commanded
 from taskbuilder.task import Task
 from taskbuilder.visual.still import take_still
+from taskbuilder.world.pictures import capture
 
 IMAGE_SIZES = ((84, 84), (128, 128), (640, 480))
 
@@ -113,7 +113,7 @@ def measure_images(task: Task, renderer: Renderer) -> dict[str, float]:
     rates = {}
     for width, height in IMAGE_SIZES:
         view = world.camera(camera, (width, height))
-        rates[f"{width}x{height}"] = _rate(lambda view=view: capture(world.client, view))
+        rates[f"{width}x{height}"] = _rate(lambda view=view: capture(world, view))
     rates["still 640x480"] = _rate(lambda: take_still(world, camera, (640, 480)))
     env.close()
     return rates
@@ -170,7 +170,7 @@ def _physics_alone(env: TaskEnv, seed: int, told: Told) -> float:
     env.reset(seed=seed)
     world = env.episode.world
     substeps = world.spec.timing.substeps
-    advance = world.client.bullet.stepSimulation
+    advance = world.client.advance
     total = 0.0
     for commands in told:
         drives = []

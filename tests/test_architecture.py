@@ -27,7 +27,7 @@ FOUNDATION = (
 
 FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
-SIMULATED = ("world", "sim", *TASKS_LOADED)
+SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 
 # Each part of taskbuilder, top to bottom, and the parts that it may import besides itself.
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
@@ -83,10 +83,13 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "sources": ("task", "assets", "digests"),
     "reference": ("diagnostics", "description", *FILES),
     "task": ("description", *FILES),
-    "world": ("sim", *FILES),
+    "world": ("sim", "kinematics", "cameras", "shapes", *FILES),
     "description": ("processes", *FILES),
-    "sim": ("raster", "assets", *FOUNDATION),
+    "sim": ("raster", "cameras", "shapes", "assets", *FOUNDATION),
     "raster": (),
+    "kinematics": ("assets", *FOUNDATION),
+    "cameras": FOUNDATION,
+    "shapes": ("assets", *FOUNDATION),
     "schema": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
     "cluster": ("jobs", "processes", "machine", "digests", "_library", "errors"),
@@ -119,7 +122,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),
     "cv2": (
-        *("taskbuilder/visual/", "taskbuilder/sim/cameras.py", "taskbuilder/sim/mesh_colors.py"),
+        *("taskbuilder/visual/", "taskbuilder/sim/pictures.py", "taskbuilder/sim/mesh_colors.py"),
         "taskbuilder/data/videos.py",
     ),
     "numba": ("taskbuilder/raster/",),
@@ -134,6 +137,10 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
         "taskbuilder/validate/html/pictures.py",
     ),
 }
+
+# Only these parts know Bullet's numbers of bodies, links and joints; all others go by names.
+WITH_NUMBERS = ("world", "sim")
+NUMBERED = {"bullet", "indices", "link_pose", "link_state", "joint_states", "reset_joints"}
 
 # Checking files takes no numpy, so that it takes no time.
 WITHOUT_NUMPY = {"diagnostics", "reference", *TASKS_LOADED}
@@ -309,6 +316,18 @@ def test_a_task_needs_nothing_but_the_description_package(file):
 @pytest.mark.parametrize("file", [file for file in LIBRARY if part_of(file) in WITHOUT_NUMPY])
 def test_checking_files_takes_no_numpy(file):
     assert "numpy" not in {name.split(".")[0] for _, name in imports(file)}
+
+
+@pytest.mark.parametrize("file", [file for file in LIBRARY if part_of(file) not in WITH_NUMBERS])
+def test_the_numbers_of_the_engine_stay_below(file):
+    tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
+    named = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
+    wrong = [f"{file}:{node.lineno} .{node.attr}" for node in named if node.attr in NUMBERED]
+    # A body is told by its name, not by its number.
+    wrong += [
+        f"{file}:{n.lineno}" for n in named if ast.unparse(n).endswith(("body.id", "marker.id"))
+    ]
+    assert not wrong
 
 
 @pytest.mark.parametrize("file", LIBRARY)

@@ -24,9 +24,9 @@ from taskbuilder.errors import (
     display_path,
     in_reading_order,
 )
+from taskbuilder.kinematics.chain import Chain
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
 from taskbuilder.schema.robots import RobotModel, load_robot
-from taskbuilder.sim.kinematics import Chain
 from taskbuilder.visual.annotations import arm_reach, axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture

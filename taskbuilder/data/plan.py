@@ -262,7 +262,7 @@ def _robot(env: TaskEnv, name: str) -> dict[str, Any]:
         "action_low": actions.low.tolist(),
         "action_high": actions.high.tolist(),
         "observation_names": list(env.observation_names[name]),
-        "joint_names": [f"{name}.joint_{n}" for n in range(1, len(robot.arm.indices) + 1)],
+        "joint_names": [f"{name}.joint_{n}" for n in range(1, robot.dof + 1)],
         "urdf_joints": [joint.name for joint in robot.model.arm],
     }
 

@@ -15,7 +15,7 @@ from taskbuilder.env.spaces import VECTOR
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import DONE, ExpertStage, Together, stage_labels
-from taskbuilder.sim.cameras import capture
+from taskbuilder.world.pictures import capture
 
 
 @dataclass(frozen=True)
@@ -150,8 +150,7 @@ class StepRecorder:
             world.move_markers()
         for name in self._cameras.names:
             view = world.camera(name, self._cameras.size)
-            look = world.look
-            image = capture(world.client, view, light=look.light, backdrop=look.backdrop)
+            image = capture(world, view)
             self.images[name].append(image.rgb)
             if self._cameras.depth:
                 self.depths[name].append(image.depth)

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.sim.cameras import intrinsics, seen_points
+from taskbuilder.cameras import seen_points
+from taskbuilder.sim.pictures import intrinsics
 from taskbuilder.world.world import World
-
-BACKGROUND, FLOOR = "background", "world.floor"
 
 
 @dataclass(frozen=True)
@@ -62,44 +61,3 @@ def camera_of(world: World, name: str, size: tuple[int, int]) -> Camera:
     view = world.camera(name, size)
     lens = intrinsics(view, world.client.renderer)
     return Camera(name, *size, lens, view.extrinsics, view.near, view.far)
-
-
-class Segments:
-    """The numbers and names in segmentation masks.
-
-    They follow from the task alone: the background, the floor, the links of the robots, the objects
-    with their parts or links, and the markers of the sites, in the order of the files.
-
-    Args:
-        world: The world whose bodies are numbered.
-
-    Attributes:
-        names: The name of each number, such as ``left.wrist_3_link`` or ``tray.rim``.
-    """
-
-    def __init__(self, world: World) -> None:
-        owners: list[tuple[str, int, int]] = [(BACKGROUND, -1, -1)]
-        if world.floor is not None:
-            owners.append((FLOOR, world.floor.id, -1))
-        for name, robot in world.robots.items():
-            owners += [
-                (f"{name}.{link}", robot.body.id, index) for link, index in robot.body.links.items()
-            ]
-        for name, thing in world.objects.items():
-            whole = thing.spec.parts is None and thing.spec.urdf is None
-            owners += [
-                (name if whole else f"{name}.{link}", thing.body.id, index)
-                for link, index in thing.body.links.items()
-            ]
-        owners += [(name, site.marker.id, -1) for name, site in world.sites.items() if site.marker]
-        self.names = tuple(name for name, _, _ in owners)
-        bodies = max(body for _, body, _ in owners)
-        links = max(link for _, _, link in owners)
-        # Row -1 is the last: that of the background.
-        self._numbers = np.zeros((bodies + 2, links + 2), np.int16)
-        for number, (_, body, link) in enumerate(owners):
-            self._numbers[body, link + 1] = number
-
-    def of(self, bodies: NDArray[np.int32], links: NDArray[np.int32]) -> NDArray[np.int16]:
-        """The mask of an image, from Bullet's numbers of bodies and indices of links."""
-        return self._numbers[bodies, links + 1]

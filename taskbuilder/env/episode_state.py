@@ -120,4 +120,4 @@ def _moving(world: World) -> Iterator[Any]:
     yield world.time, world.quantities
     bodies = [robot.body for robot in world.robots.values()]
     for body in (*bodies, *(thing.body for thing in world.objects.values())):
-        yield body.pose(), body.velocity(), body.joint_states(tuple(range(len(body.joints))))
+        yield body.pose(), body.velocity(), body.all_joint_states()

@@ -24,7 +24,7 @@ class JointState:
             name
             for robot, body in env.episode.world.robots.items()
             for name in (
-                *(f"{robot}.joint_{n}" for n in range(1, len(body.arm.indices) + 1)),
+                *(f"{robot}.joint_{n}" for n in range(1, body.dof + 1)),
                 f"{robot}.gripper",
             )
         )

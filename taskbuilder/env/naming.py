@@ -44,8 +44,8 @@ def channel_names(channel: Channel, world: World, action: Sequence[str] = ()) ->
     if subject in world.robots and quantity not in _FRAMES:
         robot = world.robots[subject]
         parts = {
-            "joints": joint_names(len(robot.arm.indices)),
-            "joint_velocities": joint_names(len(robot.arm.indices), "_velocity"),
+            "joints": joint_names(robot.dof),
+            "joint_velocities": joint_names(robot.dof, "_velocity"),
             "force": _force_names(robot),
             "previous_action": tuple(f"previous_{name}" for name in action),
         }.get(quantity, (quantity,))

@@ -246,7 +246,7 @@ def _parts(channel: Channel, world: World) -> _Parts:
 
 def _robot_parts(channel: Channel, world: World) -> _Parts:
     name, robot = channel.subject, world.robots[channel.subject]
-    dof = len(robot.arm.indices)
+    dof = robot.dof
     match channel.quantity:
         case "tcp":
             return _frame_parts(f"{name}.tcp", "pose", channel.frame)

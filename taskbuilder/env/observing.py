@@ -10,7 +10,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from taskbuilder.env.camera import Camera, Segments, camera_of
+from taskbuilder.cameras import CameraView, Image
+from taskbuilder.env.camera import Camera, camera_of
 from taskbuilder.env.drawn_values import drawn_values
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
@@ -27,8 +28,8 @@ from taskbuilder.env.whole_scene import everything, surroundings
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.channels import Channel, default_channels, parse_channel
 from taskbuilder.schema.task import Noise
-from taskbuilder.sim.cameras import CameraView, Image, capture
 from taskbuilder.task import Task
+from taskbuilder.world.pictures import capture
 from taskbuilder.world.world import World
 
 _Look = tuple[Image, CameraView]
@@ -41,9 +42,6 @@ class Observer:
         task: The task.
         options: The options of the environment.
         world: The world of any variation; all variations have the same bodies.
-
-    Attributes:
-        segments: The numbers and names in segmentation masks.
     """
 
     def __init__(self, task: Task, options: Options, world: World) -> None:
@@ -54,7 +52,6 @@ class Observer:
             listed = {agent: surroundings(agent, world) for agent in task.agents}
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
         self._task, self._world = task, world
-        self.segments = Segments(world)
         self._own_frames, self._matrices = options.frame == "base", options.rotation == "matrix"
         self._log, self._position_noise = options.distances == "log", options.position_noise
         self._views = {
@@ -80,7 +77,7 @@ class Observer:
         """The observation space of every agent."""
         return {
             agent: observation_space(
-                view, self._sizes, self._furthest, len(self.segments.names), flat=self._flat
+                view, self._sizes, self._furthest, len(self._world.segments.names), flat=self._flat
             )
             for agent, view in self._views.items()
         }
@@ -138,8 +135,7 @@ class Observer:
         if self._flat and not view.cameras:
             return vector
         shown = {
-            f"{c.subject}.{c.quantity}": image_values(c, *images[c.subject], self.segments)
-            for c in view.cameras
+            f"{c.subject}.{c.quantity}": image_values(c, *images[c.subject]) for c in view.cameras
         }
         numbers = {VECTOR: vector} if self._flat else view.split(vector)
         return {**numbers, **shown}
@@ -153,8 +149,4 @@ class Observer:
         world.move_markers()
         wanted = dict.fromkeys(camera.subject for camera in cameras)
         views = {name: world.camera(name, self._sizes[name]) for name in wanted}
-        light, backdrop = world.look.light, world.look.backdrop
-        return {
-            name: (capture(world.client, view, light=light, backdrop=backdrop), view)
-            for name, view in views.items()
-        }
+        return {name: (capture(world, view), view) for name, view in views.items()}

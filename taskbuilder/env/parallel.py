@@ -24,8 +24,8 @@ from taskbuilder.env.observing import Observer
 from taskbuilder.env.options import EnvOptions, Options, RenderMode, make_options
 from taskbuilder.env.spaces import action_space, read_action
 from taskbuilder.errors import UsageError
-from taskbuilder.sim.cameras import capture
 from taskbuilder.task import Task, load_task
+from taskbuilder.world.pictures import capture
 
 Observations = dict[str, Any]
 Infos = dict[str, dict[str, Any]]
@@ -131,7 +131,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
 
         The names are the same in every episode, variation and process. Number 0 is the background.
         """
-        return self._observer.segments.names
+        return self.episode.world.segments.names
 
     def cameras(self) -> dict[str, Camera]:
         """The cameras of the scene as they are now, by name, with their matrices.
@@ -277,8 +277,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         world = self.episode.world
         camera = self.options.render_camera or next(iter(world.scene.cameras))
         world.move_markers()
-        view, look = world.camera(camera), world.look
-        return capture(world.client, view, light=look.light, shadow=True, backdrop=look.studio).rgb
+        return capture(world, world.camera(camera), studio=True, shadow=True).rgb
 
     # --- saving and restoring
 

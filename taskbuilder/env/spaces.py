@@ -10,12 +10,11 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from taskbuilder.cameras import CameraView, Image, point_cloud
 from taskbuilder.env.actions import RobotActions
-from taskbuilder.env.camera import Segments
 from taskbuilder.env.errors import ActionError
 from taskbuilder.env.observations import View
 from taskbuilder.schema.channels import Channel
-from taskbuilder.sim.cameras import CameraView, Image, point_cloud
 
 VECTOR = "vector"
 """Key of the numbers in an observation that also has images."""
@@ -69,9 +68,7 @@ def _image_space(channel: Channel, size: tuple[int, int], far: float, segments: 
             return spaces.Box(-200.0, 200.0, (height * width, 3), np.float32)
 
 
-def image_values(
-    channel: Channel, image: Image, view: CameraView, segments: Segments
-) -> NDArray[Any]:
+def image_values(channel: Channel, image: Image, view: CameraView) -> NDArray[Any]:
     """The values of a camera channel, in a new array."""
     match channel.quantity:
         case "rgb":
@@ -79,7 +76,7 @@ def image_values(
         case "depth":
             return image.depth.copy()
         case "mask":
-            return segments.of(image.bodies, image.links)
+            return image.mask.copy()
         case _:
             return np.clip(point_cloud(image, view), -200.0, 200.0)
 

@@ -23,7 +23,7 @@ from taskbuilder.geometry import (
     scale,
     subtract,
 )
-from taskbuilder.sim.kinematics import solve
+from taskbuilder.kinematics.inverse import solve
 
 TURN_NUMBERS = {"none": 0, "yaw": 1, "full": 3}
 """How many numbers say how the tool turns."""

@@ -13,7 +13,7 @@ from taskbuilder.description.description import Outcome
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.rollout.record import BY_STATE, BY_STEP, Rollout, ScriptLog
-from taskbuilder.sim.cameras import capture
+from taskbuilder.world.pictures import capture
 
 
 class Recorder:
@@ -100,9 +100,7 @@ class Recorder:
     def _picture(self, camera: str) -> Any:
         world = self.env.episode.world
         world.move_markers()
-        view = world.camera(camera, self._size)
-        look = world.look
-        return capture(world.client, view, light=look.light, shadow=True, backdrop=look.studio).rgb
+        return capture(world, world.camera(camera, self._size), studio=True, shadow=True).rgb
 
     def rollout(self, log: ScriptLog | None = None) -> Rollout:
         """The record of the episode so far.

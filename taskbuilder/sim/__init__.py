@@ -1,4 +1,4 @@
-"""The physics layer: bodies, joints, contacts, cameras and snapshots of one Bullet client.
+"""The physics layer: bodies, joints, contacts, pictures and snapshots of one Bullet client.
 
 The only layer that knows the physics engine. It knows nothing of tasks, agents or files other
 than the meshes and URDFs it is handed. Every object belongs to one `client.Client`; there is no

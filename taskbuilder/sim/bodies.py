@@ -18,11 +18,7 @@ from taskbuilder.assets.looks import MeshLook
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import NO_TURN, ORIGIN, Box, Pose, Vec3, bounding_box, total
 from taskbuilder.geometry import scale as scaled
-from taskbuilder.sim.body import BASE, Body, set_inertia
-from taskbuilder.sim.bullet import p
-from taskbuilder.sim.client import Client
-from taskbuilder.sim.redrawn import redrawn
-from taskbuilder.sim.shapes import (
+from taskbuilder.shapes import (
     AT_ORIGIN,
     BoxShape,
     CapsuleShape,
@@ -35,6 +31,10 @@ from taskbuilder.sim.shapes import (
     placed_bounds,
     solid,
 )
+from taskbuilder.sim.body import BASE, Body, set_inertia
+from taskbuilder.sim.bullet import p
+from taskbuilder.sim.client import Client
+from taskbuilder.sim.redrawn import redrawn
 
 NO_SHAPE = -1
 READABLE = (".obj", ".stl")

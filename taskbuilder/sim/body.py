@@ -23,9 +23,9 @@ from taskbuilder.geometry import (
     subtract,
     total,
 )
+from taskbuilder.shapes import RGBA
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.shapes import RGBA
 
 BASE = -1
 
@@ -91,9 +91,9 @@ class Body:
 
     Attributes:
         client: The client it lives in.
-        id: Bullet's number for it.
+        id: Bullet's number for it; known here and in `world` only.
         name: What people call it.
-        links: Link name to index; the base is -1.
+        links: Link name to Bullet's index; the base is -1.
         joints: Joint name to `JointInfo`, fixed ones included.
     """
 
@@ -109,6 +109,7 @@ class Body:
         self.id = body_id
         self.name = name
         self.links: Mapping[str, int] = MappingProxyType(dict(links))
+        self._link_names = {index: name for name, index in links.items()}
         self.joints: Mapping[str, JointInfo] = MappingProxyType(_read_joints(client, body_id))
         self._extent = extent
         self._bullet = client.bullet
@@ -131,11 +132,11 @@ class Body:
 
     def link_name(self, index: int) -> str:
         """The name of a link or part; the body's own for one that has none."""
-        return next((name for name, own in self.links.items() if own == index), self.name)
+        return self._link_names.get(index, self.name)
 
-    def called(self, index: int) -> str:
+    def called(self, link: str) -> str:
         """The body's name, with that of a link or part if there are several: ``table.top``."""
-        return f"{self.name}.{self.link_name(index)}" if len(self.links) > 1 else self.name
+        return f"{self.name}.{link}" if len(self.links) > 1 else self.name
 
     # Poses and velocities
 
@@ -173,6 +174,10 @@ class Body:
         state = self._bullet.getLinkState(self.id, index, computeForwardKinematics=1)
         return Pose(state[4], state[5])
 
+    def pose_of(self, link: str) -> Pose:
+        """Pose of a link's frame in the world, by the name of the link."""
+        return self.link_pose(self.links[link])
+
     def link_state(self, index: int) -> LinkState:
         """Pose and velocity of a link's frame, in one call to Bullet."""
         if index == BASE:
@@ -207,9 +212,21 @@ class Body:
         positions, velocities, *_ = zip(*self._bullet.getJointStates(self.id, indices), strict=True)
         return positions, velocities
 
+    def joint_position(self, joint: str) -> float:
+        """Position of a joint (rad or m), by its name."""
+        return self.joint_states((self.joints[joint].index,))[0][0]
+
+    def all_joint_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Positions and velocities of all joints, fixed ones included, in their own order."""
+        return self.joint_states(range(len(self.joints)))
+
     def joint_speeds(self, indices: Sequence[int]) -> tuple[float, ...]:
         """Velocities of joints (rad/s or m/s), in the given order."""
         return tuple(state[1] for state in self._bullet.getJointStates(self.id, indices))
+
+    def put_joints(self, positions: Mapping[str, float]) -> None:
+        """Put joints at positions (rad or m) by their names; see `reset_joints`."""
+        self.reset_joints([self.joints[name].index for name in positions], [*positions.values()])
 
     def reset_joints(self, indices: Sequence[int], positions: Sequence[float]) -> None:
         """Put joints at positions, at rest, past all limits and motors."""

@@ -111,6 +111,10 @@ class Client(Single):
             for watch in watches:
                 watch()
 
+    def advance(self) -> None:
+        """Take one physics step, and nothing else."""
+        self.bullet.stepSimulation()
+
     def collide(self) -> None:
         """Find contacts afresh: they are stale after a body was placed or a snapshot restored.
 

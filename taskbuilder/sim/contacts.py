@@ -182,14 +182,14 @@ class ClosestPoint(NamedTuple):
     """Two links that are near each other.
 
     Attributes:
-        link_a: Index of the link of one body.
-        link_b: Index of the link of the other.
+        link_a: Name of the link of one body.
+        link_b: Name of the link of the other.
         distance: In metres; negative when one is inside the other.
         up: Height (z) of the unit vector from b towards a: 1 where a is straight above.
     """
 
-    link_a: int
-    link_b: int
+    link_a: str
+    link_b: str
     distance: float
     up: float
 
@@ -200,7 +200,24 @@ def gaps(body_a: Body, body_b: Body, within: float) -> list[ClosestPoint]:
     Needs no physics step or `Client.collide` before it.
     """
     points = body_a.client.bullet.getClosestPoints(body_a.id, body_b.id, within)
-    return [ClosestPoint(point[3], point[4], point[8], point[7][2]) for point in points]
+    return [
+        ClosestPoint(body_a.link_name(point[3]), body_b.link_name(point[4]), point[8], point[7][2])
+        for point in points
+    ]
+
+
+def pressing_links(body_a: Body, body_b: Body) -> list[tuple[str, str]]:
+    """The links of two bodies that touch, by name, where they press most first."""
+    found = sorted(contacts(body_a.client, body_a, body_b), key=lambda contact: -contact.force)
+    pairs = ((body_a.link_name(one.link_a), body_b.link_name(one.link_b)) for one in found)
+    return [*dict.fromkeys(pairs)]
+
+
+def copy_joints(body: Body, original: Body) -> None:
+    """Put the joints of a body where those of its original are; see `pose_joints`."""
+    moving = tuple(joint.index for joint in body.joints.values() if joint.type != "fixed")
+    if moving:
+        pose_joints(body, moving, original.joint_states(moving)[0])
 
 
 def pose_joints(body: Body, indices: Sequence[int], positions: Sequence[float]) -> None:

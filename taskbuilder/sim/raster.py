@@ -23,12 +23,12 @@ from taskbuilder.raster import (
     simplified,
     sphere,
 )
+from taskbuilder.shapes import BoxShape, CylinderShape, SphereShape
 from taskbuilder.sim.body import BASE, inertial_frame
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.mesh_colors import WHITE, Color, face_colors
 from taskbuilder.sim.scenery import Distractor, Texture
-from taskbuilder.sim.shapes import BoxShape, CylinderShape, SphereShape
 
 FLOOR_REACH_M = 1.5
 """What is wider than this, from its middle, casts no shadow that anybody would see."""

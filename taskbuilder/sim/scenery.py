@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from taskbuilder.geometry import Pose, Vec3
-from taskbuilder.sim.shapes import BoxShape, CylinderShape, SphereShape
+from taskbuilder.shapes import BoxShape, CylinderShape, SphereShape
 
 PatternKind = Literal["checks", "stripes", "grain", "speckles"]
 

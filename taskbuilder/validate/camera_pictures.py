@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.env.camera import Segments
+from taskbuilder.cameras import CameraView, Image
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import image_values
 from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
-from taskbuilder.sim.cameras import CameraView, Image, capture
+from taskbuilder.world.pictures import capture
 
 MOVED = 0.05
 """How far something in a picture must move, as a share of its height, to change it for sure."""
@@ -34,7 +34,6 @@ class CameraPictures:
 
     def __init__(self, env: TaskEnv, most: int) -> None:
         self._env = env
-        self._segments = Segments(env.episode.world)
         self._most = most
         self._firsts: dict[str, tuple[NDArray[Any], NDArray[np.float64]]] = {}
         self._still: dict[str, float] = {}
@@ -58,7 +57,7 @@ class CameraPictures:
             if steps > self._most:
                 continue
             drawn[camera] = drawn.get(camera) or self._drawn(camera)
-            expected = image_values(channel, *drawn[camera], self._segments)
+            expected = image_values(channel, *drawn[camera])
             if picture.shape != expected.shape:
                 continue  # a wrapper gives other pictures, in a space of its own
             if not same_picture(picture, expected):
@@ -106,8 +105,7 @@ class CameraPictures:
         if env is not getattr(env, "unwrapped", env):
             return ""
         world.move_markers()
-        look = world.look
-        image = capture(world.client, view, light=look.light, shadow=True, backdrop=look.studio)
+        image = capture(world, view, studio=True, shadow=True)
         if picture.shape == image.rgb.shape and same_picture(picture, image.rgb):
             return ""
         return (
@@ -135,8 +133,7 @@ class CameraPictures:
     def _drawn(self, camera: str) -> tuple[Image, CameraView]:
         world, view = self._env.episode.world, self._view(camera)
         world.move_markers()
-        look = world.look
-        return capture(world.client, view, light=look.light, backdrop=look.backdrop), view
+        return capture(world, view), view
 
     def _points(self, view: CameraView) -> NDArray[np.float64]:
         """Where the robots' links and tools are in a picture: (n, 2), in pixels."""
@@ -146,7 +143,7 @@ class CameraPictures:
             for robot in world.robots.values()
             for position in (
                 robot.tcp.position,
-                *(robot.body.link_pose(index).position for index in robot.arm.indices),
+                *(frame.position for frame in robot.arm_frames()),
             )
         ]
         flat = np.array([view.pose.inverse().apply(place) for place in places])

@@ -8,8 +8,8 @@ import numpy as np
 
 from taskbuilder.expert.script.dry_run import dry_run
 from taskbuilder.geometry import Pose
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.schema.order import Order
-from taskbuilder.sim.kinematics import solve
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 

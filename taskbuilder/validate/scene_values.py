@@ -130,7 +130,7 @@ def _values(channel: Channel, episode: Episode, previous: Previous) -> Sequence[
         return _of_robot(channel, episode, previous)
     thing = world.objects.get(subject)
     if thing is not None and channel.quantity in thing.body.joints:
-        return thing.body.joint_states((thing.body.joints[channel.quantity].index,))[0]
+        return (thing.body.joint_position(channel.quantity),)
     return _of_frame(subject, channel.quantity, channel.frame, world)
 
 
@@ -143,9 +143,9 @@ def _of_robot(channel: Channel, episode: Episode, previous: Previous) -> Sequenc
         case "tcp_velocity":
             return _of_frame(f"{name}.tcp", "velocity", channel.frame, world)
         case "joints":
-            return robot.body.joint_states(robot.arm.indices)[0]
+            return robot.arm_state()[0]
         case "joint_velocities":
-            return robot.body.joint_states(robot.arm.indices)[1]
+            return robot.arm_state()[1]
         case "gripper":
             return (robot.opening(),)
         case "holding":

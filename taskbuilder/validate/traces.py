@@ -12,7 +12,6 @@ import numpy as np
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.sim.body import Body
 from taskbuilder.world.world import World
 
 Step = Mapping[str, bytes]
@@ -78,9 +77,9 @@ def physical(world: World) -> dict[str, Any]:
     """The physical state by name."""
     found: dict[str, Any] = {"the time": world.time, "what is randomised": world.quantities}
     for name, thing in world.objects.items():
-        found[name] = (thing.body.pose(), thing.body.velocity(), _joints(thing.body))
+        found[name] = (thing.body.pose(), thing.body.velocity(), thing.body.all_joint_states())
     for name, robot in world.robots.items():
-        found[name] = (_joints(robot.body), robot.arm.command, robot.gripper.command)
+        found[name] = (robot.body.all_joint_states(), robot.arm.command, robot.gripper.command)
     return found | {name: site.pose for name, site in world.sites.items()}
 
 
@@ -120,7 +119,3 @@ def _feed(found: Any, value: Any) -> None:
         found.update(str((value.dtype, value.shape)).encode() + value.tobytes())
     else:
         found.update(repr(value).encode())
-
-
-def _joints(body: Body) -> Any:
-    return body.joint_states(tuple(range(len(body.joints))))

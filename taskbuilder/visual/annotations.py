@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from taskbuilder.cameras import CameraView
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3
+from taskbuilder.kinematics.chain import Chain
 from taskbuilder.schema.scene import Grasp, Place
-from taskbuilder.sim.cameras import CameraView
-from taskbuilder.sim.kinematics import Chain
 from taskbuilder.visual.ink import Lens, Marks, Patch, Points, Rgb, Stroke, Tag, drawn_over
 from taskbuilder.visual.outlines import outlines
 from taskbuilder.visual.still import Still

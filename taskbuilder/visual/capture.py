@@ -12,8 +12,8 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.rollout.play import replaying
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.sim.cameras import capture
 from taskbuilder.visual.still import SUPERSAMPLE, Pixels
+from taskbuilder.world.pictures import capture
 from taskbuilder.world.world import World
 
 FPS = 24
@@ -113,12 +113,11 @@ def take_picture(world: World, camera: str, size: tuple[int, int] | None = None)
     world.move_markers()
     fast = world.client.renderer == "egl"
     image = capture(
-        world.client,
+        world,
         world.camera(camera, size),
+        studio=True,
         supersample=SUPERSAMPLE if fast else 1,
         shadow=world.scene.cameras[camera].mount is None,
-        light=world.look.light,
-        backdrop=world.look.studio,
     )
     return image.rgb if fast else _smoothed(image.rgb)
 

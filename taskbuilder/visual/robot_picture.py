@@ -8,12 +8,13 @@ from pathlib import Path
 
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.urdf import resolved_text
+from taskbuilder.cameras import STUDIO, CameraView
 from taskbuilder.geometry import Pose, add, norm, scale
 from taskbuilder.quiet import captured
 from taskbuilder.sim.bodies import load_urdf
-from taskbuilder.sim.cameras import STUDIO, CameraView, capture
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
+from taskbuilder.sim.pictures import capture
 from taskbuilder.sim.probe import probe
 from taskbuilder.visual.ink import Lens, Marks, drawn_over
 from taskbuilder.visual.still import Pixels
@@ -57,8 +58,7 @@ def take_robot_picture(
             probe(copy, kind="urdf")
         with captured() as printed:
             body = load_urdf(client, copy, name=urdf.name, pose=Pose(), fixed_base=True)
-        for name, position in joints.items():
-            body.reset_joints((body.joints[name].index,), (position,))
+        body.put_joints(joints)
         extent = body.occupied()
         center, away = extent.center, _FROM
         distance = max(2.9 * norm(extent.half), 0.05)

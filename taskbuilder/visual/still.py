@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.util import find_spec
@@ -14,8 +14,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.cameras import BACKGROUND, LARGEST_SIDE, Image
 from taskbuilder.files import write_whole
-from taskbuilder.sim.cameras import LARGEST_SIDE, Image, capture
+from taskbuilder.world.pictures import capture
+from taskbuilder.world.segments import FLOOR
 from taskbuilder.world.world import World
 
 if TYPE_CHECKING:
@@ -40,13 +42,11 @@ class Still:
 
     Attributes:
         camera: The camera's name.
-        image: Its picture, depth and masks.
-        labels: Bullet's number of every body in the world -> its name in the scene.
+        image: Its picture, depth and mask.
     """
 
     camera: str
     image: Image
-    labels: Mapping[int, str]
 
     def colored(self, modality: Modality) -> Pixels:
         """The image of a modality as people look at it: (height, width, 3) uint8, RGB."""
@@ -56,7 +56,7 @@ class Still:
 
     def colored_depth(self) -> Pixels:
         """Depth in colours, from near (bright) to far (dark); nothing is black."""
-        there = self.image.bodies >= 0
+        there = self.image.mask > 0
         shown = np.zeros((*there.shape, 3), dtype=np.uint8)
         if there.any():
             depth = self.image.depth
@@ -68,26 +68,33 @@ class Still:
 
     def colored_mask(self) -> Pixels:
         """A colour for each thing of the scene; see `legend`."""
-        shown = np.full((*self.image.bodies.shape, 3), 255, dtype=np.uint8)
-        for body, color in self._colors().items():
-            shown[self.image.bodies == body] = color
+        colors = {"": (255, 255, 255), **self._colors()}
+        by_number = np.array([colors[_thing(name)] for name in self.image.names], dtype=np.uint8)
+        shown: Pixels = by_number[self.image.mask]
         return shown
 
     def depth_mm(self) -> NDArray[np.uint16]:
         """Depth in whole millimetres, 0 where nothing is: (height, width) uint16."""
-        depth = np.where(self.image.bodies >= 0, self.image.depth * 1000.0, 0.0)
+        depth = np.where(self.image.mask > 0, self.image.depth * 1000.0, 0.0)
         return np.clip(np.round(depth), 0, 65535).astype(np.uint16)
 
     def legend(self) -> dict[str, list[int]]:
         """The colour [r, g, b] of every thing in the mask; nothing is white."""
-        return {self.labels[body]: list(color) for body, color in self._colors().items()}
+        return {thing: list(color) for thing, color in self._colors().items()}
 
-    def _colors(self) -> dict[int, tuple[int, int, int]]:
-        """Hues spread evenly over the bodies, in the order in which they were built."""
-        bodies = sorted(self.labels)
-        hues = np.array([[[round(180 * i / len(bodies)), 150, 215] for i in range(len(bodies))]])
+    def _colors(self) -> dict[str, tuple[int, int, int]]:
+        """Hues spread evenly over the things of the scene, in the order of the mask."""
+        things = [*dict.fromkeys(thing for name in self.image.names if (thing := _thing(name)))]
+        hues = np.array([[[round(180 * i / len(things)), 150, 215] for i in range(len(things))]])
         colors = cv2.cvtColor(hues.astype(np.uint8), cv2.COLOR_HSV2RGB)[0].tolist()
-        return {body: (r, g, b) for body, (r, g, b) in zip(bodies, colors, strict=True)}
+        return {thing: (r, g, b) for thing, (r, g, b) in zip(things, colors, strict=True)}
+
+
+def _thing(name: str) -> str:
+    """The thing of the scene that a name in a mask belongs to; "" for the background."""
+    if name in (BACKGROUND, FLOOR):
+        return "floor" if name == FLOOR else ""
+    return name.partition(".")[0]
 
 
 def take_still(world: World, camera: str, size: tuple[int, int] | None = None) -> Still:
@@ -106,19 +113,13 @@ def take_still(world: World, camera: str, size: tuple[int, int] | None = None) -
     view = world.camera(camera, size)
     roomy = SUPERSAMPLE * max(view.width, view.height) <= LARGEST_SIDE
     image = capture(
-        world.client,
+        world,
         view,
+        studio=True,
         supersample=SUPERSAMPLE if roomy else 1,
         shadow=world.scene.cameras[camera].mount is None,  # coarse when seen from near
-        light=world.look.light,
-        backdrop=world.look.studio,
     )
-    labels = {robot.body.id: name for name, robot in world.robots.items()}
-    labels |= {thing.body.id: name for name, thing in world.objects.items()}
-    labels |= {site.marker.id: name for name, site in world.sites.items() if site.marker}
-    if world.floor is not None:
-        labels[world.floor.id] = "floor"
-    return Still(camera, image, labels)
+    return Still(camera, image)
 
 
 def contact_sheet(

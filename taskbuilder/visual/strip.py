@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from taskbuilder.cameras import LARGEST_SIDE
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.play import replay
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.sim.cameras import LARGEST_SIDE
 from taskbuilder.visual.keyframes import caption, keyframes
 from taskbuilder.visual.overlay import GREEN
 from taskbuilder.visual.still import (

@@ -11,21 +11,22 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.urdf import with_limits
 from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
+from taskbuilder.kinematics.chain import Chain
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robots import RobotModel, joint_values
 from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
 from taskbuilder.schema.values import rgb
+from taskbuilder.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.body import BASE, Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.islands import unite
-from taskbuilder.sim.kinematics import Chain, solve
 from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import Request, choose
-from taskbuilder.sim.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.world.attaching import AttachingFingers
 from taskbuilder.world.end_effector import EndEffector, Tool
 from taskbuilder.world.fingers import Fingers

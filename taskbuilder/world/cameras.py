@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from taskbuilder.cameras import CameraView
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Pose, Vec3, add, norm, rotate, subtract, turn_onto
 from taskbuilder.schema.camera import CameraSpec
-from taskbuilder.sim.cameras import CameraView
 from taskbuilder.wording import suggestion
 from taskbuilder.world.looks import CameraChange, Look
 

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from taskbuilder.geometry import ORIGIN, Box, Pose, Vec3, from_rpy, subtract
 from taskbuilder.schema.load import TaskFile
+from taskbuilder.shapes import BoxShape, CylinderShape, SphereShape
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.rays import first_hit
 from taskbuilder.sim.scenery import Distractor
-from taskbuilder.sim.shapes import BoxShape, CylinderShape, SphereShape
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 

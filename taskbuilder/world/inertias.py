@@ -22,7 +22,7 @@ from taskbuilder.assets.schema import number
 from taskbuilder.errors import Finding, Location
 from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, norm
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.sim.shapes import bounds, placed_bounds, solid
+from taskbuilder.shapes import bounds, placed_bounds, solid
 from taskbuilder.world.shapes import urdf_shape
 
 FAR_FACTOR = 20.0

@@ -19,13 +19,13 @@ from taskbuilder.geometry import Pose
 from taskbuilder.quiet import captured
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import ObjectSpec
+from taskbuilder.shapes import MeshShape, Part
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
 from taskbuilder.sim.redrawn import redrawn
-from taskbuilder.sim.shapes import MeshShape, Part
 
 
 @dataclass(frozen=True)

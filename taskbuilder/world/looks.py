@@ -13,16 +13,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from taskbuilder.cameras import DAYLIGHT, STUDIO, Backdrop, Light
 from taskbuilder.geometry import Vec3
 from taskbuilder.schema.camera import CameraSpec
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.task import LOOK_PARTS, LookPart, TaskSpec
 from taskbuilder.schema.values import frozen
+from taskbuilder.shapes import RGBA
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.cameras import DAYLIGHT, STUDIO, Backdrop, Light
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.scenery import Distractor, PatternKind, Scenery, Texture
-from taskbuilder.sim.shapes import RGBA
 from taskbuilder.world.scene_objects import SceneObject
 
 PAINT_SHARE = 0.7

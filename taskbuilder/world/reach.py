@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose, Vec3, from_rpy_deg
-from taskbuilder.sim.kinematics import Chain, solve
+from taskbuilder.kinematics.chain import Chain
+from taskbuilder.kinematics.inverse import solve
 
 SPACING_M = 0.05
 """Distance between the points that are tried."""

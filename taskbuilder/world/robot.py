@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose
+from taskbuilder.kinematics.chain import Chain
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.kinematics import Chain
+from taskbuilder.sim.contacts import pose_joints
 from taskbuilder.sim.motors import Motors
 from taskbuilder.world.end_effector import EndEffector
 
@@ -52,6 +53,20 @@ class Robot:
     @cached_property
     def _tcp_offset(self) -> Pose:
         return self.model.spec.tcp.pose
+
+    @property
+    def dof(self) -> int:
+        """How many joints the arm has."""
+        return len(self.arm.indices)
+
+    def arm_frames(self) -> tuple[Pose, ...]:
+        """Poses of the links that the arm's joints move, base to wrist, in the world."""
+        return tuple(self.body.link_pose(index) for index in self.arm.indices)
+
+    @property
+    def tip_links(self) -> tuple[str, ...]:
+        """The links of the fingertips, or of the tool, that touch what it works on."""
+        return tuple(self.body.link_name(link) for tip in self.gripper.tips for link in tip)
 
     def arm_state(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Positions and velocities of the arm's joints, in rad or m and a second."""
@@ -108,6 +123,10 @@ class Robot:
     def move_gripper(self, opening: float) -> None:
         """Drive the gripper to an opening from 0 (closed) to 1 (open)."""
         self.gripper.move(opening)
+
+    def pose_arm(self, positions: Sequence[float]) -> None:
+        """Put the arm's joints at positions (rad or m) for a look at distances, past all motors."""
+        pose_joints(self.body, self.arm.indices, positions)
 
     def go_home(self) -> None:
         """Put the arm home, at rest, with the gripper open, and hold it there."""

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.geometry import ORIGIN, Pose, Vec3, from_axes, from_rpy_deg
-from taskbuilder.sim.kinematics import Chain, solve
+from taskbuilder.kinematics.chain import Chain
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.world.shapes import link_box
 
 FORCE_N, TURNING_FORCE = 20.0, 1.0

@@ -10,8 +10,7 @@ from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, scale
 from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec
 from taskbuilder.schema.scene import Shape as ShapeSpec
 from taskbuilder.schema.values import rgb
-from taskbuilder.sim.mesh_colors import WHITE, has_colors
-from taskbuilder.sim.shapes import (
+from taskbuilder.shapes import (
     RGBA,
     BoxShape,
     CapsuleShape,
@@ -23,6 +22,7 @@ from taskbuilder.sim.shapes import (
     bounds,
     placed_bounds,
 )
+from taskbuilder.sim.mesh_colors import WHITE, has_colors
 
 
 def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:

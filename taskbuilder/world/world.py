@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+from taskbuilder.cameras import CameraView
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Box, Pose, Vec3
 from taskbuilder.schema.load import TaskFile
@@ -14,7 +15,6 @@ from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.task import LookPart
 from taskbuilder.sim import divergence
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.contact_order import ContactOrder
 from taskbuilder.sim.contacts import part
@@ -31,6 +31,7 @@ from taskbuilder.world.placement import PlacementPlan, place_all, settling_steps
 from taskbuilder.world.randomness import EpisodeRandomness, apply, drawn, written
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
+from taskbuilder.world.segments import segments_of
 from taskbuilder.world.state import WorldState
 from taskbuilder.world.touch import Touch
 
@@ -51,6 +52,7 @@ class World(Single):
         objects: The objects by name: all bodies that are not robots.
         sites: The sites by name: frames without a body.
         floor: The body of the floor, or None if the scene has no floor.
+        segments: The numbers and names in segmentation masks.
         warnings: Warnings from the physics engine while assets were loaded.
         time: Seconds since the episode began.
         quantities: Values in this episode of what the task file lists under ``randomize``.
@@ -82,6 +84,7 @@ class World(Single):
         self.objects = objects
         self.sites = sites
         self.floor = floor
+        self.segments = segments_of(robots, objects, sites, floor)
         self.warnings = warnings
         self.time = 0.0
         self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)

@@ -25,8 +25,8 @@ from taskbuilder.data.summary import summarize_dataset
 from taskbuilder.data.videos import VideoError
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.rollout import RecordedActions, play
-from taskbuilder.sim.cameras import capture
 from taskbuilder.sim.renderers import choose
+from taskbuilder.world.pictures import capture
 
 
 def test_an_episode_is_what_was_played(pictured):
@@ -119,7 +119,7 @@ def test_pictures_are_those_of_the_environment(pictured):
         assert env.observation_space("left")["front.rgb"].shape == (32, 48, 3)
         observations, _ = env.reset(seed=episode.seed)
         view = env.episode.world.camera("left_wrist", (48, 32))
-        image = capture(env.episode.world.client, view)
+        image = capture(env.episode.world, view)
     frames, depth = episode.images("front"), episode.depth("left_wrist")
     assert frames.shape == (episode.steps + 1, 32, 48, 3)
     shown = observations["left"]["front.rgb"].astype(float)

@@ -99,9 +99,9 @@ def test_a_camera_is_drawn_once_a_step_however_many_robots_look(joint, monkeypat
     drawn = []
     capture = observing.capture
 
-    def counted(client, view, **options):
+    def counted(world, view, **options):
         drawn.append(view.fov_deg)
-        return capture(client, view, **options)
+        return capture(world, view, **options)
 
     monkeypatch.setattr(observing, "capture", counted)
     env = joint()

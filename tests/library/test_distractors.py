@@ -13,7 +13,7 @@ from taskbuilder.description.description import Referee
 from taskbuilder.description.node import walk
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.task import LOOK_PARTS
-from taskbuilder.sim.shapes import BoxShape
+from taskbuilder.shapes import BoxShape
 
 MARGIN_M = 0.055
 SEEDS = range(10)

@@ -9,11 +9,11 @@ import pybullet_data
 import pytest
 
 from taskbuilder.geometry import Pose, Vec3
+from taskbuilder.shapes import BoxShape, CylinderShape, Part
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.motors import Motors
-from taskbuilder.sim.shapes import BoxShape, CylinderShape, Part
 
 TRAY = {
     "floor": Part(BoxShape((0.30, 0.20, 0.01))),

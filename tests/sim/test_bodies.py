@@ -10,10 +10,10 @@ import pytest
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose, norm, scale, subtract, turn_between
+from taskbuilder.shapes import BoxShape, MeshShape, Part, SphereShape
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.contacts import contacts
-from taskbuilder.sim.shapes import BoxShape, MeshShape, Part, SphereShape
 
 TILTED = Pose.from_rpy_deg((0.1, -0.2, 0.6), (30, 40, 50))
 
@@ -292,7 +292,7 @@ def test_building_worlds_again_and_again_does_not_grow_memory():
 import resource
 from taskbuilder.geometry import Pose
 from taskbuilder.sim.bodies import create_body
-from taskbuilder.sim.shapes import BoxShape, Part
+from taskbuilder.shapes import BoxShape, Part
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.snapshots import release, restore, save
 

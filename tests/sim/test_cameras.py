@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from taskbuilder.cameras import BACKGROUND, STUDIO, CameraView, Image
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose
+from taskbuilder.shapes import BoxShape, Part, SphereShape
 from taskbuilder.sim.bodies import create_body
-from taskbuilder.sim.cameras import STUDIO, CameraView, Image, capture
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.pictures import Segments, capture
 from taskbuilder.sim.renderers import probe_egl
-from taskbuilder.sim.shapes import BoxShape, Part, SphereShape
 
 ABOVE = CameraView((0.5, -1.0, 0.8), (0.0, 0.0, 0.0), width=80, height=60)
 ROLLED = CameraView((0.5, -1.0, 0.8), (0.0, 0.0, 0.0), up=(0.5, 0.2, 1.0), width=80, height=60)
@@ -33,7 +34,7 @@ def plane_depth_error(image: Image, view: CameraView) -> float:
     rays = pixels @ np.linalg.inv(image.intrinsics).T
     world_from_camera = np.linalg.inv(view.extrinsics)
     depth = -world_from_camera[2, 3] / (rays @ world_from_camera[2, :3])
-    near = (image.bodies >= 0) & (depth > 0) & (depth < 1.5)
+    near = (image.depth < view.far) & (depth > 0) & (depth < 1.5)
     assert near.sum() > 1000
     return float(np.abs(image.depth - depth)[near].max())
 
@@ -51,9 +52,9 @@ def test_a_known_point_is_where_the_matrices_say(drawing_client):
     view = replace(ROLLED, width=320, height=240)
     point = np.array([0.1, 0.15, 0.05, 1.0])
     ball = create_body(drawing_client, {"b": Part(SphereShape(0.02))}, pose=Pose(tuple(point[:3])))
-    image = capture(drawing_client, view)
+    image = capture(drawing_client, view, Segments([("ball", ball.id, -1)]))
     u, v, w = image.intrinsics @ (view.extrinsics @ point)[:3]
-    rows, columns = np.nonzero(image.bodies == ball.id)
+    rows, columns = np.nonzero(image.shows("ball"))
     assert (columns.mean(), rows.mean()) == pytest.approx((u / w, v / w), abs=0.5)
     assert image.depth[round(v / w), round(u / w)] == pytest.approx(w - 0.02, abs=2e-3)
 
@@ -62,8 +63,7 @@ def test_images_have_the_documented_shapes_and_types(client, table):
     image = capture(client, ABOVE, supersample=2, shadow=True, backdrop=STUDIO)
     assert (image.rgb.shape, image.rgb.dtype) == ((60, 80, 3), np.uint8)
     assert (image.depth.shape, image.depth.dtype) == ((60, 80), np.float32)
-    assert (image.bodies.shape, image.bodies.dtype) == ((60, 80), np.int32)
-    assert (image.links.shape, image.links.dtype) == ((60, 80), np.int32)
+    assert (image.mask.shape, image.mask.dtype) == ((60, 80), np.int16)
 
 
 def test_masks_tell_bodies_and_links_apart(drawing_client):
@@ -73,24 +73,46 @@ def test_masks_tell_bodies_and_links_apart(drawing_client):
     }
     create_body(drawing_client, {"other": Part(SphereShape(0.01))}, pose=Pose((0, 0, 9)))
     pair = create_body(drawing_client, parts)
-    image = capture(drawing_client, CameraView((0, -2, 0), (0, 0, 0), width=64, height=48))
-    assert image.bodies[24, 24] == image.bodies[24, 40] == pair.id
-    assert (image.links[24, 24], image.links[24, 40]) == (-1, 0)
-    assert image.bodies[0, 0] == -1
+    names = Segments([(f"pair.{link}", pair.id, index) for link, index in pair.links.items()])
+    view = CameraView((0, -2, 0), (0, 0, 0), width=64, height=48)
+    image = capture(drawing_client, view, names)
+    assert image.names == (BACKGROUND, "pair.left", "pair.right")
+    assert [image.names[image.mask[24, x]] for x in (24, 40)] == ["pair.left", "pair.right"]
+    assert image.shows("pair.left")[24, 24]
+    assert not image.shows("pair.left")[24, 40]
+    assert image.shows("pair")[24, [24, 40]].all()
+    assert image.mask[0, 0] == 0
     assert image.depth[0, 0] == pytest.approx(10.0, rel=1e-3)
 
 
+def test_what_has_no_name_is_background(drawing_client):
+    """Bodies that were built before and after the named one, and its other links."""
+    box, ball = BoxShape((0.3, 0.3, 0.3)), SphereShape(0.1)
+    first = create_body(drawing_client, {"first": Part(box, Pose((-0.4, 0, 0)))})
+    parts = {"left": Part(box), "right": Part(ball, Pose((0.4, 0, 0)))}
+    pair = create_body(drawing_client, parts)
+    create_body(drawing_client, {"last": Part(box)}, pose=Pose((0, 0, 0.5)))
+    view = CameraView((0, -2, 0), (0, 0, 0), width=64, height=48)
+    for named, seen in ((first, (24, 22)), (pair, (24, 32))):
+        image = capture(drawing_client, view, Segments([("it", named.id, -1)]))
+        assert image.mask[seen] == 1
+        assert image.mask.sum() == image.shows("it").sum() < 100
+    assert not capture(drawing_client, view).mask.any()
+
+
 def test_supersampling_changes_neither_depth_nor_masks(client, tray):
-    plain, fine = capture(client, ABOVE), capture(client, ABOVE, supersample=3)
+    names = Segments([(link, tray.id, index) for link, index in tray.links.items()])
+    plain, fine = (capture(client, ABOVE, names, supersample=times) for times in (1, 3))
+    assert len(np.unique(plain.mask)) > 3
     assert np.array_equal(plain.intrinsics, fine.intrinsics)
-    assert np.mean(plain.bodies == fine.bodies) > 0.999
+    assert np.mean(plain.mask == fine.mask) > 0.999
     assert np.allclose(plain.depth, fine.depth, atol=1e-3)
     assert not np.array_equal(plain.rgb, fine.rgb)
 
 
 def test_a_backdrop_is_painted_only_where_nothing_is(client, tray):
     plain, painted = capture(client, ABOVE), capture(client, ABOVE, backdrop=STUDIO)
-    nothing = plain.bodies < 0
+    nothing = plain.depth == ABOVE.far
     assert np.array_equal(plain.rgb[~nothing], painted.rgb[~nothing])
     assert tuple(painted.rgb[0, 0]) == STUDIO.top
     assert tuple(painted.rgb[-1, -1]) == STUDIO.bottom

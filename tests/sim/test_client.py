@@ -7,9 +7,9 @@ import pytest
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose
+from taskbuilder.shapes import Part, SphereShape
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.client import Client
-from taskbuilder.sim.shapes import Part, SphereShape
 
 BALL = {"ball": Part(SphereShape(0.05))}
 

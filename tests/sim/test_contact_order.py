@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from taskbuilder.geometry import Pose
+from taskbuilder.shapes import BoxShape, MeshShape, Part, SphereShape
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.contact_order import ContactOrder, shape_count
-from taskbuilder.sim.shapes import BoxShape, MeshShape, Part, SphereShape
 
 TRAY = """<robot name="tray"><link name="tray">
   <inertial><mass value="1"/>

@@ -56,6 +56,6 @@ def test_the_distance_of_one_body_inside_another_is_negative(client, make_cube):
 
 
 def test_a_body_of_several_parts_is_called_by_its_part(tray, make_cube):
-    assert tray.called(tray.links["left_handle"]) == f"{tray.name}.left_handle"
+    assert tray.called("left_handle") == f"{tray.name}.left_handle"
     cube = make_cube((0.0, 0.0, 0.0))
-    assert cube.called(-1) == cube.name
+    assert cube.called("cube") == cube.name

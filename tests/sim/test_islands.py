@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 
 from taskbuilder.geometry import Pose
+from taskbuilder.shapes import BoxShape, Part
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.islands import unite
-from taskbuilder.sim.shapes import BoxShape, Part
 
 
 def test_bodies_in_one_island_move_as_if_they_were_alone():

@@ -10,13 +10,14 @@ import pytest
 
 from taskbuilder.assets import read_urdf, resolved_text
 from taskbuilder.assets.looks import with_looks
+from taskbuilder.cameras import CameraView, Light
 from taskbuilder.geometry import Pose
+from taskbuilder.shapes import MeshShape, Part
 from taskbuilder.sim.bodies import create_body, load_urdf
-from taskbuilder.sim.cameras import CameraView, Light, capture
 from taskbuilder.sim.client import Client
+from taskbuilder.sim.pictures import capture
 from taskbuilder.sim.redrawn import redrawn
 from taskbuilder.sim.renderers import probe_egl
-from taskbuilder.sim.shapes import MeshShape, Part
 
 needs_egl = pytest.mark.skipif(not probe_egl().works, reason=f"no EGL: {probe_egl().reason}")
 LAMP = Light(direction=(0.3, -1.0, 0.6), ambient=0.5, diffuse=0.5, specular=0.0)

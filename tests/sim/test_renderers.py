@@ -68,8 +68,9 @@ def test_tiny_needs_no_probe(monkeypatch):
 def test_drawing_through_egl_prints_nothing():
     script = """
 from taskbuilder.sim.bodies import create_body
-from taskbuilder.sim.shapes import BoxShape, Part
-from taskbuilder.sim.cameras import CameraView, capture
+from taskbuilder.shapes import BoxShape, Part
+from taskbuilder.cameras import CameraView
+from taskbuilder.sim.pictures import capture
 from taskbuilder.sim.client import Client
 with Client(physics_hz=120, renderer="egl") as client:
     for _ in range(3):

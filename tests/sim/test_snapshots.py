@@ -6,10 +6,10 @@ import pytest
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose
+from taskbuilder.shapes import MeshShape, Part, SphereShape
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.contacts import contacts
 from taskbuilder.sim.motors import Motors, couple
-from taskbuilder.sim.shapes import MeshShape, Part, SphereShape
 from taskbuilder.sim.snapshots import release, restore, save
 
 

@@ -23,7 +23,7 @@ from taskbuilder.geometry import (
     subtract,
     turn_between,
 )
-from taskbuilder.sim.kinematics import solve
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.task import Task
 from taskbuilder.world.world import World
 

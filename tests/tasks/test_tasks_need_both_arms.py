@@ -9,7 +9,7 @@ import pytest
 from scripted import tool_down
 
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.kinematics import solve
+from taskbuilder.kinematics.inverse import solve
 
 SEEDS = range(12)
 UPPER_BOUND_M = 1.10

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from taskbuilder.cameras import CameraView
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
-from taskbuilder.sim.cameras import CameraView
 from taskbuilder.visual.annotations import AXES, SHOWN, Annotator, axes, check_words
 from taskbuilder.visual.ink import FADED, Lens, Marks, Patch, Stroke, Tag, drawn_over
 from taskbuilder.visual.labels import Label, place_labels

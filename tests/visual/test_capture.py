@@ -13,6 +13,7 @@ from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import replay
 from taskbuilder.visual.capture import capture_frames, take_picture
+from taskbuilder.world.pictures import capture
 
 
 def trace(env):
@@ -138,14 +139,10 @@ def test_an_episode_of_another_task_is_not_filmed(env, episode):
 
 
 def test_edges_are_smooth_and_the_rest_is_as_it_was_drawn(env, episode):
-    from taskbuilder.sim.cameras import STUDIO, capture
-
     env.reset(seed=0)
     world = env.episode.world
     smooth = take_picture(world, "front", (160, 120))
-    drawn = capture(
-        world.client, world.camera("front", (160, 120)), shadow=True, backdrop=STUDIO
-    ).rgb
+    drawn = capture(world, world.camera("front", (160, 120)), shadow=True, studio=True).rgb
     changed = (smooth != drawn).any(axis=2)
     assert 0.01 < changed.mean() < 0.4
     assert abs(smooth.astype(int) - drawn).mean() < 4

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.cameras import STUDIO
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robots import load_robot
-from taskbuilder.sim.cameras import STUDIO
 from taskbuilder.visual.robot_picture import take_robot_picture
 
 BALL = """\

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from taskbuilder.geometry import Pose, Vec3, from_rpy_deg
-from taskbuilder.sim.kinematics import solve
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.world.world import World
 
 HANDS = (0.45, 0.0, 0.40)

@@ -10,8 +10,8 @@ import pytest
 from moves import squeeze, state
 
 from taskbuilder.geometry import Pose, from_rpy_deg, turn_between
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.sim.kinematics import solve
 
 ROBOTS = tuple(sorted(Catalogue.discover().robots))
 TURNING = tuple(robot for robot in ROBOTS if robot != "ur5e_pusher")  # which can hold nothing

@@ -11,9 +11,9 @@ from moves import bring, squeeze, state
 from written_tasks import read
 
 from taskbuilder.geometry import Pose, from_rpy_deg
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.schema.grasping import with_grasp
 from taskbuilder.sim.attachments import UNLIMITED_N
-from taskbuilder.sim.kinematics import solve
 from taskbuilder.world.building import build_world
 
 ARMS = """

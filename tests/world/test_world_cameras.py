@@ -5,7 +5,7 @@ import pytest
 
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.cameras import capture
+from taskbuilder.world.pictures import capture
 
 SCENE = """
 scene:
@@ -34,9 +34,8 @@ def test_a_camera_in_the_world_stands_as_written(build):
 
 def test_a_camera_that_looks_straight_down_has_y_at_the_top(build):
     world = build(SCENE)
-    image = capture(world.client, world.camera("top"))
-    labels = np.asarray(image.bodies)
-    rows, columns = np.nonzero(labels == world.objects["ball"].body.id)
+    image = capture(world, world.camera("top"))
+    rows, columns = np.nonzero(image.shows("ball"))
     assert len(rows) > 10
     assert rows.mean() < 31  # at +y: above the middle
     assert columns.mean() > 33  # at +x: to the right of it
@@ -98,19 +97,19 @@ scene:
 def test_markers_with_volume_are_translucent_and_others_solid(build):
     world = build(ZONES)
     world.move_markers()
-    image = capture(world.client, world.camera("front"))
-    focal, wall = 60.5 / np.tan(np.radians(30)), world.objects["wall"].body.id
+    image = capture(world, world.camera("front"))
+    focal = 60.5 / np.tan(np.radians(30))
 
     def seen(x, z, distance=1.0):
         row, column = int(60.5 - focal * (z - 0.5) / distance), int(60.5 + focal * x / distance)
-        return image.bodies[row, column], image.rgb[row, column].astype(int)
+        return image.names[image.mask[row, column]], image.rgb[row, column].astype(int)
 
     for x, z, opacity in ((-0.2, 0.5, 0.35), (0, 0.7, 0.1)):
-        body, (red, green, blue) = seen(x, z)
-        assert body == wall
+        thing, (red, green, blue) = seen(x, z)
+        assert thing == "wall"
         assert red > 0.8 * (1 - opacity) * 255 * 0.5
         assert 0.2 * opacity * 255 < blue < opacity * 255 + 40
         assert green < 45
-    body, (red, _, blue) = seen(0.2, 0.5)
-    assert body == world.sites["spot"].marker.id
+    thing, (red, _, blue) = seen(0.2, 0.5)
+    assert thing == "spot"
     assert blue > 100 > red

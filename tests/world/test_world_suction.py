@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from taskbuilder.geometry import Pose
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
-from taskbuilder.sim.kinematics import solve
 from taskbuilder.world.building import build_world
 
 TASK = """

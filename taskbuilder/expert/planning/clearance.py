@@ -28,9 +28,8 @@ close as at that end. Farther on, they must separate by a tenth of the way."""
 
 PARTING = 0.1
 
-Key = tuple[int, int, int]
-
-_WHOLE = -2  # in place of the link of an object, whose links count as one
+Key = tuple[int, str, str]
+"""Number of the pair, and the link of each body; "" for an object, whose links count as one."""
 
 
 @dataclass(frozen=True)
@@ -87,12 +86,11 @@ class _Solid:
     driver: str
     limbs: bool
 
-    def called(self, link: int) -> str:
-        names = {index: name for name, index in self.body.links.items()}
+    def called(self, link: str) -> str:
         if self.limbs:
-            return f"{self.name}'s {names[link]}"
-        named = len(names) > 1 and link in names
-        return f"the {names[link]} of the {self.name}" if named else f"the {self.name}"
+            return f"{self.name}'s {link}"
+        named = len(self.body.links) > 1 and link in self.body.links
+        return f"the {link} of the {self.name}" if named else f"the {self.name}"
 
 
 class Clearance:
@@ -146,7 +144,7 @@ class Clearance:
         self._place(posture)
         for number, (one, other) in enumerate(self._pairs):
             for gap in gaps(one.body, other.body, CLEARANCE_M):
-                key = _key(number, one, other, gap.link_a, gap.link_b)
+                key = _key(number, one, other, gap)
                 if gap.distance < CLEARANCE_M - 1e-9 and gap.distance < self._least(key, posture):
                     return self._near(number, gap)
         return None
@@ -175,7 +173,7 @@ class Clearance:
         closest: dict[Key, ClosestPoint] = {}
         for number, (one, other) in enumerate(self._pairs):
             for gap in gaps(one.body, other.body, CLEARANCE_M + SLACK_M):
-                key = _key(number, one, other, gap.link_a, gap.link_b)
+                key = _key(number, one, other, gap)
                 closest[key] = min(gap, closest.get(key, gap), key=lambda gap: gap.distance)
         return closest
 
@@ -234,5 +232,5 @@ def _pairs(
             yield one, other
 
 
-def _key(number: int, one: _Solid, other: _Solid, link_a: int, link_b: int) -> Key:
-    return (number, link_a if one.limbs else _WHOLE, link_b if other.limbs else _WHOLE)
+def _key(number: int, one: _Solid, other: _Solid, gap: ClosestPoint) -> Key:
+    return (number, gap.link_a if one.limbs else "", gap.link_b if other.limbs else "")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from taskbuilder.expert.planning.reach import Reach
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.contacts import gaps, pose_joints
+from taskbuilder.sim.contacts import copy_joints, gaps
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
@@ -46,12 +46,6 @@ class CollisionWorld:
         variation = next(k for k, scene in enumerate(scenes) if scene is world.scene)
         self.world = build_world(world.task, variation=variation)
         self.reaches = {name: Reach.of(self.world, name) for name in self.world.robots}
-        self._moving = {
-            name: tuple(
-                joint.index for joint in robot.body.joints.values() if joint.type != "fixed"
-            )
-            for name, robot in self.world.robots.items()
-        }
 
     def copy(self, live: World) -> dict[str, tuple[float, ...]]:
         """Copy the state of a world of the same scene, with arms at their commanded positions.
@@ -62,19 +56,16 @@ class CollisionWorld:
         for name, obj in self.world.objects.items():
             original = live.objects[name].body
             obj.body.place(original.pose())
-            if obj.joints:
-                pose_joints(obj.body, obj.joints, original.joint_states(obj.joints)[0])
+            copy_joints(obj.body, original)
         commanded = {name: robot.commanded() for name, robot in live.robots.items()}
         for name, robot in self.world.robots.items():
-            indices = self._moving[name]
-            pose_joints(robot.body, indices, live.robots[name].body.joint_states(indices)[0])
+            copy_joints(robot.body, live.robots[name].body)
             self.pose_arm(name, commanded[name])
         return commanded
 
     def pose_arm(self, robot: str, joints: Sequence[float]) -> None:
         """Put an arm's joints at positions, in rad or m."""
-        built = self.world.robots[robot]
-        pose_joints(built.body, built.arm.indices, joints)
+        self.world.robots[robot].pose_arm(joints)
 
     def riders(self, live: World, held: Mapping[str, str]) -> list[AttachedObject]:
         """Objects that move with the tools: held ones, those that rest on these, and so on.

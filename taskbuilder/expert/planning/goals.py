@@ -13,7 +13,7 @@ from taskbuilder.expert.planning.reach import Reach
 from taskbuilder.expert.planning.spaces import Off, Space, Waypoint
 from taskbuilder.expert.planning.subspaces import ArmJoints, Carried, Jointed, Subspace
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.kinematics import beginnings_of, solve
+from taskbuilder.kinematics.inverse import beginnings_of, solve
 
 BRANCHES = 16
 """Start points of the search for further joint solutions."""

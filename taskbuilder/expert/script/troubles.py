@@ -11,7 +11,7 @@ from taskbuilder.expert.script.joints import Joint
 from taskbuilder.expert.script.situation import Go, Grip
 from taskbuilder.geometry import Vec3
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.contacts import contacts
+from taskbuilder.sim.contacts import pressing_links
 from taskbuilder.world.world import World
 
 
@@ -111,11 +111,8 @@ def touched(world: World, robot: str) -> dict[str, str]:
     touches = {}
     for name in (n for n in others if n != robot and world.touching(robot, n)):
         other = others[name]
-        pairs = dict.fromkeys(
-            (other.called(contact.link_b), own.link_name(contact.link_a))
-            for contact in sorted(contacts(world.client, own, other), key=lambda c: -c.force)
-        )
-        first = next(iter(pairs))[0]  # where it presses most
+        pairs = [(other.called(part), link) for link, part in pressing_links(own, other)]
+        first = pairs[0][0]  # where it presses most
         touches[name] = (
             f"{first} with {listed(sorted(link for part, link in pairs if part == first))}"
         )

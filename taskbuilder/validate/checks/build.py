@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from taskbuilder.assets.model import Urdf
+from taskbuilder.cameras import CameraView
 from taskbuilder.errors import ExplosionError, FileError, Finding, PlacementError
 from taskbuilder.geometry import norm
 from taskbuilder.schema.camera import FURTHEST_M, NEAREST_M
 from taskbuilder.sim.body import Body
-from taskbuilder.sim.cameras import CameraView, capture
 from taskbuilder.sim.contacts import gaps
 from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
 from taskbuilder.world.inertias import doubtful_inertias, inertias
+from taskbuilder.world.pictures import capture
 from taskbuilder.world.placement import place_all
 from taskbuilder.world.randomness import EpisodeRandomness
 from taskbuilder.world.shapes import distance_from
@@ -154,8 +155,7 @@ def check_grasp_points(task: Task, world: World) -> Result:
             continue
         size = (thing.spec.shape.scale if thing.spec.shape else None) or 1.0
         into = {
-            link.name: thing.body.link_pose(thing.body.links[link.name]).inverse()
-            @ world.pose(name)
+            link.name: thing.body.pose_of(link.name).inverse() @ world.pose(name)
             for link in urdf.links
         }
         for grasp, point in thing.spec.grasps.items():
@@ -202,13 +202,11 @@ def check_overlap(task: Task, world: World) -> Result:
 def check_cameras(task: Task, world: World) -> Result:
     """Every camera sees something other than floor and background."""
     findings, least = [], 1.0
-    named = [robot.body.id for robot in world.robots.values()]
-    named += [thing.body.id for thing in world.objects.values()]
-    named += [site.marker.id for site in world.sites.values() if site.marker]
+    named = (*world.robots, *world.objects, *world.sites)
     world.move_markers()
     for name in world.scene.cameras:
         view = world.camera(name, (64, 48))
-        seen = float(np.mean(np.isin(capture(world.client, view).bodies, named)))
+        seen = float(np.mean(capture(world, view).shows(*named)))
         least = min(least, seen)
         if seen < SEEN_SHARE:
             message = f"{name} sees nothing of the scene; {_help_to_see(world, view, named)}"
@@ -218,10 +216,10 @@ def check_cameras(task: Task, world: World) -> Result:
     return check, findings
 
 
-def _help_to_see(world: World, view: CameraView, named: list[int]) -> str:
+def _help_to_see(world: World, view: CameraView, named: Sequence[str]) -> str:
     """What to change in a camera that does not see enough of these bodies."""
-    image = capture(world.client, replace(view, near=NEAREST_M, far=FURTHEST_M))
-    there = np.isin(image.bodies, named)
+    image = capture(world, replace(view, near=NEAREST_M, far=FURTHEST_M))
+    there = image.shows(*named)
     if np.mean(there) < SEEN_SHARE:
         return "move it, or turn it by look_at"
     nearest, furthest = float(image.depth[there].min()), float(image.depth[there].max())

@@ -28,8 +28,8 @@ from taskbuilder.geometry import (
     subtract,
     unit,
 )
-from taskbuilder.sim.descent import METRES_PER_RADIAN
-from taskbuilder.sim.kinematics import Chain
+from taskbuilder.kinematics.chain import Chain
+from taskbuilder.kinematics.descent import METRES_PER_RADIAN
 
 DAMPING = 0.02
 """Metres of tool motion per radian below which a direction counts as singular and is damped."""

@@ -10,9 +10,11 @@ import pytest
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
+from taskbuilder.kinematics.chain import Chain
+from taskbuilder.kinematics.inverse import solve
 from taskbuilder.sim.bodies import load_urdf
-from taskbuilder.sim.kinematics import Chain, solve
 
+ASSETS = Path(pybullet_data.getDataPath())
 BASE = Pose.from_rpy_deg((1.0, 0.2, 0.3), (10, 20, 30))
 TOOL = Pose.from_rpy_deg((0.01, 0.02, 0.1), (5, 10, 15))
 
@@ -25,9 +27,9 @@ ARMS = {
 
 
 @pytest.fixture(params=ARMS)
-def arm(request, client, assets):
+def arm(request, client):
     urdf, joints, tip = ARMS[request.param]
-    body = load_urdf(client, assets / urdf, name=request.param, pose=BASE, fixed_base=True)
+    body = load_urdf(client, ASSETS / urdf, name=request.param, pose=BASE, fixed_base=True)
     return body, list(joints), tip
 
 
@@ -40,7 +42,7 @@ def chain_of(body, joints, tip):
     """The chain of a body that was loaded from a URDF, by Bullet's indices."""
     names = {joint.index: name for name, joint in body.joints.items()}
     links = {index: name for name, index in body.links.items()}
-    urdf = read_urdf(Path(pybullet_data.getDataPath()) / ARMS[body.name][0], (), trusted=True)
+    urdf = read_urdf(ASSETS / ARMS[body.name][0], (), trusted=True)
     return Chain.of(urdf, [names[index] for index in joints], links[tip], TOOL)
 
 
@@ -102,9 +104,9 @@ def test_an_unreachable_pose_is_reported_with_how_near_it_gets(chain):
     assert chain.within_limits(result.joints)
 
 
-def test_joints_that_turn_on_and_on_stay_at_the_turn_they_are_on(client, assets):
+def test_joints_that_turn_on_and_on_stay_at_the_turn_they_are_on(client):
     urdf, joints, tip = ARMS["xarm6"]
-    body = load_urdf(client, assets / urdf, name="xarm6", fixed_base=True)
+    body = load_urdf(client, ASSETS / urdf, name="xarm6", fixed_base=True)
     chain = chain_of(body, joints, tip)
     start = np.array([5.5, -0.6, -0.9, -5.0, 0.7, 4.5])
     target = chain.forward(start)
@@ -114,7 +116,7 @@ def test_joints_that_turn_on_and_on_stay_at_the_turn_they_are_on(client, assets)
     assert away.joints == pytest.approx(start.tolist(), abs=0.02)
 
 
-def test_joints_off_the_way_are_refused(client, assets):
-    body = load_urdf(client, assets / ARMS["panda"][0], name="panda", fixed_base=True)
+def test_joints_off_the_way_are_refused(client):
+    body = load_urdf(client, ASSETS / ARMS["panda"][0], name="panda", fixed_base=True)
     with pytest.raises(SimulationError, match=r"panda\.urdf: joints"):
         chain_of(body, [0, 1, 9], 6)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from taskbuilder.kinematics.chain import Chain
 
 Floats = NDArray[np.float64]
 
@@ -21,24 +22,6 @@ PATIENCE = 12
 CLOSE_ENOUGH = 2e-5
 
 _IDENTITY = np.eye(6)
-
-
-class Kinematics(Protocol):
-    """What a descent has to know of an arm; see `kinematics.Chain`."""
-
-    @property
-    def lower(self) -> Floats:
-        """(n,) smallest positions, rad or m."""
-
-    @property
-    def upper(self) -> Floats:
-        """(n,) largest positions."""
-
-    def frames_at(self, positions: Floats) -> Floats:
-        """(..., n + 1, 4, 4) frames of the joints at (..., n), then of the tool, in the base's."""
-
-    def jacobian(self, frames: Floats) -> Floats:
-        """(..., 6, n) velocity of the tool, then its angular velocity, for each joint's."""
 
 
 class _Descent:
@@ -68,7 +51,7 @@ class _Descent:
         return self._patience > 0
 
 
-def descend(chain: Kinematics, goal: Floats, beginnings: Floats) -> list[Floats]:
+def descend(chain: Chain, goal: Floats, beginnings: Floats) -> list[Floats]:
     """Levenberg-Marquardt from several beginnings, side by side: (k, n), n for each.
 
     The damping is the error itself plus a constant, which makes steps bold near a solution and
@@ -98,7 +81,7 @@ def descend(chain: Kinematics, goal: Floats, beginnings: Floats) -> list[Floats]
     return [descent.best for descent in descents]
 
 
-def _step(chain: Kinematics, frames: Floats, errors: Floats, sizes: Floats) -> Floats:
+def _step(chain: Chain, frames: Floats, errors: Floats, sizes: Floats) -> Floats:
     """(k, n) the next step of each of several descents.
 
     Args:

@@ -4,11 +4,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pybullet_data
 import pytest
 
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Pose
-from taskbuilder.sim.shapes import (
+from taskbuilder.shapes import (
     BoxShape,
     CapsuleShape,
     CylinderShape,
@@ -101,8 +102,10 @@ def test_a_shape_without_extent_is_refused(shape):
         check_shape(shape)
 
 
-def test_a_binary_stl_is_read(assets):
-    corners = mesh_corners(MeshShape(assets / "kuka_iiwa/meshes/link_4.stl"))
+def test_a_binary_stl_is_read():
+    corners = mesh_corners(
+        MeshShape(Path(pybullet_data.getDataPath()) / "kuka_iiwa/meshes/link_4.stl")
+    )
     assert corners.shape[1:] == (3, 3)
     assert 0.1 < np.ptp(corners.reshape(-1, 3), axis=0).max() < 1.0
 

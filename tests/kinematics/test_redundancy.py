@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from taskbuilder.geometry import norm, subtract, turn_between
+from taskbuilder.kinematics.chain import Chain
+from taskbuilder.kinematics.differential_ik import DifferentialIK
+from taskbuilder.kinematics.inverse import beginnings_of, solve
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robots import load_robot
-from taskbuilder.sim.differential_ik import DifferentialIK
-from taskbuilder.sim.kinematics import Chain, beginnings_of, solve
 
 
 def chain_of(name, *, posture=True):
