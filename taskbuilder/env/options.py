@@ -377,4 +377,8 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
 
 def from_json(options: Mapping[str, Any]) -> Any:
     """Options that were read from JSON, whose tuples are lists."""
-    return {n: tuple(value) if isinstance(value, list) else value for n, value in options.items()}
+    return {name: _tuples(value) for name, value in options.items()}
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value

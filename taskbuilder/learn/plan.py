@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.env.options import (
     EnvOptions,
     Options,
@@ -24,6 +24,7 @@ from taskbuilder.learn.algorithms import check_name, find_algorithm
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import recorded_options
+from taskbuilder.learn.settings import read_settings
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.untrusted import parse_json, read_within
 from taskbuilder.wording import excerpt, suggestion
@@ -35,15 +36,6 @@ RUN_FILE = "run.json"
 
 _LARGEST = 1 << 20
 """Maximum size of this file in bytes."""
-
-RENAMED_SETTINGS = {
-    "cloning": "bc_updates",
-    "judging": "critic_warmup_updates",
-}
-"""Old names of settings of maddpg, from version 0.1, and their new ones; the old still work."""
-
-COUNTS = ("actor_every", "batch", "capacity", "epochs", "minibatches", "n_step", "rollout_steps")
-"""Settings that are at least 1."""
 
 REWARDS = ("team", "local", "sparse", "shaped", "ratchet")
 
@@ -205,7 +197,8 @@ def make_plan(
     Args:
         task: Name or path of the task.
         settings: Settings of the algorithm, as a mapping or as texts such as ``noise=0.2``.
-        given: Fields of `Plan`; None is the same as not given.
+        given: Fields of `Plan`, and options of its environments; None is the same as not given.
+            ``data`` may be an open data set.
 
     Raises:
         UsageError: A name is unknown, a value is invalid, or the algorithm does not support it.
@@ -216,6 +209,9 @@ def make_plan(
     for name in given:
         _choice("option", name, tuple(known))
     chosen = {name: value for name, value in given.items() if value is not None}
+    names = chosen.keys() & {*trained_options(), *PICTURES}
+    options = make_options(**{name: chosen[name] for name in names})
+    chosen |= {name: getattr(options, name) for name in names}
     algorithm = find_algorithm(chosen.get("algorithm", Plan.algorithm))
     init = load_policy(chosen["init"]) if chosen.get("init") else None
     if not chosen.get("preset"):
@@ -229,19 +225,17 @@ def make_plan(
     _check_source(chosen, algorithm)
     trained = _env_of(init) if init else {}
     if algorithm.from_data:
-        folder = Path(chosen["data"]).resolve()
-        trained = {**recorded_options(folder, chosen), "envs": 1}
-        chosen |= {"data": str(folder), "cameras": tuple(chosen.get("cameras", ()))}
+        opened = chosen["data"]
+        dataset = opened if isinstance(opened, Dataset) else load_dataset(opened)
+        trained = {**recorded_options(dataset, chosen), "envs": 1}
+        folder = str(Path(dataset.folder).resolve())
+        chosen |= {"data": folder, "cameras": tuple(chosen.get("cameras", ()))}
     plan = plan_of({"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():
         if plan.values[name] != known[name]:
             raise UsageError(f"{plan.algorithm} {why}")
-    own = (
-        _checked_settings(algorithm.settings, settings)
-        if isinstance(settings, Mapping)
-        else read_settings(algorithm.settings, settings)
-    )
+    own = read_settings(algorithm.settings, settings)
     fitting = algorithm.settings_of(init) if init else {}
     return replace(plan, settings={**preset.settings, **fitting, **own})
 
@@ -278,71 +272,6 @@ def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
     return {name: options[name] for name in kept if name in options and name != "variation"}
 
 
-def _checked_settings(kind: type[Any], chosen: Mapping[str, Any]) -> dict[str, Any]:
-    return read_settings(kind, [f"{name}={json.dumps(value)}" for name, value in chosen.items()])
-
-
-def read_settings(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
-    """Parse settings of a command line: ``noise=0.2``, ``hidden=[64,64]``.
-
-    Args:
-        kind: The dataclass of the settings.
-        texts: Settings as ``name=value``, with the value in JSON.
-
-    Raises:
-        UsageError: There is no such setting, or the value has another type or is too small.
-    """
-    known = {f.name: f.default for f in fields(kind)}
-    chosen = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if name in RENAMED_SETTINGS and RENAMED_SETTINGS[name] in known:
-            name = renamed(name)
-        _choice("setting", name, tuple(known))
-        if not equals:
-            raise UsageError(f'"{text}" sets nothing; write {name}={json.dumps(known[name])}')
-        chosen[name] = _value(name, value, known[name])
-        if name in COUNTS and chosen[name] < 1:
-            raise UsageError(f"{name} is {chosen[name]}; at least 1")
-    return chosen
-
-
-def renamed(setting: str) -> str:
-    """The current name of a setting; warns if an old name is given."""
-    name = RENAMED_SETTINGS.get(setting, setting)
-    if name != setting:
-        warnings.warn(
-            f"the setting {setting} is called {name} now; the old name goes with the next version",
-            FutureWarning,
-            stacklevel=2,
-        )
-    return name
-
-
-def _value(name: str, text: str, default: Any) -> Any:
-    try:
-        value = json.loads(text)
-    except json.JSONDecodeError:
-        value = None
-    if isinstance(default, tuple) and isinstance(value, list):
-        if value and all(isinstance(item, int) and item > 0 for item in value):
-            return tuple(value)
-    elif isinstance(default, bool) or isinstance(value, bool):
-        if isinstance(value, bool) and isinstance(default, bool):
-            return value
-    elif isinstance(default, int) and isinstance(value, int):
-        return value
-    elif isinstance(default, float) and isinstance(value, int | float):
-        return float(value)
-    raise UsageError(f'{name} is "{text}"; something like {json.dumps(default)}')
-
-
-def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
-    """An algorithm's settings: the defaults, with the chosen values."""
-    tuples = {k: tuple(v) if isinstance(v, list) else v for k, v in chosen.items()}
-    return replace(kind(), **tuples)
-
-
 def save_plan(folder: Path, plan: Plan, more: Mapping[str, Any]) -> None:
     """Write the plan and other information about the run into its folder.
 
@@ -369,8 +298,6 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
         if found == FORMAT:
             values = {n: about[n] for n in Plan.__dataclass_fields__ if n in about}
             plan = plan_of({**from_json(values), **from_json(about["env"])})
-            settings = {renamed(name): value for name, value in plan.settings.items()}
-            plan = replace(plan, settings=settings)
     except (ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{display_path(file)} is damaged: {excerpt(error)}") from None
     if found != FORMAT:
