@@ -117,7 +117,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
 # unloaded by commands that do without them.
 ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/engine_output.py"),
-    "pydantic": ("taskbuilder/schema/", "taskbuilder/reference/", "taskbuilder/data/records.py"),
+    "pydantic": (
+        *("taskbuilder/schema/", "taskbuilder/reference/", "taskbuilder/data/records.py"),
+        "taskbuilder/learn/settings.py",
+    ),
     "pydantic_core": ("taskbuilder/schema/",),
     "yaml": ("taskbuilder/schema/",),
     "argparse": ("taskbuilder/cli/",),

@@ -13,8 +13,8 @@ from typing import Any
 
 from taskbuilder.cli import output
 from taskbuilder.cli.dataset_command import print_summary
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
 from taskbuilder.cli.trained import is_trained
@@ -31,6 +31,7 @@ from taskbuilder.data.summary import (
     summarize_dataset,
 )
 from taskbuilder.digests import digest
+from taskbuilder.env.options import option_infos
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import policy_named
@@ -99,7 +100,7 @@ def _plan(arguments: argparse.Namespace) -> CollectPlan:
         policies=shares,
         cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
         options=_options(arguments, shares),
-        renderer=arguments.renderer,
+        renderer=arguments.renderer or "auto",
         variations=variations,
         first_seed=first_seed,
         keep_failures=arguments.keep_failures,
@@ -134,13 +135,7 @@ def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> di
     Raises:
         UsageError: Policies were trained in environments of different options.
     """
-    asked: dict[str, Any] = {}
-    if arguments.observe != "task":
-        asked["observe"] = arguments.observe
-    if arguments.grasp:
-        asked["grasp"] = arguments.grasp
-    if arguments.randomize:
-        asked["randomize"] = randomized(arguments.randomize)
+    asked, infos = asked_options(arguments), option_infos()
     for share in shares:
         if is_named(share.name):
             continue
@@ -149,12 +144,11 @@ def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> di
         trained = options_of(load_policy(share.name))
         trained.pop("variation", None)
         for name, value in trained.items():
-            if asked.get(name, value) != value:
+            if asked.setdefault(name, value) != value and not infos[name].disturbs:
                 raise UsageError(
                     f"{share.name} was trained with {name}: {value}, and another policy or option "
                     f"needs {asked[name]}; collect a data set for each"
                 )
-        asked |= trained
     return asked
 
 

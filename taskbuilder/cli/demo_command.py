@@ -12,9 +12,9 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import paint, print_json, progress, say, show_finding
-from taskbuilder.cli.shared_options import randomized
-from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import EnvFactory, is_trained
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.env.parallel import TaskEnv
@@ -23,7 +23,7 @@ from taskbuilder.expert.named import policy_named
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.files import write_whole
 from taskbuilder.jobs import workers
-from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.evaluation import check_fits, options_for
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.processes import cores
 from taskbuilder.rollout.play import Policy, play
@@ -39,9 +39,13 @@ from taskbuilder.world.inertias import doubtful_inertias
 def run(arguments: argparse.Namespace) -> int:
     """Play episodes, say how each went, and show the first."""
     catalogue = catalogue_of(arguments)
-    robots = dict(asked_robots(arguments))
-    grasp = arguments.grasp or "task"
-    task = load_task(arguments.task, catalogue=catalogue, robots=robots, grasp=grasp)
+    asked = asked_options(arguments)
+    task = load_task(
+        arguments.task,
+        catalogue=catalogue,
+        robots=dict(asked.get("robots", ())),
+        grasp=asked.get("grasp", "task"),
+    )
     _check(task, arguments)
     for finding in (*task.warnings, *doubtful_inertias(task.file)):
         print(show_finding(finding), file=sys.stderr)
@@ -82,17 +86,12 @@ def _check(task: Task, arguments: argparse.Namespace) -> None:
 
 def _factory(catalogue: Catalogue, arguments: argparse.Namespace) -> PlayerFactory:
     """Who plays where; a trained policy that does not fit is refused."""
-    trained = is_trained(arguments.policy)
-    options = options_of(load_policy(arguments.policy)) if trained else {}
-    options["variation"] = arguments.variation
-    if arguments.randomize:
-        options["randomize"] = randomized(arguments.randomize)
-    if arguments.robot:  # else those of training
-        options["robots"] = asked_robots(arguments)
-    if arguments.grasp:
-        options["grasp"] = arguments.grasp
+    asked, trained = asked_options(arguments), is_trained(arguments.policy)
+    options = {**asked, "variation": arguments.variation}
+    if trained:
+        options = options_for(load_policy(arguments.policy), options, arguments.policy)
     make_env = EnvFactory(arguments.task, catalogue, tuple(options.items()))
-    factory = PlayerFactory(make_env, arguments.policy, any_grasp=bool(arguments.grasp))
+    factory = PlayerFactory(make_env, arguments.policy, any_grasp="grasp" in asked)
     if trained:
         with ExitStack() as stack:
             factory.make_player(stack)
@@ -232,7 +231,7 @@ def _show(
     cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
     cameras = list(dict.fromkeys(cameras))
     subtitle = _subtitle(episode, arguments.policy)
-    with closing(factory.make_env(renderer=arguments.renderer)) as env:
+    with closing(factory.make_env(renderer=arguments.renderer or "auto")) as env:
         size = arguments.size
         page = film_strip(env, episode, cameras, subtitle=subtitle, size=size)
         save_image(strip, page)

@@ -11,11 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.evaluated import DISTURBANCES, Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
-from taskbuilder.cli.shared_options import randomized
-from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin, trusts
 from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.cli.verifying import verify
@@ -98,17 +98,17 @@ def _run_variations(arguments: argparse.Namespace) -> int:
 
 def _found(arguments: argparse.Namespace, variation: int | str | None) -> Evaluated:
     """Who is evaluated where, checked."""
-    asked = (arguments.noise, randomized(arguments.randomize))
-    disturbances = {n: value for n, value in zip(DISTURBANCES, asked, strict=True) if value}
+    asked = asked_options(arguments)
+    robots, grasp = asked.pop("robots", ()), asked.pop("grasp", None)
     catalogue = catalogue_of(arguments)
     arguments.trust = trusts(arguments, arguments.policy, catalogue)  # and does not ask again
     found = evaluated(
         arguments.policy,
         catalogue,
         variation=variation,
-        disturbances=disturbances,
-        robots=asked_robots(arguments),
-        grasp=arguments.grasp,
+        disturbances=asked,
+        robots=robots,
+        grasp=grasp,
         trust=arguments.trust,
     )
     _check(found, arguments)
@@ -123,7 +123,7 @@ def _begun(found: Evaluated, arguments: argparse.Namespace) -> range:
         rows = [*(origin(found.about) if found.about else []), ["plays", _episodes(seeds)]]
         if found.any_grasp:
             rows.append(["grasp", str(found.options["grasp"])])
-        disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if n in found.options]
+        disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if found.options.get(n)]
         if disturbed:
             rows.append(["disturbed", ", ".join(disturbed)])
         print_table(rows, indent="  ")
@@ -211,7 +211,7 @@ def _write(
         write_whole(files[0], _as_bytes(data))
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
-        with closing(found.make_env(renderer=arguments.renderer)) as env:
+        with closing(found.make_env(renderer=arguments.renderer or "auto")) as env:
             cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
             for role, seed in shown(summary).items():
                 files += save_film(

@@ -9,23 +9,25 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.trained import EnvFactory, task_of
+from taskbuilder.env.options import option_infos, options_about
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.expert.named import POLICIES, has_expert
 from taskbuilder.expert.ways import Kind
-from taskbuilder.learn.evaluation import check_fits, options_of
+from taskbuilder.learn.evaluation import check_fits, options_for
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.zoo import load_policy, policy_file
 from taskbuilder.rollout.served import is_served, read_server
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.other_robots import OtherRobots, other_robots
+from taskbuilder.schema.choices import OtherRobots
+from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.task import Task, load_task
 from taskbuilder.trial.arms import Player, TrialConfig
 
-DISTURBANCES = ("position_noise", "randomize")
+DISTURBANCES = tuple(name for name, info in option_infos().items() if info.disturbs)
 """Options of environments that policies are tested with, whatever they were trained with."""
 
 
-SCENE_OPTIONS = ("robots", "grasp", "randomize")
+SCENE_OPTIONS = options_about("scene")
 """Options of environments that hold for the baselines, too."""
 
 
@@ -91,7 +93,7 @@ def evaluated(
         variation: Which is played; by default that of training, or the plain one.
         task: What to play in place of the task that the name leads to.
         options: Of the environment, in place of those of training.
-        disturbances: Other options of the environment, which training does not decide.
+        disturbances: Other options of the environment that are asked for.
         robots: Other models for robots of the scene, in place of those in ``options``.
         grasp: The rule of grasping, even if training had another; by default that of training.
         trust: Whether the task at a path that a run records may be run.
@@ -115,7 +117,7 @@ def evaluated(
     else:
         player, file = load_policy(name), policy_file(name)
         reference = task or str(task_of(name, player, catalogue, trust=trust))
-        chosen = options_of(player)
+        chosen = options_for(player, disturbances or {}, name)
     chosen = {**(options if options is not None else chosen), **(disturbances or {})}
     if variation is not None:
         chosen["variation"] = variation

@@ -5,21 +5,20 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Iterable
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import paint, progress, say
 from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import trusts
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn import runs
-from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, reference_of
-from taskbuilder.learn.plan import RUN_FILE, Plan, make_plan
+from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
+from taskbuilder.learn.plan import RUN_FILE, Plan
+from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.task import Task, load_task
 
 if TYPE_CHECKING:  # loads PyTorch
     from taskbuilder.learn.checkpoint_evaluator import Evaluation
@@ -28,19 +27,23 @@ if TYPE_CHECKING:  # loads PyTorch
 
 def run(arguments: argparse.Namespace) -> int:
     """Train, or go on training, and say how it goes."""
-    runs.check_torch()
     if arguments.resume:
+        runs.check_torch()
         _check_alone(arguments)
         catalogue = catalogue_of(arguments)
         trust = trusts(arguments, arguments.resume, catalogue)
-        plan, task = runs.find(arguments.resume, catalogue, trust=trust)
+        found = runs.find(arguments.resume, catalogue, trust=trust)
         with runs.locked(arguments.resume, new=False):
-            _go_on(arguments.resume, plan, task)
+            _go_on(arguments.resume, found)
         return 0
     seeds = list(dict.fromkeys(arguments.seed or [0]))
     each = [_of_seed(arguments, seed, alone=len(seeds) == 1) for seed in seeds]
     for one in each:  # what is wrong with one is told before any begins
-        one.out = _new_folder(one)
+        planned = _planned(one)
+        one.out = _new_folder(one, planned)
+    if len(each) == 1 and not arguments.ray:
+        _begin(each[0], planned)
+        return 0
     with spread_over(arguments, len(each), default=1) as spread:
         for _ in spread(_train_one, each):
             pass
@@ -49,21 +52,20 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _of_seed(arguments: argparse.Namespace, seed: int, *, alone: bool) -> argparse.Namespace:
     """What one run of several is asked for, in a form that other processes can be told."""
-    names = [*(field.name for field in fields(Plan)), "out", "set", "task_path", "words"]
+    names = [*Plan("").values, "out", "set", "task_path", "words"]
     one = {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
     if arguments.out and not alone:
         one["out"] = arguments.out.with_name(f"{arguments.out.name}-{seed}")
     return argparse.Namespace(**{**one, "seed": seed})
 
 
-def _new_folder(arguments: argparse.Namespace) -> Path:
+def _new_folder(arguments: argparse.Namespace, planned: RunSetup) -> Path:
     """The folder of a run that can begin.
 
     Raises:
         UsageError: It cannot.
     """
-    plan, task = _planned(arguments, catalogue_of(arguments))
-    folder: Path = arguments.out or runs.default_folder(plan, task)
+    folder: Path = arguments.out or runs.default_folder(planned)
     runs.check_new(folder)
     make_folder(folder)
     return folder
@@ -71,18 +73,22 @@ def _new_folder(arguments: argparse.Namespace) -> Path:
 
 def _train_one(arguments: argparse.Namespace) -> None:
     """Train, or go on after a process was lost that had begun to."""
-    catalogue = catalogue_of(arguments)
     folder: Path = arguments.out
     if (folder / RUN_FILE).exists():
-        plan, task = runs.find(folder, catalogue, trust=True)  # this command has begun it
+        found = runs.find(folder, catalogue_of(arguments), trust=True)  # this command has begun it
         with runs.locked(folder, new=False):
-            _go_on(folder, plan, task)
+            _go_on(folder, found)
         return
-    plan, task = _planned(arguments, catalogue)
+    _begin(arguments, _planned(arguments))
+
+
+def _begin(arguments: argparse.Namespace, planned: RunSetup) -> None:
+    """Train from the start."""
+    folder, catalogue = arguments.out, catalogue_of(arguments)
     with runs.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
-        runs.create(folder, plan, task, command=command, catalogue=catalogue, track=_track)
-        _go_on(folder, plan, task)
+        runs.create(folder, planned, command=command, catalogue=catalogue, track=_track)
+        _go_on(folder, planned)
 
 
 def _check_alone(arguments: argparse.Namespace) -> None:
@@ -91,22 +97,20 @@ def _check_alone(arguments: argparse.Namespace) -> None:
     Raises:
         UsageError: There is more beside --resume.
     """
-    known = [field.name for field in fields(Plan) if field.name != "settings"]
-    names = [*known, "out", "set", "jobs", "ray"]
+    names = [*Plan("").values, "out", "set", "jobs", "ray"]
     given = [name for name in names if getattr(arguments, name, None) is not None]
     if given:
-        words = ["TASK" if name == "task" else f"--{name.replace('_', '-')}" for name in given]
+        flags = {"robots": "--robot", "task": "TASK"}
+        words = [flags.get(name, f"--{name.replace('_', '-')}") for name in given]
         raise UsageError(f"--resume goes on as the run began; leave {' and '.join(words)} out")
 
 
-def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan, Task]:
-    named = runs.task_to_train(arguments.task, arguments.data, catalogue)
-    task = load_task(named, catalogue=catalogue)
-    names = {field.name for field in fields(Plan)} - {"settings", "task"}
+def _planned(arguments: argparse.Namespace) -> RunSetup:
+    names = Plan("").values.keys() - {"settings", "task"}
     given = {name: value for name, value in vars(arguments).items() if name in names}
-    plan = make_plan(reference_of(task), arguments.set or (), **given)
-    runs.check_task(plan, task)
-    return plan, task
+    given |= asked_options(arguments, ("scene", "observed"))
+    catalogue = catalogue_of(arguments)
+    return runs.set_up(arguments.task, arguments.set or (), catalogue=catalogue, **given)
 
 
 def _track(episodes: Iterable[Rollout], count: int) -> list[Rollout]:
@@ -117,12 +121,12 @@ def _track(episodes: Iterable[Rollout], count: int) -> list[Rollout]:
     return played
 
 
-def _go_on(folder: Path, plan: Plan, task: Task) -> None:
+def _go_on(folder: Path, run: RunSetup) -> None:
     def watch(status: TrainingStatus) -> None:
         if status.evaluation is not None:
-            say(_line(plan, status, status.evaluation))
+            say(_line(run.plan, status, status.evaluation))
 
-    runs.go_on(folder, plan, task, watch)
+    runs.go_on(folder, run, watch)
     print(f"policy and tables: {display_path(folder)}")
 
 

@@ -7,16 +7,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.evaluated import DISTURBANCES, Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.output import paint, print_json, print_table
-from taskbuilder.cli.tasks import asked_robots, catalogue_of
+from taskbuilder.cli.tasks import catalogue_of
 from taskbuilder.cli.trials import play_arms, trial_of
 from taskbuilder.digests import digest
 from taskbuilder.errors import TaskbuilderError, UnknownNameError, UsageError, display_path
 from taskbuilder.learn.evaluation import env_options
 from taskbuilder.learn.zoo import LARGEST, POLICY_FILE, policy_file
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
-from taskbuilder.schema.other_robots import OtherRobots, other_robots
+from taskbuilder.schema.choices import OtherRobots
+from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.trial.arms import jobs_of
 from taskbuilder.trial.certificate import (
@@ -65,7 +67,7 @@ def _points(file: Path, data: Mapping[str, Any], arguments: argparse.Namespace) 
         content = read_plain(policy_file(name), LARGEST)
         here["policy"] = {data["policy"]: digest(content)}
     try:
-        robots = asked_robots(arguments) or _robots(data, catalogue)
+        robots = asked_options(arguments).get("robots") or _robots(data, catalogue)
         found = _found(name, data, catalogue, robots, given=bool(arguments.policy))
         here["task"] = digests_of_task(found.task)
         files = compare_files(data, here)

@@ -71,7 +71,7 @@ def evaluate(
         place = named_task(named, policy.about.get("task"), Catalogue.discover())
     loaded = place if isinstance(place, Task) else load_task(place)
     where = reference_of(loaded) if isinstance(place, Task) else str(place)
-    made = {**evaluation.options_of(policy), **options}
+    made = evaluation.options_for(policy, options, named)
     factory = _EnvFactory(where, tuple(made.items()))
     env = factory()
     evaluation.check_fits(policy, env, named, any_grasp="grasp" in options)

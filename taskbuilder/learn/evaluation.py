@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
+from taskbuilder.env.options import from_json, option_infos, options_about
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
@@ -36,10 +37,7 @@ EPISODES = 300
 Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """A `map`, perhaps over several processes."""
 
-OPTIONS = (
-    *("observe", "frame", "rotation", "distances", "grasp", "variation"),
-    *("cameras", "camera_size", "renderer"),
-)
+OPTIONS = tuple(name for name, info in option_infos().items() if info.decides_policy)
 """Options of environments that a policy records, because it depends on them."""
 
 
@@ -186,8 +184,29 @@ def options_of(policy: TrainedPolicy) -> dict[str, Any]:
 
 def env_options(options: Mapping[str, Any]) -> dict[str, Any]:
     """The options of an environment that a policy depends on, from a file's JSON."""
-    known = {name: options[name] for name in OPTIONS if name in options}
-    return {name: tuple(v) if isinstance(v, list) else v for name, v in known.items()}
+    return {name: value for name, value in from_json(options).items() if name in OPTIONS}
+
+
+def options_for(policy: TrainedPolicy, asked: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The options of the environment in which a policy plays.
+
+    Args:
+        policy: The policy.
+        asked: Options that are asked for.
+        name: Name of the policy, for messages.
+
+    Raises:
+        UsageError: With one of them, the policy would observe or act otherwise than in training.
+    """
+    trained = options_of(policy)
+    for option in options_about("observed"):
+        free = option_infos()[option].disturbs or option not in trained
+        if not free and asked.get(option, trained[option]) != trained[option]:
+            raise UsageError(
+                f"{name} was trained with {option} {trained[option]}, and plays with no other; "
+                f"it is asked for {option} {asked[option]}"
+            )
+    return {**trained, **asked}
 
 
 def check_fits(

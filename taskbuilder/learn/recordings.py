@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,10 @@ from gymnasium.spaces import Dict
 from numpy.typing import NDArray
 
 from taskbuilder.data import layout
-from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
+from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.environment import options_of_dataset
 from taskbuilder.data.policies import is_named
-from taskbuilder.env.options import Options
+from taskbuilder.env.options import Options, make_options, option_infos, options_about
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
@@ -26,9 +25,6 @@ from taskbuilder.learn.replayed import Replayer, joined
 from taskbuilder.schema.grasping import rules_of
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
-
-OPTIONS = ("observe", "frame", "rotation", "distances", "grasp", "randomize")
-"""Options of the environment that a data set determines."""
 
 SMALLEST_PICTURE = 24
 """Minimum width and height of pictures; the convolutions leave two by two positions of it."""
@@ -63,7 +59,7 @@ class Demonstrations:
 
 
 def read_demonstrations(
-    folder: str | Path,
+    dataset: Dataset,
     task: str,
     cameras: Sequence[str] = (),
     observed: Mapping[str, Sequence[str]] | None = None,
@@ -72,7 +68,7 @@ def read_demonstrations(
     """Read the episodes of a data set in which success holds at the last control step.
 
     Args:
-        folder: The data set.
+        dataset: The data set.
         task: Id of the task; only its episodes are read.
         cameras: Cameras whose pictures are read.
         observed: Names of the observed numbers to read, by agent; by default all that were
@@ -80,13 +76,11 @@ def read_demonstrations(
         replayer: Plays the episodes again for numbers that were not recorded.
 
     Raises:
-        UsageError: There is no such data set, it has no such episodes, or they do not happen again
-            as they were recorded.
+        UsageError: It has no such episodes, or they do not happen again as they were recorded.
         UnknownNameError: A camera was not recorded.
         StoreError: It is damaged.
         VideoError: A video is damaged.
     """
-    dataset = load_dataset(folder)
     episodes = successes(dataset, task)
     robots = dataset.about["tasks"][task]["robots"]
     binary = {agent for agent, robot in robots.items() if _has_binary_gripper(robot)}
@@ -150,39 +144,40 @@ def successes(dataset: Dataset, task: str) -> Sequence[RecordedEpisode]:
 # --- what fits
 
 
-def task_in(folder: Path) -> str:
+def task_in(dataset: Dataset) -> str:
     """The name of the only task of a data set.
 
     Raises:
-        UsageError: There is no such data set, or it has several tasks.
+        UsageError: It has several tasks.
     """
-    names = list(layout.read_about(folder)["tasks"])
+    names = list(dataset.about["tasks"])
     if len(names) != 1:
-        where = display_path(folder)
+        where = display_path(dataset.folder)
         raise UsageError(f"{where} has several tasks; name one before --data: {', '.join(names)}")
     return str(names[0])
 
 
-def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
+def recorded_options(dataset: Dataset, asked: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a plan that a data set determines.
 
     Args:
-        folder: The data set.
+        dataset: The data set.
         asked: Fields of the plan that were asked for.
 
     Raises:
-        UsageError: There is no such data set, or it was recorded otherwise than is asked for.
+        UsageError: It was recorded otherwise than is asked for.
     """
-    dataset = load_dataset(folder)
-    where = display_path(folder)
+    where = display_path(dataset.folder)
     options = options_of_dataset(dataset.about, cameras=False)
-    recorded = {name: options.get(name, getattr(Options, name)) for name in OPTIONS}
+    whole = make_options(**options)
+    recorded = {name: getattr(whole, name) for name in options_about("scene", "observed")}
     for name, value in recorded.items():
         less = name == "observe" and asked.get(name) == "task"  # a part of what was recorded
-        if name in asked and asked[name] != value and not less:
+        if name in asked and asked[name] != value and not less and name != "variation":
+            flag = (option_infos()[name].flag or name).replace("_", "-")
             raise UsageError(
-                f"{where} was recorded with {name} {value}, not {asked[name]}; leave "
-                f"--{name} out, or collect another data set"
+                f"{where} was recorded with {name} {_word(value)}, not {_word(asked[name])}; "
+                f"leave --{flag} out, or collect another data set"
             )
     collected = dataset.about["collected"]
     variations = collected["variations"]
@@ -190,6 +185,13 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
     played = [policy["name"] for policy in collected["policies"]]
     recorded["teachers"] = tuple(name for name in played if not is_named(name))
     return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
+
+
+def _word(value: Any) -> str:
+    """The value of an option in words."""
+    if isinstance(value, tuple):
+        return ", ".join("=".join(pair) for pair in value) or "as in the task file"
+    return "as in the task file" if value is None else str(value)
 
 
 def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dict[str, Any]:
@@ -225,74 +227,98 @@ def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dic
     return {"camera_size": size, "renderer": about["renderer"]}
 
 
-def check_recorded(folder: Path, task: Task, options: Mapping[str, Any]) -> None:
+def check_recorded(
+    dataset: Dataset, task: Task, options: Mapping[str, Any]
+) -> Mapping[str, Sequence[str]]:
     """Check that a data set is of a task as it is now.
 
     Args:
-        folder: The data set.
+        dataset: The data set.
         task: The task.
         options: Options of the environment that a policy will play in.
+
+    Returns:
+        The names of the numbers that robots observe with these options.
 
     Raises:
         UsageError: It is of another task, has no successful episodes, or its robots act or observe
             in another way. With the option ``observe: task``, they may observe what was not
             recorded.
     """
-    dataset = load_dataset(folder)
-    where = display_path(folder)
+    where = display_path(dataset.folder)
     if task.name not in dataset.tasks:
         raise UsageError(
             f"{where} is of {', '.join(dataset.tasks)}, not of {task.name}; leave the task out, "
             f"or collect episodes of {task.name}"
         )
     successes(dataset, task.name)
-    robots = dataset.about["tasks"][task.name]["robots"]
-    recorded = options_of_dataset(dataset.about, cameras=False).get("observe", Options.observe)
-    longest = dataset.about["tasks"][task.name]["max_episode_steps"]
-    with closing(parallel_env(task, **{**options, "observe": recorded})) as env:
+    about = dataset.about["tasks"][task.name]
+    recorded = {"observe": Options.observe, **options_of_dataset(dataset.about, cameras=False)}
+    with closing(parallel_env(task, **options)) as env:
+        longest, rate = about["max_episode_steps"], env.options.control_hz
         if longest > env.max_episode_steps:
             raise UsageError(
                 f"{where} does not fit {task.name} as it is now: its episodes may have {longest} "
                 f"control steps, and the task has {env.max_episode_steps}; collect anew"
             )
-        for difference in _differences(robots, env):
+        if about["control_hz"] != (rate or task.file.spec.timing.control_hz):
+            raise UsageError(
+                f"{where} does not fit {task.name} as it is now: it was recorded with control_hz "
+                f"{about['control_hz']}; collect anew"
+            )
+        names = dict(env.observation_names)
+        seen = names if recorded["observe"] == env.options.observe else None
+        for difference in _differences(about["robots"], env, seen or _observed(task, recorded)):
             raise UsageError(f"{where} does not fit {task.name} as it is now: {difference}")
-    check_pictures(task, options, recorded=True)
+        _check_pictures(env, recorded=True)
+        return names
 
 
-def check_pictures(task: Task, options: Mapping[str, Any], *, recorded: bool = False) -> None:
-    """Check that robots observe no pictures but those that a run learns from.
+def check_pictures(task: Task, options: Mapping[str, Any]) -> None:
+    """Check that robots observe no pictures, for a run that learns from none.
 
     Args:
         task: The task.
         options: Options of the environment that a policy will play in.
-        recorded: Whether the run learns from a data set.
 
     Raises:
-        UsageError: The task file lists others.
+        UsageError: The task file lists some.
     """
-    cameras = tuple(options.get("cameras", ()))
     with closing(parallel_env(task, **options)) as env:
-        for agent, space in env.observation_spaces.items():
-            listed = [name for name in space if name != VECTOR] if isinstance(space, Dict) else []
-            others = [name for name in listed if name.removesuffix(".rgb") not in cameras]
-            if not others:
-                continue
-            advice = "training learns from numbers here; give --observe scene"
-            if recorded and all(name.endswith(".rgb") for name in others):
-                names = (*cameras, *(name.removesuffix(".rgb") for name in others))
-                advice = f"give --cameras {','.join(names)}, or --observe scene"
-            raise UsageError(f"{agent} observes {', '.join(others)}; {advice}")
+        _check_pictures(env, recorded=False)
 
 
-def observed_names(task: Task, options: Mapping[str, Any]) -> dict[str, Sequence[str]]:
+def _check_pictures(env: TaskEnv, *, recorded: bool) -> None:
+    """Check that robots observe no pictures but those that a run learns from."""
+    cameras = env.options.cameras
+    for agent, space in env.observation_spaces.items():
+        listed = [name for name in space if name != VECTOR] if isinstance(space, Dict) else []
+        others = [name for name in listed if name.removesuffix(".rgb") not in cameras]
+        if not others:
+            continue
+        advice = "training learns from numbers here; give --observe scene"
+        if recorded and all(name.endswith(".rgb") for name in others):
+            names = (*cameras, *(name.removesuffix(".rgb") for name in others))
+            advice = f"give --cameras {','.join(names)}, or --observe scene"
+        raise UsageError(f"{agent} observes {', '.join(others)}; {advice}")
+
+
+def _observed(task: Task, options: Mapping[str, Any]) -> dict[str, Sequence[str]]:
     """Names of the numbers that agents observe with some options of the environment."""
     with closing(parallel_env(task, **options)) as env:
         return dict(env.observation_names)
 
 
-def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Iterable[str]:
-    """How robots differ from those of a data set, in words."""
+def _differences(
+    recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv, observed: Mapping[str, Sequence[str]]
+) -> Iterable[str]:
+    """How robots differ from those of a data set, in words.
+
+    Args:
+        recorded: What the data set says of its robots.
+        env: The environment.
+        observed: Names of the numbers that robots observe there as in the data set.
+    """
     if list(recorded) != env.possible_agents:
         there, here = ", ".join(recorded), ", ".join(env.possible_agents)
         yield f"it has {there}, and the task {here}; collect anew"
@@ -300,6 +326,8 @@ def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Ite
     world = env.episode.world
     rules = rules_of(world.scene, world.task.robots)
     for agent, robot in recorded.items():
+        if (model := world.robots[agent].model.name) != robot["model"]:
+            yield f"{agent} was a {robot['model']}, and is a {model} in the task file; collect anew"
         action = world.scene.robots[agent].action.model_dump(mode="json")
         for name in (name for name in action if action[name] != robot["action"].get(name)):
             yield (
@@ -311,7 +339,7 @@ def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Ite
                 f"{agent} held objects by {was_rule}, and does by {rule} now; collect anew, or put "
                 "the task file back"
             )
-        now = env.observation_names[agent]
+        now = observed[agent]
         was = robot["observation_names"]
         missing, new = ([n for n in a if n not in b] for a, b in ((was, now), (now, was)))
         if missing or new or list(was) != list(now):
@@ -320,11 +348,6 @@ def _differences(recorded: Mapping[str, Mapping[str, Any]], env: TaskEnv) -> Ite
             yield f"{agent} {verb} {changed}; collect anew, or put the task file back"
 
 
-def identity(folder: Path) -> str:
-    """What tells a data set from any other: the seal of its manifest.
-
-    Raises:
-        UsageError: There is no such data set, or collecting has not come to its end.
-    """
-    load_dataset(folder)
-    return str(layout.read_manifest(folder)["seal"])
+def identity(dataset: Dataset) -> str:
+    """What tells a data set from any other: the seal of its manifest."""
+    return str(layout.read_manifest(dataset.folder)["seal"])

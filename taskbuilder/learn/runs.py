@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder._version import __version__
+from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.files import claim
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
@@ -17,6 +18,7 @@ from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, refere
 from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
+from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.learn.zoo import load_policy, save_policy
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.rollout.files import save_rollouts
@@ -77,17 +79,12 @@ def train(
         UsageError: An option is invalid, the folder already has a run, or PyTorch is missing.
         FileError: The files of the task have errors.
     """
-    check_torch()
-    if task is None:
-        task = task_to_train(None, plan.get("data"), Catalogue.discover())
-    loaded = task if isinstance(task, Task) else load_task(task)
-    made = make_plan(reference_of(loaded), settings, **plan)
-    check_task(made, loaded)
-    folder = Path(out) if out is not None else default_folder(made, loaded)
+    run = set_up(task, settings, **plan)
+    folder = Path(out) if out is not None else default_folder(run)
     with locked(folder, new=True):
-        create(folder, made, loaded)
-        go_on(folder, made, loaded, watch)
-    return TrainedRun(folder, made, load_policy(str(folder)))
+        create(folder, run)
+        go_on(folder, run, watch)
+    return TrainedRun(folder, run.plan, load_policy(str(folder)))
 
 
 def resume(folder: str | Path, *, watch: Watch = lambda _: None, trust: bool = False) -> TrainedRun:
@@ -105,28 +102,41 @@ def resume(folder: str | Path, *, watch: Watch = lambda _: None, trust: bool = F
     """
     check_torch()
     path = Path(folder)
-    plan, task = find(path, trust=trust)
+    run = find(path, trust=trust)
     with locked(path, new=False):
-        go_on(path, plan, task, watch)
-    return TrainedRun(path, plan, load_policy(str(path)))
+        go_on(path, run, watch)
+    return TrainedRun(path, run.plan, load_policy(str(path)))
 
 
-def task_to_train(task: str | None, data: str | Path | None, catalogue: Catalogue) -> str | Path:
-    """What to load as the task of a new run.
+def set_up(
+    task: str | Path | Task | None,
+    settings: Any = (),
+    *,
+    catalogue: Catalogue | None = None,
+    **given: Any,
+) -> RunSetup:
+    """Plan a new run, and check that the task and the data set have what it needs.
 
     Args:
-        task: Name or path of the task, if it was named.
-        data: The data set to learn from, if there is one; its task is only looked up by name.
-        catalogue: The catalogue to look it up in.
+        task: Name or path of the task, or the task itself; None for that of the data set.
+        settings: Settings of the algorithm; see `make_plan`.
+        catalogue: Where the task is looked up.
+        given: See `make_plan`.
 
     Raises:
-        UsageError: Neither names a task, or it is not in the catalogue.
+        UsageError: Nothing names a task, a value is invalid, or they do not fit each other.
     """
-    if task:
-        return task
-    if not data:
-        raise UsageError("which task? give a name or a path, or --resume RUN to go on")
-    return named_task(display_path(Path(data)), task_in(Path(data)), catalogue)
+    check_torch()
+    catalogue = catalogue or Catalogue.discover()
+    dataset = data = given.get("data")
+    if data is not None and not isinstance(data, Dataset):
+        given["data"] = dataset = load_dataset(data)
+    if task is None:
+        if dataset is None:
+            raise UsageError("which task? give a name or a path, or --resume RUN to go on")
+        task = named_task(display_path(dataset.folder), task_in(dataset), catalogue)
+    loaded = task if isinstance(task, Task) else load_task(task, catalogue=catalogue)
+    return checked(make_plan(reference_of(loaded), settings, **given), loaded, dataset)
 
 
 def check_torch() -> None:
@@ -139,8 +149,8 @@ def check_torch() -> None:
         raise UsageError('training needs PyTorch; pip install "taskbuilder[train]"')
 
 
-def check_task(plan: Plan, task: Task) -> None:
-    """Check that the task has what the plan needs.
+def checked(plan: Plan, task: Task, dataset: Dataset | None = None) -> RunSetup:
+    """Check that the task and the data set have what the plan needs.
 
     Raises:
         UsageError: The task lacks an expert or progress, no robot can have the plan's rule of
@@ -149,20 +159,19 @@ def check_task(plan: Plan, task: Task) -> None:
     """
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
-    grasp_rules(task.file, plan.grasp)
-    if plan.data:
-        check_recorded(Path(plan.data), task, plan.env)
-        return
+    if dataset is not None:
+        return RunSetup(plan, task, dataset, check_recorded(dataset, task, plan.env))
     check_pictures(task, plan.env)
     if plan.reward in ("shaped", "ratchet") and task.description.progress is None:
         raise UsageError(
             f"{task.name} has no progress; write it into its description, or choose --reward team"
         )
+    return RunSetup(plan, task)
 
 
-def default_folder(plan: Plan, task: Task) -> Path:
+def default_folder(run: RunSetup) -> Path:
     """The default folder of a run."""
-    return Path("runs") / f"{task.name}-{plan.track}-{plan.seed}"
+    return Path("runs") / f"{run.task.name}-{run.plan.track}-{run.plan.seed}"
 
 
 def check_new(folder: Path) -> None:
@@ -194,8 +203,7 @@ def locked(folder: Path, *, new: bool) -> Iterator[None]:
 
 def create(
     folder: Path,
-    plan: Plan,
-    task: Task,
+    run: RunSetup,
     *,
     command: str = "",
     catalogue: Catalogue | None = None,
@@ -205,14 +213,14 @@ def create(
 
     Args:
         folder: Folder of the run.
-        plan: The plan.
-        task: The task of the plan.
+        run: What it works with.
         command: The command that started the run.
         catalogue: The catalogue in which other processes look up the task.
         track: Wraps the demonstrations as they are recorded.
     """
     from taskbuilder.learn.training import INIT_FILE
 
+    plan, task = run.plan, run.task
     count = max(plan.demos, START_EPISODES if plan.starts else 0)
     if count:
         episodes = list(track(record(plan.task, count, plan.env, catalogue=catalogue), count))
@@ -224,8 +232,8 @@ def create(
         plan,
         {
             "digest": _digest(task),
-            **({"data_seal": identity(Path(plan.data))} if plan.data else {}),
-            "horizon": task.file.spec.timing.episode_steps,
+            **({"data_seal": identity(run.dataset)} if run.dataset else {}),
+            "horizon": plan.options.applied(task).spec.timing.episode_steps,
             "stages": list(task.description.stages),
             "versions": versions(),
             "processor": processor(),
@@ -235,10 +243,8 @@ def create(
     )
 
 
-def find(
-    folder: Path, catalogue: Catalogue | None = None, *, trust: bool = False
-) -> tuple[Plan, Task]:
-    """The plan of a run that is to be resumed, and its task if it has not changed.
+def find(folder: Path, catalogue: Catalogue | None = None, *, trust: bool = False) -> RunSetup:
+    """What a run that is to be resumed works with, if it has not changed.
 
     Raises:
         UsageError: There is no run, the task is not trusted, the task's files or the data set have
@@ -255,10 +261,13 @@ def find(
         raise UsageError(
             f"{task.name} has changed since this run began; train anew, or put its files back"
         )
-    if plan.data and about.get("data_seal") != identity(Path(plan.data)):
-        where = display_path(Path(plan.data))
+    dataset = load_dataset(plan.data) if plan.data else None
+    if dataset is None:
+        return RunSetup(plan, task)
+    if about.get("data_seal") != identity(dataset):
+        where = display_path(dataset.folder)
         raise UsageError(f"{where} has changed since this run began; train anew, or put it back")
-    return plan, task
+    return checked(plan, task, dataset)
 
 
 def task_of_run(folder: Path, catalogue: Catalogue, *, trust: bool = False) -> Path:
@@ -328,10 +337,11 @@ def named_task(name: str, task: object, catalogue: Catalogue) -> Path:
         raise UsageError(f"{name} is for a task that is not here ({error}); {hint}") from None
 
 
-def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -> None:
+def go_on(folder: Path, run: RunSetup, watch: Watch = lambda _: None) -> None:
     """Train from the newest checkpoint, or from the start; see `training.train`."""
     from taskbuilder.learn import training
 
+    plan, task = run.plan, run.task
     about = {
         "task": task.name,
         "algorithm": plan.algorithm,
@@ -343,14 +353,14 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         **({"teachers": list(plan.teachers)} if plan.teachers else {}),
         **({"init": plan.init} if plan.init else {}),
         "env": plan.env,
-        "grasp_rules": dict(grasp_rules(task.file, plan.grasp)),
+        "grasp_rules": dict(grasp_rules(plan.options.applied(task))),
         "stages": list(task.description.stages),
         "seed": plan.seed,
         "command": load_plan(folder)[1]["command"],
         "taskbuilder": __version__,
     }
     with closing(CheckpointEvaluator(task, plan, folder)) as evaluator:
-        training.train(plan, task, folder, evaluator, about, watch)
+        training.train(run, folder, evaluator, about, watch)
 
 
 def _digest(task: Task) -> str:

@@ -18,6 +18,7 @@ import numpy as np
 import torch
 from gymnasium.spaces import flatdim
 
+from taskbuilder.data.dataset import Dataset
 from taskbuilder.env.vector import TaskVectorEnv, make_vec
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.algorithms import find_algorithm
@@ -28,11 +29,13 @@ from taskbuilder.learn.demonstrations import load_demonstrations, transitions
 from taskbuilder.learn.learner import Trainable
 from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.n_step import NStepTransitions
-from taskbuilder.learn.plan import Plan, make_settings
+from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.practice import Batches, Interaction, Practice
-from taskbuilder.learn.recordings import observed_names, read_demonstrations
+from taskbuilder.learn.recordings import read_demonstrations
 from taskbuilder.learn.replayed import Replayer
+from taskbuilder.learn.run_setup import RunSetup
+from taskbuilder.learn.settings import make_settings
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
@@ -66,8 +69,7 @@ Watch = Callable[[TrainingStatus], None]
 
 
 def train(
-    plan: Plan,
-    task: Task,
+    run: RunSetup,
     folder: Path,
     evaluate: Evaluate,
     about: Mapping[str, Any],
@@ -76,8 +78,7 @@ def train(
     """Train from the newest checkpoint in the run's folder, or from the start.
 
     Args:
-        plan: The plan.
-        task: The task of the plan.
+        run: What the run works with.
         folder: Folder of the run, with the demonstrations and the initial policy if there are any.
         evaluate: Evaluates a policy in episodes of its own.
         about: Metadata for the files of policies.
@@ -90,15 +91,15 @@ def train(
     """
     torch.set_num_threads(1)  # more are no faster here, and results would depend on them
     with ExitStack() as stack:
-        run = Trainer.prepare(plan, task, folder, stack)
-        while not run.finished:
-            for status in run.stretch():
+        trainer = Trainer.prepare(run, folder, stack)
+        while not trainer.finished:
+            for status in trainer.stretch():
                 watch(status)
-                if run.at_evaluation:
-                    evaluation = evaluate(run.policy(about))
-                    run.note(evaluation, run.policy(about))
-                    watch(run.status(evaluation))
-            run.save()
+                if trainer.at_evaluation:
+                    evaluation = evaluate(trainer.policy(about))
+                    trainer.note(evaluation, trainer.policy(about))
+                    watch(trainer.status(evaluation))
+            trainer.save()
 
 
 @dataclass
@@ -144,23 +145,24 @@ class Trainer:
         self._since = (time.perf_counter(), self._counters.step)
 
     @classmethod
-    def prepare(cls, plan: Plan, task: Task, folder: Path, stack: ExitStack) -> Trainer:
+    def prepare(cls, run: RunSetup, folder: Path, stack: ExitStack) -> Trainer:
         """Make a trainer in the state of the newest checkpoint.
 
         Args:
-            plan: The plan.
-            task: The task of the plan.
+            run: What the run works with.
             folder: Folder of the run.
             stack: Closes the trainer's resources.
 
         Raises:
             UsageError: There is no such device.
         """
-        if plan.device == "cuda" and not torch.cuda.is_available():
+        if run.plan.device == "cuda" and not torch.cuda.is_available():
             raise UsageError("PyTorch finds no CUDA device here; leave --device cuda out")
-        prepared = _data_set if plan.data else _environments
-        learner, practice = prepared(plan, task, folder, stack)
-        trainer = cls(plan, folder, learner, practice)
+        if run.dataset is not None:
+            learner, practice = _data_set(run, run.dataset)
+        else:
+            learner, practice = _environments(run.plan, run.task, folder, stack)
+        trainer = cls(run.plan, folder, learner, practice)
         stack.callback(trainer.close)
         return trainer
 
@@ -299,16 +301,16 @@ def _environments(
     return learner, Interaction(learner, collector, collection, plan.steps, plan.envs)
 
 
-def _data_set(plan: Plan, task: Task, folder: Path, stack: ExitStack) -> tuple[Trainable, Practice]:
+def _data_set(run: RunSetup, dataset: Dataset) -> tuple[Trainable, Practice]:
     """The learner of a run on a data set, and its practice with it."""
-    del folder, stack
+    plan, task = run.plan, run.task
     algorithm = find_algorithm(plan.algorithm)
     learner = algorithm.learner(
         read_demonstrations(
-            plan.data,
+            dataset,
             task.name,
-            plan.cameras,
-            observed_names(task, plan.env),
+            plan.options.cameras,
+            run.observed,
             Replayer(task, plan.env),
         ),
         make_settings(algorithm.settings, plan.settings),

@@ -12,7 +12,7 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.named import has_expert
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.other_robots import OtherRobots
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.locate import failure_of_description
 

@@ -18,7 +18,9 @@ import pytest
 from made_runs import write_task
 
 from taskbuilder.arrays import read_arrays
+from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.plan import load_plan, make_plan
+from taskbuilder.learn.settings import make_settings
 from taskbuilder.learn.zoo import load_policy
 
 pytest.importorskip("torch")
@@ -118,9 +120,10 @@ def test_settings_by_their_old_names_are_taken_with_a_warning(run):
     assert plan_of("old")["settings"]["bc_updates"] == 7
     file = Path("old/run.json")
     file.write_text(file.read_text().replace("bc_updates", "cloning"))
+    plan, _ = load_plan(Path("old"))
     with pytest.warns(FutureWarning, match="cloning is called bc_updates"):
-        plan, _ = load_plan(Path("old"))
-    assert plan.settings["bc_updates"] == 7
+        settings = make_settings(find_algorithm("maddpg").settings, plan.settings)
+    assert settings.bc_updates == 7
 
 
 @pytest.mark.slow

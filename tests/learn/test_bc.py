@@ -21,10 +21,11 @@ from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, resume, train
 from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
+from taskbuilder.learn.evaluation import check_fits, options_for, options_of
 from taskbuilder.learn.policy import Network
-from taskbuilder.learn.recordings import observed_names, read_demonstrations
+from taskbuilder.learn.recordings import read_demonstrations
 from taskbuilder.learn.replayed import Replayer
-from taskbuilder.learn.runs import check_task
+from taskbuilder.learn.runs import checked
 from taskbuilder.learn.vision import PictureEncoders
 from taskbuilder.learn.zoo import save_policy
 from taskbuilder.rollout.play import play
@@ -85,7 +86,7 @@ def weights(folder, step):
 
 
 def test_demonstrations_are_the_recorded_steps_with_explicit_grippers(recorded):
-    read = read_demonstrations(recorded, "handover")
+    read = read_demonstrations(load_dataset(recorded), "handover")
     first = load_dataset(recorded)[0]
     assert read.agents == ("left", "right")
     assert (read.ends[: first.steps] == first.steps).all()
@@ -98,7 +99,7 @@ def test_demonstrations_are_the_recorded_steps_with_explicit_grippers(recorded):
 
 def test_a_run_takes_task_and_options_from_its_data_set(trained, recorded):
     assert (trained.plan.task, trained.plan.data) == ("handover", str(recorded))
-    assert (trained.plan.observe, trained.plan.frame, trained.plan.track) == (
+    assert (trained.plan.options.observe, trained.plan.options.frame, trained.plan.track) == (
         "scene",
         "task",
         "cloned",
@@ -113,8 +114,8 @@ def test_policies_may_observe_less_than_was_recorded(recorded, tmp_path):
         names = env.observation_names
     with closing(make_from(recorded)) as env:
         whole = env.observation_names
-    read = read_demonstrations(recorded, "handover", observed=names)
-    everything = read_demonstrations(recorded, "handover")
+    read = read_demonstrations(load_dataset(recorded), "handover", observed=names)
+    everything = read_demonstrations(load_dataset(recorded), "handover")
     for agent, columns in names.items():
         places = [whole[agent].index(name) for name in columns]
         assert (read.observations[agent] == everything.observations[agent][:, places]).all()
@@ -122,7 +123,7 @@ def test_policies_may_observe_less_than_was_recorded(recorded, tmp_path):
         assert read.own[agent].sum() == sum(
             name.startswith(f"{agent}.") or name == "time_left" for name in columns
         )
-    assert (run.plan.observe, run.plan.track) == ("task", "cloned")
+    assert (run.plan.options.observe, run.plan.track) == ("task", "cloned")
     assert evaluate(run.policy, 1, jobs=1).episodes == 1
 
 
@@ -132,7 +133,7 @@ def test_episodes_whose_success_is_lost_again_are_not_learned_from(tmp_path):
     episodes = load_dataset(tmp_path / "data").contents["episodes"]
     lasting = [each["steps"] for each in episodes if each["success_at_end"]]
     assert 0 < len(lasting) < sum(each["success"] for each in episodes)
-    assert len(read_demonstrations(tmp_path / "data", "reach").ends) == sum(lasting)
+    assert len(read_demonstrations(load_dataset(tmp_path / "data"), "reach").ends) == sum(lasting)
 
 
 def test_what_was_not_recorded_cannot_be_observed(tmp_path):
@@ -147,11 +148,12 @@ def test_it_learns_what_the_expert_did(recorded, tmp_path):
     wide = {**SMALL, "hidden": [128], "noise": 0.0}
     options = {**BC, "settings": wide, "steps": 600, "evaluate_every": 600}
     run = train(data=recorded, out=tmp_path / "run", **options)
+    read = read_demonstrations(load_dataset(recorded), "handover").actions
     episode = load_dataset(recorded)[0]
     for agent, network in run.policy.networks.items():
         chunks = network(episode.observations[agent][:-1])
         size = episode.actions[agent].shape[1]
-        expert = read_demonstrations(recorded, "handover").actions[agent][: episode.steps]
+        expert = read[agent][: episode.steps]
         later = chunks[:-3, 3 * size :]  # the last action of each chunk of four
         assert np.abs(chunks[:, :size] - expert).mean() < 0.05
         assert np.abs(later - expert[3:]).mean() < 0.05
@@ -247,7 +249,10 @@ def test_a_feature_is_the_place_in_the_picture_where_it_is():
 
 def test_a_policy_of_pictures_is_played_with_the_cameras_of_its_training(seeing, pictured):
     loaded = load_policy(str(seeing.folder))
-    assert (seeing.plan.cameras, seeing.plan.camera_size) == (("front", "top"), (32, 32))
+    assert (seeing.plan.options.cameras, seeing.plan.options.camera_size) == (
+        ("front", "top"),
+        (32, 32),
+    )
     assert seeing.plan.env["renderer"] == load_dataset(pictured).about["renderer"]
     assert evaluate(loaded, 1, jobs=1) == evaluate(seeing.policy, 1, jobs=1)
     for options, says in (
@@ -327,6 +332,39 @@ def test_a_file_whose_chunks_cannot_be_executed_is_refused(wrong, why, tmp_path)
         load_policy(str(tmp_path / "policy.npz"))
 
 
+# --- the data set decides the environment
+
+
+def test_what_a_data_set_was_collected_with_is_what_its_policy_plays_in(tmp_path, monkeypatch):
+    options = {"robots": (("arm", "ur5e"),), "control_hz": 5, "horizon": 60, "frame": "base"}
+    options |= {"position_noise": 0.001}
+    plan = CollectPlan(("reach",), 1, options=options, keep_failures=True)
+    opened = []
+    monkeypatch.setattr(
+        "taskbuilder.learn.runs.load_dataset",
+        lambda folder: opened.append(folder) or load_dataset(folder),
+    )
+    collect(plan, tmp_path / "data")
+    run = train(data=tmp_path / "data", out=tmp_path / "run", **BC)
+    assert len(opened) == 1
+    for recorded in (run.plan.env, options_of(run.policy)):
+        assert options.items() <= recorded.items()
+    with closing(parallel_env("reach", **options_for(run.policy, {}, "it"))) as env:
+        assert env.episode.world.robots["arm"].model.name == "ur5e"
+        assert (env.options.control_hz, env.max_episode_steps) == (5, 60)
+        check_fits(run.policy, env)
+    assert evaluate(run.policy, 1, jobs=1).episodes == 1
+    with pytest.raises(UsageError, match="was trained with frame base, and plays with no other"):
+        evaluate(run.policy, 1, jobs=1, frame="task")
+    for name, value, says in (
+        ("control_hz", 10, "with control_hz 5, not 10; leave --control-hz out"),
+        ("robots", {"arm": "panda"}, "with robots arm=ur5e, not arm=panda; leave --robot out"),
+        ("horizon", 50, "with horizon 60, not 50; leave --horizon out"),
+        ("position_noise", 0.01, "with position_noise 0.001, not 0.01; leave --position-noise"),
+    ):
+        assert says in refused(data=tmp_path / "data", **{name: value})
+
+
 # --- refusals
 
 
@@ -373,7 +411,7 @@ def changed_task(folder, old, new):
     return load_task(folder / "handover.yaml")
 
 
-def test_robots_that_act_or_observe_otherwise_now_are_refused(trained, tmp_path):
+def test_robots_that_act_or_observe_otherwise_now_are_refused(trained, recorded, tmp_path):
     for old, new, says in (
         (
             "model: ur5e\n",
@@ -384,7 +422,7 @@ def test_robots_that_act_or_observe_otherwise_now_are_refused(trained, tmp_path)
     ):
         task = changed_task(tmp_path, old, new)
         with pytest.raises(UsageError, match=says):
-            check_task(trained.plan, task)
+            checked(trained.plan, task, load_dataset(recorded))
 
 
 def test_a_run_whose_data_set_has_changed_is_not_resumed(recorded, tmp_path):
@@ -411,7 +449,8 @@ def test_what_the_scene_lacks_is_observed_by_playing_the_episodes_again(pressed,
     """The whole scene has the button, but not its cap, which the task file lists."""
     run = train(data=pressed, observe="task", out=tmp_path / "run", **BC)
     task = load_task("press_button")
-    names = observed_names(task, run.plan.env)
+    with closing(parallel_env(task, **run.plan.env)) as env:
+        names = env.observation_names
     assert "button.cap.x" in names["arm"]
     assert (
         "button.cap.x"
@@ -420,8 +459,9 @@ def test_what_the_scene_lacks_is_observed_by_playing_the_episodes_again(pressed,
         ]
     )
     replayer = Replayer(task, run.plan.env)
-    read = read_demonstrations(pressed, "press_button", observed=names, replayer=replayer)
-    (episode,) = load_dataset(pressed)
+    dataset = load_dataset(pressed)
+    read = read_demonstrations(dataset, "press_button", observed=names, replayer=replayer)
+    (episode,) = dataset
     with closing(parallel_env(task, frame="task")) as env:
         played = play(env, RecordedActions(episode.actions), episode.seed, observations=True)
     assert np.array_equal(read.observations["arm"], played.observations["arm"][:-1])
@@ -454,4 +494,4 @@ def test_pictures_that_a_task_lists_are_learned_from_or_refused(tmp_path):
     with pytest.raises(UsageError, match="training learns from numbers here"):
         train(task, observe="task", out=tmp_path / "other", steps=10)
     run = train(task, cameras=("front",), **options)
-    assert run.plan.observe == "task"
+    assert run.plan.options.observe == "task"

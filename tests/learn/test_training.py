@@ -23,6 +23,7 @@ from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import FOLDER
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
 from taskbuilder.learn.plan import Plan
+from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.learn.training import train
 from taskbuilder.learn.zoo import load_policy
 from taskbuilder.rollout import save_rollouts
@@ -54,10 +55,10 @@ def run(folder: Path, plan: Plan = PLAN, *, stop_at: int | None = None) -> Path:
     folder.mkdir(exist_ok=True)
     about = {"task": plan.task, "env": plan.env}
     if stop_at is None:
-        train(plan, load_task(plan.task), folder, judged, about)
+        train(RunSetup(plan, load_task(plan.task)), folder, judged, about)
     else:
         with pytest.raises(StoppedError):
-            train(plan, load_task(plan.task), folder, judged, about, watch)
+            train(RunSetup(plan, load_task(plan.task)), folder, judged, about, watch)
     return folder
 
 
@@ -240,5 +241,5 @@ def test_the_policy_that_is_kept_is_the_best_one_and_the_latest_of_these(tmp_pat
         return Evaluation(rate, {"success_rate": rate})
 
     tmp_path.mkdir(exist_ok=True)
-    train(plan, load_task("handover"), tmp_path, judge, {})
+    train(RunSetup(plan, load_task("handover")), tmp_path, judge, {})
     assert load_policy(str(tmp_path)).about["step"] == 60

@@ -32,6 +32,7 @@ from taskbuilder.learn.networks import (
 from taskbuilder.learn.pictures import KERNELS
 from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import Demonstrations
+from taskbuilder.learn.settings import Count, Layers, Positive, Weight
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.vision import PictureEncoders
 
@@ -57,18 +58,18 @@ class BcSettings:
             the pictures, what robots observe of the rest of the scene.
     """
 
-    hidden: tuple[int, ...] = (256, 256, 256)
+    hidden: Layers = (256, 256, 256)
     norms: bool = True
     share: bool = False
-    chunk: int = 10
-    every: int = 1
-    decay: float = 0.1
-    batch: int = 256
-    lr: float = 1e-3
-    weight_decay: float = 1e-4
-    noise: float = 0.05
-    channels: tuple[int, ...] = (8, 16, 16)
-    scene_weight: float = 1.0
+    chunk: Count = 10
+    every: Count = 1
+    decay: Weight = 0.1
+    batch: Count = 256
+    lr: Positive = 1e-3
+    weight_decay: Weight = 1e-4
+    noise: Weight = 0.05
+    channels: Layers = (8, 16, 16)
+    scene_weight: Weight = 1.0
 
 
 class BehaviourCloning:

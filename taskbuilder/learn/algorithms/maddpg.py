@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import torch
@@ -25,6 +25,7 @@ from taskbuilder.learn.networks import half_cosine, halved
 from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
+from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight, Whole, formerly
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
 from taskbuilder.learn.values import make_values
@@ -74,35 +75,35 @@ class MaddpgSettings:
         imitation_half_life: Control steps in which this weight halves; 0 for a constant weight.
     """
 
-    hidden: tuple[int, ...] = (128, 128)
-    lr: float = 3e-4
-    lr_half_life: int = 0
-    discount: float = 0.97
-    tau: float = 0.005
-    batch: int = 128
-    capacity: int = 1_000_000
-    warm_up: int = 2_000
-    update_every: float = 1.0
-    n_step: int = 1
-    noise: float = 0.25
-    final_noise: float = 0.1
-    noise_until: float = 1.0
-    least_noise: float = 1.0
-    gripper_epsilon: float = 0.0
-    smoothing: float = 0.1
-    actor_every: int = 2
-    regulariser: float = 0.03
-    saturation_penalty: float = 0.0
-    value_bins: int = 0
-    value_limit: float = 50.0
+    hidden: Layers = (128, 128)
+    lr: Positive = 3e-4
+    lr_half_life: Whole = 0
+    discount: Share = 0.97
+    tau: Share = 0.005
+    batch: Count = 128
+    capacity: Count = 1_000_000
+    warm_up: Whole = 2_000
+    update_every: Positive = 1.0
+    n_step: Count = 1
+    noise: Weight = 0.25
+    final_noise: Weight = 0.1
+    noise_until: Share = 1.0
+    least_noise: Weight = 1.0
+    gripper_epsilon: Share = 0.0
+    smoothing: Weight = 0.1
+    actor_every: Count = 2
+    regulariser: Weight = 0.03
+    saturation_penalty: Weight = 0.0
+    value_bins: Whole = 0
+    value_limit: Positive = 50.0
     actor_norms: bool = False
-    reset_networks_after: int = 0
+    reset_networks_after: Whole = 0
     share: bool = True
-    bc_updates: int = 10_000
-    bc_noise: float = 0.05
-    critic_warmup_updates: int = 4_000
-    imitation: float = 10.0
-    imitation_half_life: int = 30_000
+    bc_updates: Annotated[Whole, formerly("bc_updates", "cloning")] = 10_000
+    bc_noise: Weight = 0.05
+    critic_warmup_updates: Annotated[Whole, formerly("critic_warmup_updates", "judging")] = 4_000
+    imitation: Weight = 10.0
+    imitation_half_life: Whole = 30_000
 
 
 class Maddpg:

@@ -24,6 +24,7 @@ from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.policy import Array, Network, TrainedPolicy
 from taskbuilder.learn.replay import Memory
+from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight, Whole
 from taskbuilder.learn.shapes import Rows, Shapes
 
 Actions = dict[str, NDArray[np.float32]]
@@ -48,17 +49,17 @@ class OpenaiSettings:
         regulariser: Weight of the mean squared outputs of an actor.
     """
 
-    hidden: tuple[int, ...] = (64, 64)
-    lr: float = 1e-2
-    discount: float = 0.95
-    tau: float = 0.01
-    batch: int = 1024
-    capacity: int = 1_000_000
-    warm_up: int = 1024 * 50
-    update_every: float = 100
-    n_step: int = 1
-    clip: float = 0.5
-    regulariser: float = 1e-3
+    hidden: Layers = (64, 64)
+    lr: Positive = 1e-2
+    discount: Share = 0.95
+    tau: Share = 0.01
+    batch: Count = 1024
+    capacity: Count = 1_000_000
+    warm_up: Whole = 1024 * 50
+    update_every: Positive = 100
+    n_step: Count = 1
+    clip: Positive = 0.5
+    regulariser: Weight = 1e-3
     log_std_max: float = 88.0
 
 

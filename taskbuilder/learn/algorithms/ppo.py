@@ -31,6 +31,7 @@ from taskbuilder.learn.networks import (
 from taskbuilder.learn.on_policy import OnPolicy
 from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.running_moments import RunningMoments
+from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight
 from taskbuilder.learn.shapes import Rows, Shapes
 
 Flags = NDArray[np.bool_]
@@ -63,20 +64,20 @@ class PpoSettings:
         share: Whether agents of the same spaces share a network.
     """
 
-    hidden: tuple[int, ...] = (128, 128)
+    hidden: Layers = (128, 128)
     norms: bool = False
     squash: bool = False
-    lr: float = 3e-4
+    lr: Positive = 3e-4
     anneal_lr: bool = True
-    discount: float = 0.97
-    gae_lambda: float = 0.95
-    rollout_steps: int = 128
-    epochs: int = 10
-    minibatches: int = 4
-    clip: float = 0.2
-    value_weight: float = 0.5
-    entropy_weight: float = 0.0
-    max_grad_norm: float = 0.5
+    discount: Share = 0.97
+    gae_lambda: Share = 0.95
+    rollout_steps: Count = 128
+    epochs: Count = 10
+    minibatches: Count = 4
+    clip: Positive = 0.2
+    value_weight: Weight = 0.5
+    entropy_weight: Weight = 0.0
+    max_grad_norm: Positive = 0.5
     log_std: float = -0.5
     centralised: bool = True
     bootstrap_time_limit: bool = False
