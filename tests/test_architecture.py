@@ -33,8 +33,9 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("validate", "bench", "trial", "learn", "visual", "expert"),
+        *("validate", "bench", "learn", "evaluation", "visual", "expert"),
         *(
+            "policies",
             "rollout",
             "env",
             "digests",
@@ -57,20 +58,20 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("diagnostics", "jobs", "digests", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
-    "trial": (
-        *("learn", "expert", "rollout", "env", "sources", "machine", "digests", "files"),
-        "untrusted",
+    "learn": (
+        *("evaluation", "data", "policies", "visual", "expert", "rollout", "env"),
+        *("jobs", "processes", "machine", "arrays", "files", "untrusted"),
         *SIMULATED,
     ),
-    "learn": (
-        *("data", "visual", "expert", "rollout", "env", "jobs", "processes", "machine", "arrays"),
-        *("files", "untrusted"),
-        *SIMULATED,
+    "evaluation": (
+        *("policies", "expert", "rollout", "env", "sources", "jobs", "processes", "machine"),
+        *("digests", "files", "untrusted", *SIMULATED),
     ),
     "data": (
-        *("expert", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
+        *("policies", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
         *("arrays", "files", "untrusted", *SIMULATED),
     ),
+    "policies": (*("expert", "rollout", "env", "arrays", "digests", "untrusted", *SIMULATED),),
     "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),

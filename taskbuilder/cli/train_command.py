@@ -15,8 +15,9 @@ from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import trusts
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn import runs
-from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, reference_of
-from taskbuilder.learn.plan import RUN_FILE, Plan, make_plan
+from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
+from taskbuilder.learn.plan import Plan, make_plan
+from taskbuilder.policies.runs import RUN_FILE
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task, load_task
@@ -104,7 +105,7 @@ def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan,
     task = load_task(named, catalogue=catalogue)
     names = {field.name for field in fields(Plan)} - {"settings", "task"}
     given = {name: value for name, value in vars(arguments).items() if name in names}
-    plan = make_plan(reference_of(task), arguments.set or (), **given)
+    plan = make_plan(task.reference, arguments.set or (), **given)
     runs.check_task(plan, task)
     return plan, task
 

@@ -19,7 +19,7 @@ from made_runs import write_task
 
 from taskbuilder.arrays import read_arrays
 from taskbuilder.learn.plan import load_plan, make_plan
-from taskbuilder.learn.zoo import load_policy
+from taskbuilder.policies.zoo import load_policy
 
 pytest.importorskip("torch")
 

@@ -15,18 +15,18 @@ from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.environment import make_from
 from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, resume, train
-from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
-from taskbuilder.learn.policy import Network
 from taskbuilder.learn.recordings import observed_names, read_demonstrations
 from taskbuilder.learn.replayed import Replayer
 from taskbuilder.learn.runs import check_task
 from taskbuilder.learn.vision import PictureEncoders
-from taskbuilder.learn.zoo import save_policy
+from taskbuilder.policies.chunk_policy import ChunkExecution, ChunkPolicy
+from taskbuilder.policies.mixture import read_share
+from taskbuilder.policies.trained import Network
+from taskbuilder.policies.zoo import save_policy
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.task import load_task
