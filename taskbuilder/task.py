@@ -16,10 +16,11 @@ from taskbuilder.description.named import things_named
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.grasping import with_grasp
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
-from taskbuilder.schema.other_robots import OtherRobots, other_robots, with_robots
+from taskbuilder.schema.other_robots import other_robots, with_robots
 from taskbuilder.schema.source import dotted
 from taskbuilder.wording import suggestion
 

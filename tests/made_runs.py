@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from taskbuilder.learn.plan import Plan, save_plan
+from taskbuilder.learn.plan import plan_of, save_plan
 from taskbuilder.policies.trained import Network, TrainedPolicy
 from taskbuilder.policies.zoo import save_policy
 
@@ -96,7 +96,7 @@ def policy_content(**options: Any) -> bytes:
 def plan_content(**plan: Any) -> bytes:
     """The bytes of a run's plan."""
     with tempfile.TemporaryDirectory() as folder:
-        save_plan(Path(folder), Plan(**{"task": "sideways", **plan}), {})
+        save_plan(Path(folder), plan_of({"task": "sideways", **plan}), {})
         return (Path(folder) / "run.json").read_bytes()
 
 
@@ -122,7 +122,7 @@ def write_run(
         plan: As for `Plan`.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    made = Plan(**{"task": "sideways", "steps": 20_000, "evaluate_every": every, **plan})
+    made = plan_of({"task": "sideways", "steps": 20_000, "evaluate_every": every, **plan})
     save_plan(folder, made, {"stages": list(STAGES), "horizon": per_episode})
     rng = np.random.default_rng(made.seed)
 

@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from generators import api, commands, leaderboard, results, robots, tasks, training
+from generators import api, commands, leaderboard, options, results, robots, tasks, training
 from taskbuilder.reference import codes, keys, vocabulary
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -43,6 +43,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "leaderboard": leaderboard.rows,
     "learning": training.learning,
     "manners": keys.manners,
+    "options": options.options,
     "nodes": vocabulary.nodes,
     "phases": training.phases,
     "probes": results.probes,

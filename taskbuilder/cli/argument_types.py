@@ -7,6 +7,27 @@ import re
 from typing import Any
 
 
+class Once(argparse.Action):
+    """Stores the value of an option; a second use with another value is a mistake."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Store the value of a use."""
+        del parser
+        given = getattr(namespace, "given", {})
+        if option_string and given.get(self.dest, values) != values:
+            was = given[self.dest]
+            wrong = f"is given twice, as {was} and {values}; give it once"
+            raise argparse.ArgumentError(self, wrong)
+        namespace.given = {**given, self.dest: values}
+        setattr(namespace, self.dest, values)
+
+
 class Extend(argparse.Action):
     """Collects the values of every use of an option; the default counts if there is none."""
 
@@ -70,15 +91,23 @@ def robot_choice(text: str) -> tuple[str, str]:
     return name, model
 
 
-def share(text: str) -> float:
-    """A converter for numbers from 0 to 1."""
-    try:
-        value = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'"{text}" is no number') from None
-    if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1")
-    return value
+def number(least: float, most: float) -> Any:
+    """A converter for numbers in a range."""
+
+    def convert(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f'"{text}" is no number') from None
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{text} is not from {least:g} to {most:g}")
+        return value
+
+    return convert
+
+
+share = number(0.0, 1.0)
+"""A converter for numbers from 0 to 1."""
 
 
 def side_or_size(text: str) -> tuple[int, int]:

@@ -11,19 +11,16 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, size, whole
+from taskbuilder.cli.argument_types import Extend, Once, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
+from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
-    add_grasp,
     add_jobs,
     add_json,
-    add_other_robots,
     add_picture,
-    add_randomize,
     add_ray,
-    add_renderer,
     add_show,
     add_suite,
 )
@@ -52,6 +49,11 @@ _COMMANDS = (
 
 class Parser(argparse.ArgumentParser):
     """A parser whose errors say what was probably meant, in one line."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        for name in (None, "store"):
+            self.register("action", name, Once)
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and exit with status 2."""
@@ -227,8 +229,7 @@ def _add_validate(adder: Adder) -> None:
         metavar="N",
         help="use N seeds per variation (default 40)",
     )
-    add_other_robots(parser)
-    add_grasp(parser)
+    add_env_options(parser, ("robots", "grasp"))
     add_jobs(parser)
     add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()
@@ -276,6 +277,7 @@ def _add_render(adder: Adder) -> None:
     )
     add_show(parser)
     _add_episode(parser, "seed of the episode (default 0)")
+    add_env_options(parser, ("robots", "grasp"))
     parser.add_argument(
         "--randomize",
         type=whole(1, 100),
@@ -351,7 +353,7 @@ def _add_demo(adder: Adder) -> None:
     _add_episode(
         parser, "seed of the first episode (default 0); the next episodes have the next seeds"
     )
-    add_randomize(parser)
+    add_env_options(parser, without=("variation",))
     add_json(parser)
 
 
@@ -365,9 +367,7 @@ def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
         metavar="K",
         help="number of the variation (default 0, the task as written)",
     )
-    add_other_robots(parser)
-    add_grasp(parser)
-    add_renderer(parser)
+    add_env_options(parser, ("renderer",))
 
 
 _ADDERS = {

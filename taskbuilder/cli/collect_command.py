@@ -13,8 +13,8 @@ from typing import Any
 
 from taskbuilder.cli import output
 from taskbuilder.cli.dataset_command import print_summary
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
 from taskbuilder.cluster import cluster
@@ -99,8 +99,8 @@ def _plan(
         per_variation=arguments.per_variation is not None,
         policies=shares,
         cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
-        options=shared_options(players, _asked(arguments)),
-        renderer=arguments.renderer,
+        options=shared_options(players, asked_options(arguments)),
+        renderer=arguments.renderer or "auto",
         variations=variations,
         first_seed=first_seed,
         keep_failures=arguments.keep_failures,
@@ -123,18 +123,6 @@ def _start(
     if arguments.variation is not None:
         variations = None if arguments.variation == "all" else (arguments.variation,)
     return variations, seed if arguments.seed is None else arguments.seed
-
-
-def _asked(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The options of the environment that the command line names."""
-    asked: dict[str, Any] = {}
-    if arguments.observe != "task":
-        asked["observe"] = arguments.observe
-    if arguments.grasp:
-        asked["grasp"] = arguments.grasp
-    if arguments.randomize:
-        asked["randomize"] = randomized(arguments.randomize)
-    return asked
 
 
 class _Progress:

@@ -13,14 +13,12 @@ from taskbuilder.cli.argument_types import (
     variation_or_all,
     whole,
 )
+from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import (
-    add_grasp,
     add_jobs,
     add_json,
-    add_randomize,
     add_ray,
-    add_renderer,
     add_suite,
 )
 from taskbuilder.data.names import FORMAT_NAMES
@@ -73,7 +71,7 @@ def add_collect(adder: CommandAdder) -> None:
         "(default: the size of each camera in the task file)",
     )
     parser.add_argument("--depth", action="store_true", help="also record depth images")
-    add_renderer(parser)
+    add_env_options(parser, ("renderer",))
     parser.add_argument(
         "--variation",
         type=variation_or_all,
@@ -95,15 +93,7 @@ def add_collect(adder: CommandAdder) -> None:
         help="seed of the first attempt at an episode; the next attempts have the next seeds "
         "(default 0; with --suite, the first training seed of the suite)",
     )
-    parser.add_argument(
-        "--observe",
-        choices=("task", "scene"),
-        default="task",
-        help="what robots observe; task: what the task file lists; scene: the whole scene (default "
-        "task)",
-    )
-    add_grasp(parser)
-    add_randomize(parser)
+    add_env_options(parser, without=("variation",))
     parser.add_argument(
         "--keep-failures", action="store_true", help="also keep episodes without success"
     )

@@ -11,9 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import paint, print_json, progress, say, show_finding
-from taskbuilder.cli.shared_options import randomized
-from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.errors import display_path
 from taskbuilder.evaluation.arms import SUBJECT, jobs_of, play_all
@@ -59,16 +59,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _found(arguments: argparse.Namespace) -> Subject:
     """Who plays where."""
-    asked = {
-        "randomize": randomized(arguments.randomize),
-        "robots": asked_robots(arguments),  # else those of training
-        "grasp": arguments.grasp,
-    }
-    options = {name: value for name, value in asked.items() if value}
     return find_subject(
         arguments.policy,
         task=arguments.task,
-        options={**options, "variation": arguments.variation},
+        options={**asked_options(arguments), "variation": arguments.variation},
         catalogue=catalogue_of(arguments),
     )
 
@@ -153,7 +147,7 @@ def _show(found: Subject, episode: Rollout, arguments: argparse.Namespace) -> li
     cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
     cameras = list(dict.fromkeys(cameras))
     subtitle = _subtitle(episode, arguments.policy)
-    with closing(found.make_env(renderer=arguments.renderer)) as env:
+    with closing(found.make_env(renderer=arguments.renderer or "auto")) as env:
         size = arguments.size
         page = film_strip(env, episode, cameras, subtitle=subtitle, size=size)
         save_image(strip, page)

@@ -11,11 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
-from taskbuilder.cli.shared_options import randomized
 from taskbuilder.cli.spreading import spread_over
-from taskbuilder.cli.tasks import asked_robots, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin, trusts
 from taskbuilder.cli.verifying import track_episodes, verify
 from taskbuilder.errors import UsageError, display_path
@@ -100,18 +100,12 @@ def _run_variations(arguments: argparse.Namespace) -> int:
 
 def _found(arguments: argparse.Namespace, variation: int | str | None) -> Subject:
     """Who is evaluated where, checked."""
-    asked = {
-        "variation": variation,
-        "position_noise": arguments.noise or None,
-        "randomize": randomized(arguments.randomize) or None,
-        "robots": asked_robots(arguments) or None,
-        "grasp": arguments.grasp or None,
-    }
+    chosen = {} if variation is None else {"variation": variation}
     catalogue = catalogue_of(arguments)
     arguments.trust = trusts(arguments, arguments.policy, catalogue)  # and does not ask again
     found = find_subject(
         arguments.policy,
-        options={name: value for name, value in asked.items() if value is not None},
+        options={**asked_options(arguments), **chosen},
         catalogue=catalogue,
         trust=arguments.trust,
     )
@@ -127,7 +121,7 @@ def _begun(found: Subject, arguments: argparse.Namespace) -> range:
         rows = [*(origin(found.about) if found.about else []), ["plays", _episodes(seeds)]]
         if found.any_grasp:
             rows.append(["grasp", str(found.options["grasp"])])
-        disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if n in found.options]
+        disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if found.options.get(n)]
         if disturbed:
             rows.append(["disturbed", ", ".join(disturbed)])
         print_table(rows, indent="  ")
@@ -204,7 +198,7 @@ def _write(
         write_whole(files[0], _as_bytes(data))
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
-        with closing(found.make_env(renderer=arguments.renderer)) as env:
+        with closing(found.make_env(renderer=arguments.renderer or "auto")) as env:
             cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
             for role, seed in shown(summary).items():
                 files += save_film(

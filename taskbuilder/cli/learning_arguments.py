@@ -6,18 +6,16 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.argument_types import Extend, any_variation, listed, share, variation, whole
+from taskbuilder.cli.argument_types import Extend, any_variation, listed, share, whole
+from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.shared_options import (
-    add_grasp,
     add_jobs,
     add_json,
-    add_other_robots,
     add_picture,
-    add_randomize,
     add_ray,
-    add_renderer,
     add_trust,
 )
+from taskbuilder.env.options import option_infos
 from taskbuilder.learn.algorithms import ALGORITHMS
 
 
@@ -127,42 +125,14 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--device", metavar="D", help="device on which the networks run: cpu or cuda (default cpu)"
     )
-    parser.add_argument(
-        "--observe",
-        metavar="O",
-        help="what policies observe; task: what the task file lists; scene: the whole scene "
-        "(default task)",
-    )
-    parser.add_argument(
-        "--frame",
-        metavar="F",
-        help="frame of poses and motions; task: the frames in the task file; base: the base frame "
-        "of each robot (default base)",
-    )
-    parser.add_argument(
-        "--rotation",
-        metavar="R",
-        help="format of orientations: quaternion or matrix (default matrix)",
-    )
-    parser.add_argument(
-        "--distances",
-        metavar="D",
-        help="format of positions in the frame of a tool: metres, or log, which is finer near the "
-        "tool (default metres; log with maddpg's presets demos and scratch)",
-    )
-    add_grasp(parser)
-    parser.add_argument(
-        "--variation",
-        type=variation,
-        metavar="K",
-        help="number of the variation, or random, which draws a variation for each episode "
-        "(default 0)",
-    )
-    parser.add_argument(
-        "--randomize",
-        action="store_true",
-        default=None,
-        help="randomise, in every episode, what the task lists under randomize and looks",
+    add_env_options(
+        parser,
+        without=("reward",),
+        unless_given={
+            "frame": "base",
+            "rotation": "matrix",
+            "distances": "metres; log with maddpg's presets demos and scratch",
+        },
     )
     parser.add_argument(
         "--evaluate-every",
@@ -238,16 +208,14 @@ def add_evaluate(adder: CommandAdder) -> None:
         help="number of the variation; or random, which draws a variation for each episode; or "
         "all, which plays all episodes in each variation (default: as in training)",
     )
-    parser.add_argument(
-        "--noise",
-        type=share,
-        default=0.0,
-        metavar="M",
-        help="standard deviation in metres of Gaussian noise on all observed positions (default 0)",
+    add_env_options(
+        parser,
+        without=("variation", "reward"),
+        also={"position_noise": "--noise"},
+        unless_given={
+            name: "as in training" for name, info in option_infos().items() if info.decides_policy
+        },
     )
-    add_randomize(parser)
-    add_other_robots(parser)
-    add_grasp(parser, default="as in training; another rule is a test of the policy")
     parser.add_argument(
         "--controls",
         type=whole(0, 100_000),
@@ -284,7 +252,7 @@ def add_evaluate(adder: CommandAdder) -> None:
     )
     add_trust(parser, "")
     add_picture(parser, cameras="the first camera of the scene", of="a film")
-    add_renderer(parser)
+    add_env_options(parser, ("renderer",))
     add_json(parser)
 
 

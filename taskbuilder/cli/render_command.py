@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import print_json
-from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import asked_tasks, catalogue_of, check_views, make_folder
+from taskbuilder.env.options import Renderer
 from taskbuilder.errors import display_path
 from taskbuilder.schema.task import LOOK_PARTS
 from taskbuilder.task import Task, load_task
@@ -26,8 +28,8 @@ from taskbuilder.world.world import World
 def run(arguments: argparse.Namespace) -> int:
     """Take pictures of tasks and say where they are."""
     catalogue = catalogue_of(arguments)
-    names, robots = asked_tasks(arguments, catalogue), dict(asked_robots(arguments))
-    grasp = arguments.grasp or "task"
+    names, asked = asked_tasks(arguments, catalogue), asked_options(arguments, ("scene",))
+    robots, grasp = dict(asked.get("robots", ())), asked.get("grasp", "task")
     tasks = [load_task(name, catalogue=catalogue, robots=robots, grasp=grasp) for name in names]
     for task in tasks:
         check_views(task, arguments)
@@ -46,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
-    world = build_world(task.file, variation=arguments.variation, renderer=arguments.renderer)
+    world = _world(task, arguments)
     try:
         world.reset(arguments.seed)
         cameras = list(dict.fromkeys(arguments.camera or world.scene.cameras))
@@ -65,7 +67,7 @@ def _render(task: Task, arguments: argparse.Namespace) -> list[Path]:
 
 def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
     """One sheet of episodes in which all is drawn that may be."""
-    world = build_world(task.file, variation=arguments.variation, renderer=arguments.renderer)
+    world = _world(task, arguments)
     stills = []
     try:
         cameras = list(dict.fromkeys(arguments.camera or [next(iter(world.scene.cameras))]))
@@ -79,6 +81,11 @@ def _render_randomized(task: Task, arguments: argparse.Namespace) -> list[Path]:
     file = arguments.out / f"{task.name.replace('/', '-')}-randomized.png"
     save_image(file, sheet)
     return [file]
+
+
+def _world(task: Task, arguments: argparse.Namespace) -> World:
+    renderer: Renderer = arguments.renderer or "auto"
+    return build_world(task.file, variation=arguments.variation, renderer=renderer)
 
 
 def _stills(world: World, cameras: list[str], arguments: argparse.Namespace) -> list[Still]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import Extend, robot_choice, size, whole
+from taskbuilder.cli.argument_types import Extend, size, whole
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -35,24 +35,6 @@ def add_ray(parser: ArgumentParser, pieces: str) -> None:
     )
 
 
-def add_randomize(parser: ArgumentParser) -> None:
-    """``--randomize``: what is drawn in each episode besides placements; see `randomized`."""
-    parser.add_argument(
-        "--randomize",
-        nargs="?",
-        const="quantities",
-        choices=("quantities", "looks", "all"),
-        help="randomise every episode; quantities, or no value: what the task lists under "
-        "randomize and looks; looks: all parts of the appearance, such as light and textures; all: "
-        "what the task lists under randomize, and all parts of the appearance",
-    )
-
-
-def randomized(choice: str | None) -> bool | str:
-    """The option ``randomize`` of environments for a choice of ``--randomize``."""
-    return choice == "quantities" or choice or False
-
-
 def add_json(parser: ArgumentParser) -> None:
     """``--json``: the result as JSON instead of text."""
     parser.add_argument("--json", action="store_true", help="print JSON to standard output")
@@ -64,35 +46,6 @@ def add_suite(parser: ArgumentParser) -> None:
         "--suite",
         metavar="S",
         help="only the tasks of a suite: seed, single, pairs, trios, quads, or your own suite",
-    )
-
-
-def add_other_robots(parser: ArgumentParser) -> None:
-    """``--robot``: other models for robots of the scene."""
-    parser.add_argument(
-        "--robot",
-        action="append",
-        type=robot_choice,
-        default=[],
-        metavar="NAME=MODEL",
-        help="replace the model of a robot, such as left=panda; MODEL is the name of a robot, or "
-        "the path of a robot file (may be repeated)",
-    )
-
-
-def add_grasp(parser: ArgumentParser, default: str = "as in the task file") -> None:
-    """``--grasp``: how grippers hold objects.
-
-    Args:
-        parser: The command's parser.
-        default: What holds without it, in words.
-    """
-    parser.add_argument(
-        "--grasp",
-        choices=("friction", "attach"),
-        help="how grippers with fingers hold objects; friction: by the friction of their fingers; "
-        "attach: a closing gripper fixes the nearest object to itself, and lets go of it when it "
-        f"opens (default {default})",
     )
 
 
@@ -113,17 +66,6 @@ def add_picture(parser: ArgumentParser, cameras: str, of: str) -> None:
     )
     parser.add_argument(
         "--size", type=size, metavar="WxH", help=f"size of {of} in pixels, such as 640x480"
-    )
-
-
-def add_renderer(parser: ArgumentParser) -> None:
-    """``--renderer``: how images are rendered."""
-    parser.add_argument(
-        "--renderer",
-        choices=("auto", "raster", "tiny", "egl"),
-        default="auto",
-        help="raster: fast rasteriser on the CPU; tiny: PyBullet's TinyRenderer; egl: OpenGL "
-        "(default auto: raster if it is installed, otherwise tiny)",
     )
 
 

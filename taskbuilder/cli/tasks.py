@@ -13,7 +13,6 @@ from taskbuilder.schema.catalogue import Catalogue, Sort
 from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:
-    from taskbuilder.schema.other_robots import OtherRobots
     from taskbuilder.schema.suites import Suite
     from taskbuilder.task import Task
 
@@ -63,21 +62,6 @@ def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str
     if not arguments.tasks:
         raise UsageError("which task? give a name, a path, --suite or --all")
     return list(dict.fromkeys(arguments.tasks))
-
-
-def asked_robots(arguments: argparse.Namespace) -> OtherRobots:
-    """The models given by --robot.
-
-    Raises:
-        UsageError: One robot is given two models.
-    """
-    from taskbuilder.schema.other_robots import other_robots  # loads the models of files
-
-    names = [name for name, _ in arguments.robot]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise UsageError(f"--robot gives {twice} two models; give it one")
-    return other_robots(dict(arguments.robot))
 
 
 def check_views(task: Task, arguments: argparse.Namespace) -> None:

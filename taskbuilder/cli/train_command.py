@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Iterable
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import paint, progress, say
 from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, make_folder
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _of_seed(arguments: argparse.Namespace, seed: int, *, alone: bool) -> argparse.Namespace:
     """What one run of several is asked for, in a form that other processes can be told."""
-    names = [*(field.name for field in fields(Plan)), "out", "set", "task_path", "words"]
+    names = [*Plan("").values, "out", "set", "task_path", "words"]
     one = {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
     if arguments.out and not alone:
         one["out"] = arguments.out.with_name(f"{arguments.out.name}-{seed}")
@@ -92,19 +92,20 @@ def _check_alone(arguments: argparse.Namespace) -> None:
     Raises:
         UsageError: There is more beside --resume.
     """
-    known = [field.name for field in fields(Plan) if field.name != "settings"]
-    names = [*known, "out", "set", "jobs", "ray"]
+    names = [*Plan("").values, "out", "set", "jobs", "ray"]
     given = [name for name in names if getattr(arguments, name, None) is not None]
     if given:
-        words = ["TASK" if name == "task" else f"--{name.replace('_', '-')}" for name in given]
+        flags = {"robots": "--robot", "task": "TASK"}
+        words = [flags.get(name, f"--{name.replace('_', '-')}") for name in given]
         raise UsageError(f"--resume goes on as the run began; leave {' and '.join(words)} out")
 
 
 def _planned(arguments: argparse.Namespace, catalogue: Catalogue) -> tuple[Plan, Task]:
     named = runs.task_to_train(arguments.task, arguments.data, catalogue)
     task = load_task(named, catalogue=catalogue)
-    names = {field.name for field in fields(Plan)} - {"settings", "task"}
+    names = Plan("").values.keys() - {"settings", "task"}
     given = {name: value for name, value in vars(arguments).items() if name in names}
+    given |= asked_options(arguments, ("scene", "observed"))
     plan = make_plan(task.reference, arguments.set or (), **given)
     runs.check_task(plan, task)
     return plan, task

@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import (
     emit,
     paint,
@@ -24,14 +25,14 @@ from taskbuilder.cli.output import (
     show_finding,
 )
 from taskbuilder.cli.spreading import check_spread
-from taskbuilder.cli.tasks import asked_robots, asked_tasks, catalogue_of, make_folder
+from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
 from taskbuilder.errors import FileError, display_path
 from taskbuilder.jobs import workers
 from taskbuilder.processes import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.other_robots import OtherRobots
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.validate.formats import DOCUMENTS, document
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
@@ -57,8 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.only:
         families_of(arguments.level, arguments.only)
     started = time.perf_counter()
-    grasp = arguments.grasp or "task"
-    pages = _Pages(arguments.report, catalogue, asked_robots(arguments), grasp)
+    asked = asked_options(arguments)
+    robots, grasp = asked.get("robots", ()), asked.get("grasp", "task")
+    pages = _Pages(arguments.report, catalogue, robots, grasp)
     reports: list[TaskReport] = []
     try:
         with ending(_validated(names, catalogue, arguments)) as validated:
@@ -86,13 +88,14 @@ def _validated(
 ) -> Generator[TaskReport, None, None]:
     """The reports, each as soon as it is made."""
     check_spread(arguments)
+    asked = asked_options(arguments)
     validate = partial(
         validate_task,
         level=arguments.level,
         seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
         catalogue=catalogue,
-        robots=dict(asked_robots(arguments)),
-        grasp=arguments.grasp or "task",
+        robots=dict(asked.get("robots", ())),
+        grasp=asked.get("grasp", "task"),
         only=arguments.only,
     )
     if arguments.ray:
@@ -120,7 +123,7 @@ def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) 
         words += ["--only", family]
     words += ["--quick"] if arguments.quick else []
     words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
-    for robot, model in arguments.robot:
+    for robot, model in arguments.robots or ():
         words += ["--robot", f"{robot}={model}"]
     words += ["--grasp", arguments.grasp] if arguments.grasp else []
     for folder in arguments.task_path or ():

@@ -6,9 +6,10 @@ import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
+from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.spreading import spread_over
-from taskbuilder.cli.tasks import asked_robots, catalogue_of
+from taskbuilder.cli.tasks import catalogue_of
 from taskbuilder.errors import display_path
 from taskbuilder.evaluation.arms import Episodes
 from taskbuilder.evaluation.certificate import read_certificate
@@ -29,7 +30,7 @@ def verify(arguments: argparse.Namespace) -> int:
             file,
             data,
             arguments.policy,
-            robots=asked_robots(arguments),
+            robots=asked_options(arguments).get("robots", ()),
             catalogue=catalogue_of(arguments),
             spread=spread,
             track=track_episodes,

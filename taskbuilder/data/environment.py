@@ -14,7 +14,7 @@ from taskbuilder.arrays import StoreError
 from taskbuilder.carried import LARGEST, CarriedTask, load_carried
 from taskbuilder.data import layout
 from taskbuilder.digests import differences
-from taskbuilder.env.options import Options, Renderer, make_options
+from taskbuilder.env.options import Renderer, from_json, make_options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.schema.catalogue import Catalogue
@@ -91,12 +91,7 @@ def options_of_dataset(about: Mapping[str, Any], *, cameras: bool) -> dict[str, 
         about: What the data set says of itself.
         cameras: Whether agents observe the recorded cameras.
     """
-    known = set(Options.__dataclass_fields__)
-    options = {
-        name: tuple(value) if isinstance(value, list) else value
-        for name, value in about["options"].items()
-        if name in known
-    }
+    options: dict[str, Any] = from_json(about["options"])
     collected = about["collected"]
     if cameras and collected["cameras"]:
         options["cameras"] = tuple(collected["cameras"])

@@ -14,7 +14,7 @@ from taskbuilder.data.machines import machine_changes, machine_here
 from taskbuilder.data.recording import Cameras
 from taskbuilder.data.videos import LARGEST_SIDE
 from taskbuilder.digests import differences, digest_of
-from taskbuilder.env.options import Options, Renderer
+from taskbuilder.env.options import Renderer, make_options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.policies.mixture import PolicyShare, policy_of, round_of
@@ -173,7 +173,7 @@ def _check_task(plan: CollectPlan, task: Task) -> None:
                 f"{name} has {width}x{height} pixels; videos have at most {LARGEST_SIDE} in width "
                 "and height, so give another --size"
             )
-    Options(**plan.options).applied(task)
+    make_options(**plan.options).applied(task)
 
 
 # --- the description

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.joint_observation import AGENT_POS, PIXELS
 from taskbuilder.env.joint_state import JointState
-from taskbuilder.env.options import EnvOptions
+from taskbuilder.env.options import EnvOptions, from_json
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task
 
@@ -69,7 +69,7 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         for name in ("flat", "normalize"):
             if not options.get(name, True):
                 raise UsageError(f"{name}=False is not for LeRobot, whose actions are one array")
-        self._joint = JointEnv(task, render_mode=render_mode, pixels="nested", **_tuples(options))
+        self._joint = JointEnv(task, render_mode=render_mode, pixels="nested", **from_json(options))
         self.task = self._joint.parallel.task.name
         self.metadata = self._joint.metadata
         self.render_mode = render_mode
@@ -193,10 +193,3 @@ class _ProcessEnvs(AsyncVectorEnv):
 def _as_told(info: Mapping[str, Any]) -> dict[str, Any]:
     """The infos with a truth value where LeRobot reads one."""
     return {**info, "is_success": bool(info["is_success"])}
-
-
-def _tuples(options: EnvOptions) -> EnvOptions:
-    """Options that were read from JSON, whose tuples are lists."""
-    found: Any = {n: tuple(v) if isinstance(v, list) else v for n, v in options.items()}
-    typed: EnvOptions = found
-    return typed

@@ -9,19 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.env.factory import EnvFactory, with_choices
+from taskbuilder.env.options import option_infos, options_about
 from taskbuilder.errors import UsageError
 from taskbuilder.evaluation.arms import TrialConfig
-from taskbuilder.policies.fitting import check_fits
+from taskbuilder.policies.fitting import check_fits, check_options
 from taskbuilder.policies.grammar import Player, PolicyLike, parse_policy
 from taskbuilder.policies.runs import RUN_FILE, named_task, task_of_run
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.task import Task, load_task
 
-DISTURBANCES = ("position_noise", "randomize")
+DISTURBANCES = tuple(name for name, info in option_infos().items() if info.disturbs)
 """Options of environments that policies are tested with, whatever they were trained with."""
 
-SCENE_OPTIONS = ("robots", "grasp", "randomize")
+SCENE_OPTIONS = options_about("scene")
 """Options of environments that hold for the baselines, too."""
 
 
@@ -109,6 +110,8 @@ def find_subject(
     place = task or player.task or _trained_on(player, catalogue, trust=trust)
     asked = dict(options or {})
     any_grasp = "grasp" in asked
+    if trained is None:
+        check_options(player.options, asked, player.name)
     plain = {} if player.trained else {"variation": 0}
     chosen = {**(trained if trained is not None else {**plain, **player.options}), **asked}
     if isinstance(place, Task):

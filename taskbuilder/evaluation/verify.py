@@ -26,7 +26,8 @@ from taskbuilder.policies.grammar import Player, parse_policy, read_word
 from taskbuilder.policies.zoo import LARGEST, POLICY_FILE, ZOO_PREFIX, policy_file
 from taskbuilder.processes import cores
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
-from taskbuilder.schema.other_robots import OtherRobots, other_robots
+from taskbuilder.schema.choices import OtherRobots
+from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.untrusted import place_within, read_plain
 from taskbuilder.wording import excerpt

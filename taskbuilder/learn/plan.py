@@ -6,10 +6,18 @@ import hashlib
 import json
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
+from taskbuilder.env.options import (
+    EnvOptions,
+    Options,
+    from_json,
+    make_options,
+    option_infos,
+    options_about,
+)
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
@@ -18,14 +26,7 @@ from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.policies.runs import FORMAT, RUN_FILE, read_run
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import load_policy
-from taskbuilder.schema.grasping import GraspChoice
 from taskbuilder.wording import excerpt, suggestion
-
-_LATER = (
-    *("preset", "init", "device", "randomize", "data", "cameras", "camera_size", "renderer"),
-    *("film_every", "distances", "teachers", "grasp"),
-)
-"""Fields of a plan that may be missing in files of earlier versions."""
 
 RENAMED_SETTINGS = {
     "cloning": "bc_updates",
@@ -37,6 +38,25 @@ COUNTS = ("actor_every", "batch", "capacity", "epochs", "minibatches", "n_step",
 """Settings that are at least 1."""
 
 REWARDS = ("team", "local", "sparse", "shaped", "ratchet")
+
+
+PICTURES = options_about("pictures")
+"""Options of the pictures that policies observe."""
+
+
+def trained_options() -> tuple[str, ...]:
+    """The options of environments that a run chooses, besides those of pictures."""
+    return options_about("scene", "observed")
+
+
+_FOR_TRAINING: EnvOptions = {"frame": "base", "rotation": "matrix"}
+"""Options with another default in training."""
+
+_PACES = {"paces": True}
+"""Metadata of a field that decides when and where a run does what, and not what is learned."""
+
+_PRACTICE = {"practice": True}
+"""Metadata of a field of runs that practise in environments; runs on a data set do not use it."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +77,8 @@ class Plan:
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.
         teachers: The trained policies that played its episodes; none where experts did.
-        cameras: Cameras of the data set whose pictures the policies observe.
-        camera_size, renderer: Of these pictures; None and "" without cameras.
         device: Device of the networks: ``cpu`` or ``cuda``.
-        observe, frame, rotation, distances, grasp, variation, randomize: Options of the
-            environments; see `Options`.
+        options: Options of the environments. Their reward is that of ``reward``.
         evaluate_every: Control steps between evaluations.
         evaluate_episodes: Episodes per evaluation.
         film_every: Evaluations between films of an episode; 0 for no films.
@@ -73,44 +90,53 @@ class Plan:
 
     task: str
     algorithm: str = "maddpg"
-    preset: str = ""
-    reward: str = "ratchet"
-    steps: int = 300_000
-    seed: int = 0
-    envs: int = 4
-    workers: int = 0
-    demos: int = 0
-    starts: float = 0.0
+    preset: str = field(default="", metadata=_PACES)  # its settings are among the settings
+    reward: str = field(default="ratchet", metadata=_PRACTICE)
+    steps: int = field(default=300_000, metadata=_PACES)
+    seed: int = field(default=0, metadata=_PACES)
+    envs: int = field(default=4, metadata=_PRACTICE)
+    workers: int = field(default=0, metadata=_PACES)
+    demos: int = field(default=0, metadata=_PRACTICE)
+    starts: float = field(default=0.0, metadata=_PRACTICE)
     init: str = ""
     data: str = ""
     teachers: tuple[str, ...] = ()
-    cameras: tuple[str, ...] = ()
-    camera_size: tuple[int, int] | None = None
-    renderer: str = ""
-    device: str = "cpu"
-    observe: str = "task"
-    frame: str = "base"
-    rotation: str = "matrix"
-    distances: str = "metres"
-    grasp: str = "task"
-    variation: int | str = 0
-    randomize: bool | str = False
-    evaluate_every: int = 10_000
-    evaluate_episodes: int = 20
-    film_every: int = 10
-    checkpoint_every: int = 10_000
-    stop_at: float | None = None
+    device: str = field(default="cpu", metadata=_PACES)
+    options: Options = field(default_factory=lambda: make_options(**_FOR_TRAINING))
+    evaluate_every: int = field(default=10_000, metadata=_PACES)
+    evaluate_episodes: int = field(default=20, metadata=_PACES)
+    film_every: int = field(default=10, metadata=_PACES)
+    checkpoint_every: int = field(default=10_000, metadata=_PACES)
+    stop_at: float | None = field(default=None, metadata=_PACES)
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def env(self) -> dict[str, Any]:
         """The options of the environments that a policy of this plan needs."""
-        names = ("observe", "frame", "rotation", "distances", "variation")
-        randomized = {"randomize": self.randomize} if self.randomize else {}
-        ruled = {"grasp": self.grasp} if self.grasp != "task" else {}
-        pictures = ("cameras", "camera_size", "renderer") if self.cameras else ()
-        seen = {name: getattr(self, name) for name in (*names, *pictures)}
-        return {**seen, **randomized, **ruled}
+        chosen, infos = self.options.chosen, option_infos()
+        told = {name for name in options_about("observed") if not infos[name].disturbs}
+        return {
+            name: getattr(self.options, name)
+            for name in (*trained_options(), *(PICTURES if self.options.cameras else ()))
+            if name in chosen or name in told or name in PICTURES
+        }
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The fields, with each option of the environments as one of its own."""
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        settings = own.pop("settings")
+        del own["options"]
+        options = {name: getattr(self.options, name) for name in (*trained_options(), *PICTURES)}
+        return {**own, **options, "settings": settings}
+
+    @property
+    def experiment(self) -> dict[str, Any]:
+        """What two runs have in common that differ only in the seed, or in what paces them."""
+        unlike = {each.name for each in fields(self) if "paces" in each.metadata}
+        if self.data:
+            unlike |= {each.name for each in fields(self) if "practice" in each.metadata}
+        return {name: value for name, value in self.values.items() if name not in unlike}
 
     @property
     def track(self) -> str:
@@ -137,7 +163,7 @@ class Plan:
         check_name(self.algorithm)
         _choice("reward", self.reward, REWARDS)
         _choice("device", self.device, ("cpu", "cuda"))
-        _choice("grasp", self.grasp, get_args(GraspChoice))
+        self.options.check()
         for name in ("steps", "envs", "evaluate_every", "evaluate_episodes", "checkpoint_every"):
             if getattr(self, name) < 1:
                 raise UsageError(f"{name} is {getattr(self, name)}; at least 1")
@@ -152,7 +178,7 @@ class Plan:
             value = getattr(self, name)
             if value is not None and not 0.0 <= value <= 1.0:
                 raise UsageError(f"{name} is {value}; 0 to 1")
-        if self.variation == "random" and (self.demos or self.starts):
+        if self.options.variation == "random" and (self.demos or self.starts):
             raise UsageError(
                 "the expert plays one variation; give --variation a number where --demos or "
                 "--starts need its episodes"
@@ -177,7 +203,8 @@ def make_plan(
         UsageError: A name is unknown, a value is invalid, or the algorithm does not support it.
         UnknownNameError: The zoo has no such policy.
     """
-    known = {f.name: f.default for f in fields(Plan) if f.name != "settings"}
+    known = Plan("").values
+    del known["settings"]
     for name in given:
         _choice("option", name, tuple(known))
     chosen = {name: value for name, value in given.items() if value is not None}
@@ -197,10 +224,10 @@ def make_plan(
         folder = Path(chosen["data"]).resolve()
         trained = {**recorded_options(folder, chosen), "envs": 1}
         chosen |= {"data": str(folder), "cameras": tuple(chosen.get("cameras", ()))}
-    plan = Plan(**{"task": task, **preset.plan, **trained, **chosen})
+    plan = plan_of({"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():
-        if getattr(plan, name) != known[name]:
+        if plan.values[name] != known[name]:
             raise UsageError(f"{plan.algorithm} {why}")
     own = (
         _checked_settings(algorithm.settings, settings)
@@ -209,6 +236,13 @@ def make_plan(
     )
     fitting = algorithm.settings_of(init) if init else {}
     return replace(plan, settings={**preset.settings, **fitting, **own})
+
+
+def plan_of(values: Mapping[str, Any]) -> Plan:
+    """The plan of some values, with each option of the environments as one of its own."""
+    own = {name: value for name, value in values.items() if name in Plan.__dataclass_fields__}
+    options = {name: value for name, value in values.items() if name not in own}
+    return Plan(**own, options=make_options(**{**_FOR_TRAINING, **options}))
 
 
 def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
@@ -231,9 +265,9 @@ def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
 
 def _env_of(policy: TrainedPolicy) -> dict[str, Any]:
     """The observation options of a trained policy's environment."""
-    options = policy.about.get("env", {})
-    seen = ("observe", "frame", "rotation", "distances", "grasp")
-    return {name: options[name] for name in seen if name in options}
+    options = from_json(policy.about.get("env", {}))
+    kept = [name for name in trained_options() if option_infos()[name].decides_policy]
+    return {name: options[name] for name in kept if name in options and name != "variation"}
 
 
 def _checked_settings(kind: type[Any], chosen: Mapping[str, Any]) -> dict[str, Any]:
@@ -301,18 +335,13 @@ def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
     return replace(kind(), **tuples)
 
 
-def _as_tuple(value: Any) -> Any:
-    """A list of JSON as the tuple that it was."""
-    return tuple(value) if isinstance(value, list) else value
-
-
 def save_plan(folder: Path, plan: Plan, more: Mapping[str, Any]) -> None:
     """Write the plan and other information about the run into its folder.
 
     Raises:
         OSError: It cannot be written.
     """
-    about = {"format": FORMAT, **asdict(plan), "env": plan.env, "track": plan.track, **more}
+    about = {"format": FORMAT, **plan.values, "env": plan.env, "track": plan.track, **more}
     text = json.dumps(about, indent=1) + "\n"
     write_whole(folder / RUN_FILE, text.encode(), sync=True)
 
@@ -325,9 +354,8 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
     """
     about = read_run(folder)
     try:
-        later = {name: getattr(Plan, name) for name in _LATER if name not in about}
-        found_in = {name: _as_tuple(value) for name, value in {**later, **about}.items()}
-        plan = Plan(**{f.name: found_in[f.name] for f in fields(Plan)})
+        values = {n: about[n] for n in Plan.__dataclass_fields__ if n in about}
+        plan = plan_of({**from_json(values), **from_json(about["env"])})
         settings = {renamed(name): value for name, value in plan.settings.items()}
         plan = replace(plan, settings=settings)
     except (ValueError, KeyError, TypeError) as error:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
 from taskbuilder.data.environment import options_of_dataset
-from taskbuilder.env.options import Options
+from taskbuilder.env.options import Options, make_options, option_infos, options_about
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
@@ -26,9 +26,6 @@ from taskbuilder.policies.trained import Array
 from taskbuilder.schema.grasping import rules_of
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
-
-OPTIONS = ("observe", "frame", "rotation", "distances", "grasp", "randomize")
-"""Options of the environment that a data set determines."""
 
 SMALLEST_PICTURE = 24
 """Minimum width and height of pictures; the convolutions leave two by two positions of it."""
@@ -176,13 +173,15 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
     dataset = load_dataset(folder)
     where = display_path(folder)
     options = options_of_dataset(dataset.about, cameras=False)
-    recorded = {name: options.get(name, getattr(Options, name)) for name in OPTIONS}
+    whole = make_options(**options)
+    recorded = {name: getattr(whole, name) for name in options_about("scene", "observed")}
     for name, value in recorded.items():
         less = name == "observe" and asked.get(name) == "task"  # a part of what was recorded
-        if name in asked and asked[name] != value and not less:
+        if name in asked and asked[name] != value and not less and name != "variation":
+            flag = (option_infos()[name].flag or name).replace("_", "-")
             raise UsageError(
-                f"{where} was recorded with {name} {value}, not {asked[name]}; leave "
-                f"--{name} out, or collect another data set"
+                f"{where} was recorded with {name} {_word(value)}, not {_word(asked[name])}; "
+                f"leave --{flag} out, or collect another data set"
             )
     collected = dataset.about["collected"]
     variations = collected["variations"]
@@ -190,6 +189,13 @@ def recorded_options(folder: Path, asked: Mapping[str, Any]) -> dict[str, Any]:
     played = [policy["name"] for policy in collected["policies"]]
     recorded["teachers"] = tuple(name for name in played if not is_word(name))
     return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
+
+
+def _word(value: Any) -> str:
+    """The value of an option in words."""
+    if isinstance(value, tuple):
+        return ", ".join("=".join(pair) for pair in value) or "as in the task file"
+    return "as in the task file" if value is None else str(value)
 
 
 def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dict[str, Any]:

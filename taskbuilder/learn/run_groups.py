@@ -1,4 +1,4 @@
-"""Comparing training runs: runs that differ only in their seeds form a group.
+"""Comparing training runs: those that differ only in seed and pace form a group.
 
 A group is plotted as the interquartile mean of its runs, with a bootstrap band.
 """
@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.evaluation.statistics import bootstrap_band, iqm
 from taskbuilder.learn.logs import RunLog, Table
+from taskbuilder.learn.plan import Plan
 
 Numbers = NDArray[np.float64]
 Line = tuple[Numbers, Numbers]
@@ -47,14 +50,14 @@ class Aggregate:
 
 @dataclass(frozen=True)
 class RunGroup:
-    """Runs that differ only in their seeds.
+    """Runs that differ only in their seeds, or in what paces them.
 
     Attributes:
-        traits: Their common options, by name, in words; "" for an option at its default.
+        traits: What they have in common, by field of the plan; see `Plan.experiment`.
         runs: At least one run.
     """
 
-    traits: Mapping[str, str]
+    traits: Mapping[str, Any]
     runs: tuple[RunLog, ...]
 
     def success(self) -> list[Line]:
@@ -113,52 +116,67 @@ def group_runs(runs: Sequence[RunLog]) -> list[RunGroup]:
         if not len(run.evaluations["step"]):
             every = run.plan.evaluate_every
             raise UsageError(f"{name} has no evaluations yet; there is one every {every:,} steps")
-    groups: dict[tuple[str, ...], list[RunLog]] = {}
+    groups: dict[str, list[RunLog]] = {}
     for run in runs:
-        groups.setdefault(tuple(_traits(run).values()), []).append(run)
-    return [RunGroup(_traits(group[0]), tuple(group)) for group in groups.values()]
+        groups.setdefault(repr(sorted(run.plan.experiment.items())), []).append(run)
+    return [RunGroup(group[0].plan.experiment, tuple(group)) for group in groups.values()]
 
 
 def names_of(groups: Sequence[RunGroup]) -> list[str]:
-    """A name for each group: the options that differ between groups, or all for a single one."""
+    """A name for each group: the fields that differ between groups, or what a single one chose."""
     traits = [group.traits for group in groups]
-    telling = [key for key in traits[0] if len({t[key] for t in traits}) > 1]
+    fields = [name for name in Plan("").values if any(name in own for own in traits)]
     if len(traits) == 1:
-        telling = [key for key in traits[0] if key not in ("frame", "rotation", "distances")]
-    names = []
-    for own in traits:
-        # Words for a missing option are shown only if other groups have the option.
-        words = [own[key] or _WITHOUT[key] * (len(traits) > 1) for key in telling]
-        names.append(" · ".join(word for word in words if word))
-    return names
+        usual = Plan("").values
+        telling = [name for name in fields if traits[0][name] != usual[name] or name in _ALWAYS]
+        telling = [name for name in telling if name not in _FORMATS]
+    else:
+        values = {name: [own[name] for own in traits if name in own] for name in fields}
+        telling = [name for name, each in values.items() if any(v != each[0] for v in each)]
+    words = [[_word(name, own[name]) for name in telling if name in own] for own in traits]
+    return [" · ".join(filter(None, each)) for each in words]
 
 
-_WITHOUT = {
-    "demos": "no demonstrations",
-    "starts": "the task's own starts",
-    "observe": "own observations",
-    "grasp": "grasp as in the task file",
-    "variation": "plain task",
-    "settings": "its own settings",
+_ALWAYS = ("algorithm", "reward")
+"""Fields that name a single group even where they are as usual."""
+
+_FORMATS = ("task", "frame", "rotation", "distances")
+"""Fields that do not name a single group: pictures have the task's name, and the others are the
+form in which robots observe."""
+
+_WORDS: Mapping[str, Callable[[Any], str]] = {
+    "algorithm": str,
+    "reward": lambda name: f"{name} reward",
+    "demos": lambda count: f"{count or 'no'} demonstrations",
+    "starts": lambda share: f"{share:.0%} expert starts" if share else "the task's own starts",
+    "data": lambda folder: f"data {display_path(Path(folder))}" if folder else "no data set",
+    "observe": lambda seen: "whole scene" if seen == "scene" else "own observations",
+    "distances": lambda unit: f"distances in {unit}",
+    "grasp": lambda rule: f"grasp {'as in the task file' if rule == 'task' else rule}",
+    "variation": lambda number: f"variation {number}" if number else "plain task",
+    "settings": lambda own: (
+        ", ".join(f"{key} {value}" for key, value in sorted(own.items())) or "its own settings"
+    ),
 }
+"""How the value of a field is said where its name and its value do not say it well."""
 
 
-def _traits(run: RunLog) -> dict[str, str]:
-    """All options of a run except its seed, in words."""
-    plan = run.plan
-    return {
-        "algorithm": plan.algorithm,
-        "reward": f"{plan.reward} reward",
-        "demos": f"{plan.demos} demonstrations" if plan.demos else "",
-        "starts": f"{plan.starts:.0%} expert starts" if plan.starts else "",
-        "observe": "whole scene" if plan.observe == "scene" else "",
-        "frame": f"frame {plan.frame}",
-        "rotation": f"rotation {plan.rotation}",
-        "distances": f"distances in {plan.distances}",
-        "grasp": f"grasp {plan.grasp}" if plan.grasp != "task" else "",
-        "variation": f"variation {plan.variation}" if plan.variation else "",
-        "settings": ", ".join(f"{key} {value}" for key, value in sorted(plan.settings.items())),
-    }
+def _word(name: str, value: Any) -> str:
+    if name in _WORDS:
+        return _WORDS[name](value)
+    name = name.replace("_", " ")
+    if value is None or value == ():
+        return f"{name} as in the task file"
+    if isinstance(value, bool) or not value:
+        return name if value else f"no {name}"
+    if isinstance(value, tuple):
+        return f"{name} {', '.join(map(_part, value))}"
+    return f"{name} {value}"
+
+
+def _part(value: Any) -> str:
+    """An item of a tuple, or a robot and its model."""
+    return "=".join(value) if isinstance(value, tuple) else str(value)
 
 
 def aggregate(lines: Sequence[Line], rng: np.random.Generator) -> Aggregate | None:

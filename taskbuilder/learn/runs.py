@@ -150,7 +150,7 @@ def check_task(plan: Plan, task: Task) -> None:
     """
     if (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
-    grasp_rules(task.file, plan.grasp)
+    grasp_rules(task.file, plan.options.grasp)
     if plan.data:
         check_recorded(Path(plan.data), task, plan.env)
         return
@@ -277,7 +277,7 @@ def go_on(folder: Path, plan: Plan, task: Task, watch: Watch = lambda _: None) -
         **({"teachers": list(plan.teachers)} if plan.teachers else {}),
         **({"init": plan.init} if plan.init else {}),
         "env": plan.env,
-        "grasp_rules": dict(grasp_rules(task.file, plan.grasp)),
+        "grasp_rules": dict(grasp_rules(task.file, plan.options.grasp)),
         "stages": list(task.description.stages),
         "seed": plan.seed,
         "command": load_plan(folder)[1]["command"],

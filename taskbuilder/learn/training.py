@@ -307,7 +307,7 @@ def _data_set(plan: Plan, task: Task, folder: Path, stack: ExitStack) -> tuple[T
         read_demonstrations(
             plan.data,
             task.name,
-            plan.cameras,
+            plan.options.cameras,
             observed_names(task, plan.env),
             Replayer(task, plan.env),
         ),

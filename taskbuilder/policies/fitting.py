@@ -7,16 +7,14 @@ from typing import Any
 
 from gymnasium import spaces
 
+from taskbuilder.env.options import from_json, option_infos, options_about
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.schema.grasping import rules_of
 
-OPTIONS = (
-    *("observe", "frame", "rotation", "distances", "grasp", "variation"),
-    *("cameras", "camera_size", "renderer"),
-)
+OPTIONS = tuple(name for name, info in option_infos().items() if info.decides_policy)
 """Options of environments that a policy records, because it depends on them."""
 
 
@@ -34,8 +32,27 @@ def options_of(policy: TrainedPolicy) -> dict[str, Any]:
 
 def env_options(options: Mapping[str, Any]) -> dict[str, Any]:
     """The options of an environment that a policy depends on, from a file's JSON."""
-    known = {name: options[name] for name in OPTIONS if name in options}
-    return {name: tuple(v) if isinstance(v, list) else v for name, v in known.items()}
+    return {name: value for name, value in from_json(options).items() if name in OPTIONS}
+
+
+def check_options(trained: Mapping[str, Any], asked: Mapping[str, Any], name: str) -> None:
+    """Check that a policy can play with the options that are asked for.
+
+    Args:
+        trained: The options of the environment that it was trained in.
+        asked: Options that are asked for.
+        name: Name of the policy, for messages.
+
+    Raises:
+        UsageError: With one of them, the policy would observe or act otherwise than in training.
+    """
+    for option in options_about("observed"):
+        free = option_infos()[option].disturbs or option not in trained
+        if not free and asked.get(option, trained[option]) != trained[option]:
+            raise UsageError(
+                f"{name} was trained with {option} {trained[option]}, and plays with no other; "
+                f"it is asked for {option} {asked[option]}"
+            )
 
 
 def check_fits(

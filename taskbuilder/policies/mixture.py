@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.digests import digest
+from taskbuilder.env.options import option_infos
 from taskbuilder.errors import UsageError
 from taskbuilder.policies.grammar import Player, parse_policy, read_word
 
@@ -77,16 +78,15 @@ def shared_options(players: Mapping[str, Player], asked: Mapping[str, Any]) -> d
     Raises:
         UsageError: Policies were made for environments of different options.
     """
-    options = dict(asked)
+    options, infos = dict(asked), option_infos()
     for name, player in players.items():
         needed = {key: value for key, value in player.options.items() if key != "variation"}
         for option, value in needed.items():
-            if options.get(option, value) != value:
+            if options.setdefault(option, value) != value and not infos[option].disturbs:
                 raise UsageError(
                     f"{name} was trained with {option}: {value}, and another policy or option "
                     f"needs {options[option]}; collect a data set for each"
                 )
-        options |= needed
     return options
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from taskbuilder.arrays import Arrays, StoreError, read_arrays, write_arrays
 from taskbuilder.description.reasons import Reason
-from taskbuilder.env.options import Options, make_options
+from taskbuilder.env.options import from_json, make_options
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.rollout.record import BY_STATE, BY_STEP, ON_REQUEST, Rollout, ScriptLog, Trouble
 
@@ -88,15 +88,9 @@ def _about(rollout: Rollout) -> dict[str, Any]:
         for f in fields(Rollout)
         if f.name not in (*_ARRAYS, "options", "log", "why")
     }
-    defaults = Options()
-    options = {
-        f.name: getattr(rollout.options, f.name)
-        for f in fields(Options)
-        if getattr(rollout.options, f.name) != getattr(defaults, f.name)
-    }
     log = asdict(rollout.log) if rollout.log else None
     why = [asdict(reason) for reason in rollout.why]
-    return {**told, "options": options, "log": log, "why": why}
+    return {**told, "options": rollout.options.chosen, "log": log, "why": why}
 
 
 def _rollout(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> Rollout:
@@ -104,11 +98,8 @@ def _rollout(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> Rollout:
     if log is not None:
         trouble = Trouble(**log["trouble"]) if log["trouble"] else None
         log = ScriptLog(tuple(log["stage_ends"]), trouble, log["planning_s"])
-    options: Any = {
-        name: tuple(value) if isinstance(value, list) else value
-        for name, value in about["options"].items()
-    }
-    told = {**about, "stages": tuple(about["stages"]), "options": make_options(**options)}
+    options = make_options(**from_json(about["options"]))
+    told = {**about, "stages": tuple(about["stages"]), "options": options}
     told["log"] = log
     told["why"] = tuple(Reason(**reason) for reason in about.get("why", ()))
     by_name = ("agent_rewards", "terms", "conditions", "observations", "pictures")

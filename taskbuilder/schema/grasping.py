@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import get_args
 
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.choices import GraspChoice
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robot import GraspRule, GraspSpec
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.schema.scene import RobotEntry, SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.wording import suggestion
-
-GraspChoice = Literal["task", "friction", "attach"]
-"""The rule as in the task file, or the rule of all grippers with fingers."""
 
 DISTANCE_M = 0.04
 """Default distance from the tcp to a surface that a closing gripper takes, in metres."""

@@ -9,15 +9,13 @@ from typing import Any
 
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.expert import each_order
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.schema.scene import RobotEntry, SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.wording import suggestion
-
-OtherRobots = tuple[tuple[str, str], ...]
-"""Pairs of a robot of the scene and the model in its place, sorted by name."""
 
 
 def other_robots(given: Mapping[str, str | Path] | Iterable[tuple[str, str | Path]]) -> OtherRobots:

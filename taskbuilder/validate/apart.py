@@ -17,8 +17,8 @@ from taskbuilder.jobs import DONE, RAISED, TRIES, LostError, Worker, packed, say
 from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.load import read_task
-from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.broken import broken_family
 from taskbuilder.validate.checks.static import static_failure

@@ -11,7 +11,7 @@ from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import Finding
 from taskbuilder.expert.script.player import Expert, has_expert
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.other_robots import OtherRobots
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.locate import failure_of_description
 

@@ -23,8 +23,9 @@ from taskbuilder.errors import (
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import CHILDREN, owned
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.grasping import grasp_rules
-from taskbuilder.schema.other_robots import OtherRobots, other_robots
+from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.schema.proofs import checksum
 from taskbuilder.task import Task
 from taskbuilder.validate.apart import (

@@ -141,4 +141,4 @@ def test_a_word_that_is_no_rule_is_refused(run):
     for command in ("validate", "render", "demo", "collect", "train", "evaluate"):
         ran = run(command, "handover", "--grasp", "stick")
         assert ran.status == 2
-        assert 'there is no --grasp "stick"; one of: friction, attach' in ran.err
+        assert 'there is no --grasp "stick"; one of: task, friction, attach' in ran.err

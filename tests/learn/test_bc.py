@@ -98,7 +98,7 @@ def test_demonstrations_are_the_recorded_steps_with_explicit_grippers(recorded):
 
 def test_a_run_takes_task_and_options_from_its_data_set(trained, recorded):
     assert (trained.plan.task, trained.plan.data) == ("handover", str(recorded))
-    assert (trained.plan.observe, trained.plan.frame, trained.plan.track) == (
+    assert (trained.plan.options.observe, trained.plan.options.frame, trained.plan.track) == (
         "scene",
         "task",
         "cloned",
@@ -122,7 +122,7 @@ def test_policies_may_observe_less_than_was_recorded(recorded, tmp_path):
         assert read.own[agent].sum() == sum(
             name.startswith(f"{agent}.") or name == "time_left" for name in columns
         )
-    assert (run.plan.observe, run.plan.track) == ("task", "cloned")
+    assert (run.plan.options.observe, run.plan.track) == ("task", "cloned")
     assert evaluate(run.policy, 1, jobs=1).episodes == 1
 
 
@@ -247,7 +247,10 @@ def test_a_feature_is_the_place_in_the_picture_where_it_is():
 
 def test_a_policy_of_pictures_is_played_with_the_cameras_of_its_training(seeing, pictured):
     loaded = load_policy(str(seeing.folder))
-    assert (seeing.plan.cameras, seeing.plan.camera_size) == (("front", "top"), (32, 32))
+    assert (seeing.plan.options.cameras, seeing.plan.options.camera_size) == (
+        ("front", "top"),
+        (32, 32),
+    )
     assert seeing.plan.env["renderer"] == load_dataset(pictured).about["renderer"]
     assert evaluate(loaded, 1, jobs=1) == evaluate(seeing.policy, 1, jobs=1)
     for options, says in (
@@ -454,4 +457,4 @@ def test_pictures_that_a_task_lists_are_learned_from_or_refused(tmp_path):
     with pytest.raises(UsageError, match="training learns from numbers here"):
         train(task, observe="task", out=tmp_path / "other", steps=10)
     run = train(task, cameras=("front",), **options)
-    assert run.plan.observe == "task"
+    assert run.plan.options.observe == "task"

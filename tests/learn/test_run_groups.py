@@ -57,6 +57,11 @@ def test_runs_are_alike_if_nothing_but_their_seeds_differs(make):
         ({"grasp": "attach"}, ["grasp as in the task file", "grasp attach"]),
         ({"variation": 1}, ["plain task", "variation 1"]),
         ({"settings": {"noise": 0.1, "lr": 0.01}}, ["its own settings", "lr 0.01, noise 0.1"]),
+        ({"randomize": True}, ["no randomize", "randomize"]),
+        ({"position_noise": 0.01}, ["no position noise", "position noise 0.01"]),
+        ({"robots": (("arm", "panda"),)}, ["robots as in the task file", "robots arm=panda"]),
+        ({"control_hz": 5}, ["control hz as in the task file", "control hz 5"]),
+        ({"envs": 8}, ["envs 4", "envs 8"]),
         ({"observe": "scene", "demos": 9}, None),
     ],
 )
@@ -64,6 +69,39 @@ def test_groups_are_called_by_what_sets_them_apart(difference, names, make):
     found = names_of(group_runs([make("a"), make("b", **difference)]))
     both = ["no demonstrations · own observations", "9 demonstrations · whole scene"]
     assert found == (names or both)
+
+
+def test_cloning_runs_on_two_data_sets_are_two_groups(make):
+    cloned = {"algorithm": "bc", "envs": 1}
+    groups = group_runs(
+        [
+            make("a", data="data/left", seed=0, **cloned),
+            make("b", data="data/right", seed=0, reward="team", **cloned),
+            make("c", data="data/left", seed=1, reward="team", **cloned),
+        ]
+    )
+    assert [[run.folder.name for run in group.runs] for group in groups] == [["a", "c"], ["b"]]
+    assert names_of(groups) == ["data data/left", "data data/right"]  # no reward: none is used
+
+
+def test_no_reward_is_in_the_label_of_cloning_beside_other_algorithms(make):
+    runs = [make("a", algorithm="bc", data="data/left"), make("b"), make("c", reward="team")]
+    assert names_of(group_runs(runs)) == [
+        "bc · data data/left",
+        "maddpg · ratchet reward · no data set",
+        "maddpg · team reward · no data set",
+    ]
+
+
+def test_what_only_paces_a_run_sets_nothing_apart(make):
+    paced = {
+        "workers": 2,
+        "film_every": 0,
+        "checkpoint_every": 50,
+        "stop_at": 0.9,
+        "device": "cuda",
+    }
+    assert len(group_runs([make("a"), make("b", **paced)])) == 1
 
 
 def test_a_group_alone_is_called_by_all_that_there_is_to_say(make):

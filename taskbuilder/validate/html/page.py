@@ -10,8 +10,8 @@ from taskbuilder.description.description import Description
 from taskbuilder.errors import FileError
 from taskbuilder.jobs import LostError, worker_processes
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.expert import ExpertStage
-from taskbuilder.schema.other_robots import OtherRobots
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.html.pictures import Picture, Pictures, take_pictures
 from taskbuilder.validate.report import TaskReport
