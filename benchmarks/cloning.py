@@ -42,7 +42,7 @@ SIZES = {"pick_push_place": 64, "collaborative_lift": 96, "handover": 64}
 """Of pictures: the goal of Collaborative Lift, a ball of 5 cm, is two pixels wide at 64."""
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
 TASKBUILDER = (sys.executable, "-m", "taskbuilder")
-ZOO = Path(__file__).parents[1] / "taskbuilder" / "learn" / "models"
+ZOO = Path(__file__).parents[1] / "taskbuilder" / "policies" / "models"
 TRACK = "visuomotor"
 EVALUATION, COMMANDS = "evaluation.json", "commands.json"
 

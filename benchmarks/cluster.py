@@ -25,13 +25,14 @@ from typing import Any
 from machine import describe_machine
 from ray.cluster_utils import Cluster
 
-from taskbuilder.cli.trained import EnvFactory
 from taskbuilder.cluster import cluster
+from taskbuilder.env.factory import EnvFactory
+from taskbuilder.evaluation.arms import TrialConfig, jobs_of, play_all
+from taskbuilder.evaluation.results import digest_of_rollout
 from taskbuilder.jobs import packed
+from taskbuilder.policies.grammar import parse_policy
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.trial.arms import TrialConfig, jobs_of, play_all
-from taskbuilder.trial.results import digest_of_rollout
 
 RESULTS = Path(__file__).parent / "results" / "cluster.json"
 TASK, FIRST_SEED, WARM = "handover", 3_400_000, 8
@@ -84,7 +85,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
     factory = EnvFactory(TASK, Catalogue.discover(), ())
-    config = TrialConfig("expert", factory, factory)
+    config = TrialConfig(parse_policy("expert"), factory, factory)
     rounds: dict[str, list[float]] = {"one": [], "two": [], "two, one killed": []}
     same = None
     for _ in range(arguments.rounds):

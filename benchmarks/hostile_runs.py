@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from taskbuilder.trial.certificate import seals
+from taskbuilder.evaluation.certificate import seals
 
 Rng = np.random.Generator
 

@@ -27,7 +27,7 @@ from machine import describe_machine
 from tqdm import tqdm
 
 from taskbuilder.arrays import read_arrays
-from taskbuilder.learn.zoo import load_policy
+from taskbuilder.policies.zoo import load_policy
 
 RESULTS = Path(__file__).parent / "results" / "kills.json"
 

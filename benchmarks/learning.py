@@ -10,8 +10,8 @@ that neither training nor the choice of a policy has seen, and writes
 
 - benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run,
 - benchmarks/results/learning.json: what came of each, with the command that makes it again, and
-- with `--publish`, taskbuilder/learn/models/TASK/NAME.npz: the policy of the median seed, with its
-  plan and its curve beside it, if it succeeds in 95 % of the episodes.
+- with `--publish`, taskbuilder/policies/models/TASK/NAME.npz: the policy of the median seed, with
+  its plan and its curve beside it, if it succeeds in 95 % of the episodes.
 
 A run is minutes to two hours on one core. Nothing is left out: a run that failed is there as it is.
 """

@@ -30,8 +30,8 @@ from machine import describe_machine
 
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.plan import make_plan
-from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.training import TrainingStatus, train
+from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.task import load_task
 
 RESULTS = Path(__file__).parent / "results" / "pace.json"

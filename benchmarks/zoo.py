@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.learn.zoo import zoo_names
+from taskbuilder.policies.zoo import zoo_names
 
 RESULTS = Path(__file__).parent / "results" / "zoo.json"
 COMMAND = "taskbuilder evaluate zoo:TASK/TRACK --seed 2000000 --episodes 300 --json"

@@ -30,8 +30,8 @@ from taskbuilder import load_task, parallel_env
 from taskbuilder.cli import main as taskbuilder
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert import Expert
-from taskbuilder.learn.evaluation import options_of
-from taskbuilder.learn.zoo import load_policy, zoo_names
+from taskbuilder.policies.fitting import options_of
+from taskbuilder.policies.zoo import load_policy, zoo_names
 from taskbuilder.rollout import Rollout, play
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.visual.film import save_film

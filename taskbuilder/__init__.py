@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
+    from taskbuilder.evaluation.assessment import evaluate
     from taskbuilder.expert.script.player import Expert
-    from taskbuilder.learn.assessment import evaluate
-    from taskbuilder.learn.policy import TrainedPolicy
     from taskbuilder.learn.runs import train
-    from taskbuilder.learn.zoo import load_policy
+    from taskbuilder.policies.trained import TrainedPolicy
+    from taskbuilder.policies.zoo import load_policy
     from taskbuilder.rollout.play import Policy, play, replay
     from taskbuilder.rollout.record import Rollout
     from taskbuilder.schema.catalogue import Catalogue
@@ -82,15 +82,15 @@ _HOMES = {
     "TaskEnv": "taskbuilder.env.parallel",
     "TaskVectorEnv": "taskbuilder.env.vector",
     "TaskbuilderError": "taskbuilder.errors",
-    "TrainedPolicy": "taskbuilder.learn.policy",
+    "TrainedPolicy": "taskbuilder.policies.trained",
     "UnknownNameError": "taskbuilder.errors",
     "UsageError": "taskbuilder.errors",
     "World": "taskbuilder.world.world",
     "build_world": "taskbuilder.world.building",
     "check_env": "taskbuilder.validate.environments",
-    "evaluate": "taskbuilder.learn.assessment",
+    "evaluate": "taskbuilder.evaluation.assessment",
     "load_dataset": "taskbuilder.data.dataset",
-    "load_policy": "taskbuilder.learn.zoo",
+    "load_policy": "taskbuilder.policies.zoo",
     "load_task": "taskbuilder.task",
     "make_from": "taskbuilder.data.environment",
     "make_vec": "taskbuilder.env.vector",

@@ -16,6 +16,7 @@ from taskbuilder.description.named import things_named
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.grasping import with_grasp
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
@@ -32,11 +33,15 @@ class Task:
         file: The contents of the YAML file, with the robots and assets that it uses.
         declared: The description class of the Python file.
         warnings: Findings that do not prevent the use of the task.
+        robots: The models that it was loaded with in place of those of the task file, by robot.
+        grasp: The rule of grasping that it was loaded with.
     """
 
     file: TaskFile
     declared: type[Description]
     warnings: tuple[Finding, ...] = ()
+    robots: OtherRobots = ()
+    grasp: str = "task"
 
     def __getstate__(self) -> dict[str, Any]:
         # Without the description: where it is made for the groups of a scene, no module has it.
@@ -51,6 +56,12 @@ class Task:
     def name(self) -> str:
         """The name of the task."""
         return self.file.entry.name
+
+    @property
+    def reference(self) -> str:
+        """What it can be loaded by elsewhere: its name in an installed package, or its path."""
+        entry = self.file.entry
+        return entry.name if entry.module else str(entry.file)
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -115,11 +126,12 @@ def load_task(
             findings += _check_conditions(file, description)
         findings += file.warnings if file is not None else ()
         if file is not None and not any(finding.severity == "error" for finding in findings):
-            file = with_robots(file, other_robots(robots or {}), catalogue)
-            file = with_grasp(file, grasp)
+            models = other_robots(robots or {})
+            file = with_grasp(with_robots(file, models, catalogue), grasp)
             full = with_members(description, file.names)
             about = things_named(full, file.spec.instructions, file.names)
-            return Task(replace(file, named=about), description, tuple(findings))
+            named = replace(file, named=about)
+            return Task(named, description, tuple(findings), models, grasp)
     raise FileError(findings)
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.learn.plan import plan_of, save_plan
-from taskbuilder.learn.policy import Network, TrainedPolicy
-from taskbuilder.learn.zoo import save_policy
+from taskbuilder.policies.trained import Network, TrainedPolicy
+from taskbuilder.policies.zoo import save_policy
 
 SCENE = """\
 task: sideways

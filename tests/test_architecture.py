@@ -33,8 +33,9 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("view", "validate", "bench", "trial", "learn", "visual", "expert"),
+        *("view", "validate", "bench", "learn", "evaluation", "visual", "expert"),
         *(
+            "policies",
             "rollout",
             "env",
             "digests",
@@ -53,7 +54,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
         ),
     ),
     "view": (
-        *("validate", "learn", "visual", "expert", "rollout", "env", "files", "raster"),
+        *("validate", "policies", "visual", "expert", "rollout", "env", "files"),
         *SIMULATED,
     ),
     "validate": (
@@ -61,20 +62,20 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("diagnostics", "jobs", "digests", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
-    "trial": (
-        *("learn", "expert", "rollout", "env", "sources", "machine", "digests", "files"),
-        "untrusted",
+    "learn": (
+        *("evaluation", "data", "policies", "visual", "expert", "rollout", "env"),
+        *("jobs", "processes", "machine", "arrays", "files", "untrusted"),
         *SIMULATED,
     ),
-    "learn": (
-        *("data", "visual", "expert", "rollout", "env", "jobs", "processes", "machine", "arrays"),
-        *("files", "untrusted"),
-        *SIMULATED,
+    "evaluation": (
+        *("policies", "expert", "rollout", "env", "sources", "jobs", "processes", "machine"),
+        *("digests", "files", "untrusted", *SIMULATED),
     ),
     "data": (
-        *("expert", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
+        *("policies", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
         *("arrays", "files", "untrusted", *SIMULATED),
     ),
+    "policies": (*("expert", "rollout", "env", "arrays", "digests", "untrusted", *SIMULATED),),
     "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
@@ -83,7 +84,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "sources": ("task", "assets", "digests"),
     "reference": ("diagnostics", "description", *FILES),
     "task": ("description", *FILES),
-    "world": ("sim", "kinematics", "cameras", "shapes", *FILES),
+    "world": ("sim", "raster", "kinematics", "cameras", "shapes", *FILES),
     "description": ("processes", *FILES),
     "sim": ("raster", "cameras", "shapes", "assets", *FOUNDATION),
     "raster": (),

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 from generators.results import RESULTS
 from taskbuilder.errors import UnknownNameError
+from taskbuilder.evaluation.certificate import read_certificate
+from taskbuilder.evaluation.verification import compare_seals
 from taskbuilder.reference.markdown import table
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.sources import digests_of_task
 from taskbuilder.task import Task, load_task
-from taskbuilder.trial.certificate import read_certificate
-from taskbuilder.trial.verification import compare_seals
 
 CERTIFICATES = RESULTS / "certificates"
 VERIFIED = "verified.json"

@@ -11,7 +11,7 @@ from generators.results import RESULTS, read, signed
 from generators.tasks import title
 from taskbuilder import load_suite
 from taskbuilder.learn.logs import read_run
-from taskbuilder.learn.zoo import load_policy, zoo_names
+from taskbuilder.policies.zoo import load_policy, zoo_names
 from taskbuilder.reference.markdown import table
 
 PHASE = 5_000

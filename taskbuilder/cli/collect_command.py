@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -17,36 +17,36 @@ from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import print_json
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
-from taskbuilder.cli.trained import is_trained
 from taskbuilder.cluster import cluster
 from taskbuilder.data.collecting import CollectProgress, Report, collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.formats import export_dataset
-from taskbuilder.data.plan import CollectPlan, trained_policies
-from taskbuilder.data.policies import PolicyShare, is_named, read_share
+from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.recording import Cameras
 from taskbuilder.data.summary import (
     MissingVariation,
     missing_variations,
     summarize_dataset,
 )
-from taskbuilder.digests import digest
-from taskbuilder.env.options import option_infos
-from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.expert.named import policy_named
 from taskbuilder.jobs import Map
-from taskbuilder.learn.evaluation import check_fits, options_of
-from taskbuilder.learn.policy import TrainedPolicy
-from taskbuilder.learn.zoo import load_policy, policy_file
+from taskbuilder.policies.grammar import Player
+from taskbuilder.policies.mixture import (
+    PolicyShare,
+    digests_of_players,
+    players_of,
+    read_share,
+    shared_options,
+)
 from taskbuilder.processes import cores
-from taskbuilder.rollout.play import Policy
 from taskbuilder.schema.catalogue import Catalogue
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Collect a data set, say what is in it, and export it."""
-    plan = _plan(arguments)
+    shares = tuple(read_share(text) for text in arguments.policy)
+    players = players_of(shares)
+    plan = _plan(arguments, shares, players)
     exported = Path(f"{arguments.out}-{arguments.export}")
     if arguments.export and exported.exists():
         raise UsageError(f"{display_path(exported)} exists; the export would go there")
@@ -55,8 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not plan.per_variation:
         jobs = min(jobs, plan.episodes * len(plan.tasks))
     with _Progress() as report, _nodes(arguments) as nodes:
-        other = _trained_players(plan)
-        collect(plan, arguments.out, jobs=jobs, nodes=nodes, report=report, other=other)
+        collect(plan, arguments.out, jobs=jobs, nodes=nodes, report=report, players=players)
     dataset = load_dataset(arguments.out)
     if arguments.export:
         export_dataset(dataset, arguments.export, exported)
@@ -88,10 +87,11 @@ def _nodes(arguments: argparse.Namespace) -> AbstractContextManager[Map | None]:
     return cluster(arguments.ray) if arguments.ray else nullcontext()
 
 
-def _plan(arguments: argparse.Namespace) -> CollectPlan:
+def _plan(
+    arguments: argparse.Namespace, shares: tuple[PolicyShare, ...], players: Mapping[str, Player]
+) -> CollectPlan:
     catalogue = catalogue_of(arguments)
     references = tuple(asked_tasks(arguments, catalogue))
-    shares = tuple(read_share(text) for text in arguments.policy)
     variations, first_seed = _start(arguments, catalogue)
     return CollectPlan(
         tasks=references,
@@ -99,18 +99,14 @@ def _plan(arguments: argparse.Namespace) -> CollectPlan:
         per_variation=arguments.per_variation is not None,
         policies=shares,
         cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
-        options=_options(arguments, shares),
+        options=shared_options(players, asked_options(arguments)),
         renderer=arguments.renderer or "auto",
         variations=variations,
         first_seed=first_seed,
         keep_failures=arguments.keep_failures,
         until_success=arguments.until_success,
         license=arguments.license,
-        policy_digests={
-            share.name: digest(policy_file(share.name).read_bytes())
-            for share in shares
-            if is_trained(share.name) and not is_named(share.name)
-        },
+        policy_digests=digests_of_players(players),
         catalogue=catalogue,
     )
 
@@ -127,54 +123,6 @@ def _start(
     if arguments.variation is not None:
         variations = None if arguments.variation == "all" else (arguments.variation,)
     return variations, seed if arguments.seed is None else arguments.seed
-
-
-def _options(arguments: argparse.Namespace, shares: Sequence[PolicyShare]) -> dict[str, Any]:
-    """The options of the environment: those of trained policies, or of the command line.
-
-    Raises:
-        UsageError: Policies were trained in environments of different options.
-    """
-    asked, infos = asked_options(arguments), option_infos()
-    for share in shares:
-        if is_named(share.name):
-            continue
-        if not is_trained(share.name):
-            policy_named(share.name)  # raises, and lists the known names
-        trained = options_of(load_policy(share.name))
-        trained.pop("variation", None)
-        for name, value in trained.items():
-            if asked.setdefault(name, value) != value and not infos[name].disturbs:
-                raise UsageError(
-                    f"{share.name} was trained with {name}: {value}, and another policy or option "
-                    f"needs {asked[name]}; collect a data set for each"
-                )
-    return asked
-
-
-@dataclass(frozen=True)
-class TrainedPlayers:
-    """The trained policies of a plan, which other processes and machines get with their work.
-
-    Attributes:
-        policies: By name.
-    """
-
-    policies: Mapping[str, TrainedPolicy]
-
-    def __call__(self, name: str, env: TaskEnv) -> Policy:
-        """A policy for an environment.
-
-        Raises:
-            UsageError: It does not fit the environment.
-        """
-        trained = self.policies[name]
-        check_fits(trained, env, name)
-        return trained.player()
-
-
-def _trained_players(plan: CollectPlan) -> TrainedPlayers:
-    return TrainedPlayers({name: load_policy(name) for name in trained_policies(plan.policies)})
 
 
 class _Progress:

@@ -5,33 +5,36 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.env_options import asked_options
-from taskbuilder.cli.evaluated import DISTURBANCES, Evaluated, check_plays, evaluated, named_player
 from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
+from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
 from taskbuilder.cli.trained import origin, trusts
-from taskbuilder.cli.trials import play_arms, trial_of
-from taskbuilder.cli.verifying import verify
+from taskbuilder.cli.verifying import track_episodes, verify
 from taskbuilder.errors import UsageError, display_path
+from taskbuilder.evaluation.arms import SUBJECT
+from taskbuilder.evaluation.assessment import (
+    COMPARED,
+    certify,
+    check_certifiable,
+    play_arms,
+    summary_of,
+)
+from taskbuilder.evaluation.comparison import Arms
+from taskbuilder.evaluation.results import as_data, record
+from taskbuilder.evaluation.subject import DISTURBANCES, Subject, find_subject
+from taskbuilder.evaluation.summary import EvaluationSummary
 from taskbuilder.files import write_whole
-from taskbuilder.learn.evaluation import EvaluationSummary, summarise
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.rollout.served import is_served
-from taskbuilder.trial.arms import SUBJECT, jobs_of
-from taskbuilder.trial.certificate import certificate, write_certificate
-from taskbuilder.trial.results import Arms, as_data, compare, record
 from taskbuilder.visual.capture import Frame
 from taskbuilder.visual.film import save_film
-
-CONTROLS = 20
-"""From how many seeds those play that a policy is compared with, unless it is certified."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -45,16 +48,15 @@ def run(arguments: argparse.Namespace) -> int:
     found = _found(arguments, arguments.variation)
     seeds = _begun(found, arguments)
     arms = _played(found, seeds, arguments)
-    summary, stages = _summary(found, arms), _stages(found)
-    data = _as_data(found, arms, stages)
+    summary = summary_of(found, arms)
+    data = _as_data(found, arms)
     if not arguments.json:
-        print_result(arms[SUBJECT], summary, compare(arms), stages)
+        print_result(summary, found.stages)
     files = _write(found, data, arms, summary, arguments)
     if arguments.certificate:
         compared = min(_compared(arguments), len(seeds))
-        trial = trial_of(found, arguments.certificate, seeds, compared)
         command = shlex.join(["taskbuilder", *arguments.words])
-        write_certificate(arguments.certificate, certificate(trial, arms, command))
+        certify(arguments.certificate, found, arms, seeds, compared, command)
         files.append(arguments.certificate)
     named = [display_path(file) for file in files]
     if arguments.json:
@@ -75,8 +77,8 @@ def _run_variations(arguments: argparse.Namespace) -> int:
     results, lines = [], [["variation", "succeeded", "95% interval", "at the last step"]]
     for number, found in enumerate(each):
         arms = _played(found, seeds, arguments)
-        summary = _summary(found, arms)
-        results.append({"variation": number, **_as_data(found, arms, _stages(found))})
+        summary = summary_of(found, arms)
+        results.append({"variation": number, **_as_data(found, arms)})
         low, high = summary.interval
         count = f"{summary.successes} of {summary.episodes} ({summary.success_rate:.1%})"
         bounds = f"{low:.1%} to {high:.1%}"
@@ -96,26 +98,22 @@ def _run_variations(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _found(arguments: argparse.Namespace, variation: int | str | None) -> Evaluated:
+def _found(arguments: argparse.Namespace, variation: int | str | None) -> Subject:
     """Who is evaluated where, checked."""
-    asked = asked_options(arguments)
-    robots, grasp = asked.pop("robots", ()), asked.pop("grasp", None)
+    chosen = {} if variation is None else {"variation": variation}
     catalogue = catalogue_of(arguments)
     arguments.trust = trusts(arguments, arguments.policy, catalogue)  # and does not ask again
-    found = evaluated(
+    found = find_subject(
         arguments.policy,
-        catalogue,
-        variation=variation,
-        disturbances=asked,
-        robots=robots,
-        grasp=grasp,
+        options={**asked_options(arguments), **chosen},
+        catalogue=catalogue,
         trust=arguments.trust,
     )
     _check(found, arguments)
     return found
 
 
-def _begun(found: Evaluated, arguments: argparse.Namespace) -> range:
+def _begun(found: Subject, arguments: argparse.Namespace) -> range:
     """The seeds of all episodes; says what will be played."""
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
     if not arguments.json:
@@ -131,34 +129,23 @@ def _begun(found: Evaluated, arguments: argparse.Namespace) -> range:
     return seeds
 
 
-def _played(found: Evaluated, seeds: range, arguments: argparse.Namespace) -> Arms:
+def _played(found: Subject, seeds: range, arguments: argparse.Namespace) -> Arms:
     """The episodes of the policy and of its baselines."""
-    return play_arms(found.config, jobs_of(seeds, _compared(arguments)), arguments)
+    with spread_over(arguments, len(seeds)) as spread:
+        return play_arms(found, seeds, _compared(arguments), spread, track_episodes)
 
 
-def _stages(found: Evaluated) -> tuple[str, ...]:
-    """The names of the task's stages, "" for none first."""
-    return ("", *found.task.description.stages)
-
-
-def _summary(found: Evaluated, arms: Arms) -> EvaluationSummary:
-    return summarise(arms[SUBJECT], len(found.task.description.stages))
-
-
-def _check(found: Evaluated, arguments: argparse.Namespace) -> None:
+def _check(found: Subject, arguments: argparse.Namespace) -> None:
     """Refuse what cannot be played or shown before anything is."""
-    if arguments.certificate and is_served(found.name):
-        raise UsageError(
-            "the policy of a server has no certificate: nobody else could play it again; "
-            "--out DIR writes the result"
-        )
+    if arguments.certificate:
+        check_certifiable(found, (arguments.seed,))
     variation = found.options.get("variation", 0)
     filmed = argparse.Namespace(variation=variation, camera=arguments.camera)
     if isinstance(variation, int):
         check_views(found.task, filmed)
     elif arguments.video:
         raise UsageError("films are of one variation, and the policy's is random; name --variation")
-    check_plays(found)
+    found.check()
     if arguments.video or arguments.out:
         make_folder(_folder(arguments))
     if arguments.certificate:
@@ -175,7 +162,7 @@ def _compared(arguments: argparse.Namespace) -> int:
     asked: int | None = arguments.controls
     if asked is not None:
         return asked
-    return int(arguments.episodes) if arguments.certificate else CONTROLS
+    return int(arguments.episodes) if arguments.certificate else COMPARED
 
 
 def _episodes(seeds: range) -> str:
@@ -183,11 +170,11 @@ def _episodes(seeds: range) -> str:
     return f"{len(seeds)} episode{'s' * (len(seeds) > 1)} from the task's own starts, {which}"
 
 
-def _as_data(found: Evaluated, arms: Arms, stages: Sequence[str]) -> dict[str, Any]:
+def _as_data(found: Subject, arms: Arms) -> dict[str, Any]:
     return {
         "task": found.task.name,
         "policy": found.name,
-        **as_data(arms, stages),
+        **as_data(arms, found.stages),
         "about": dict(found.about),
         "episodes": [record(episode) for episode in arms[SUBJECT]],
     }
@@ -197,7 +184,7 @@ def _as_data(found: Evaluated, arms: Arms, stages: Sequence[str]) -> dict[str, A
 
 
 def _write(
-    found: Evaluated,
+    found: Subject,
     data: dict[str, Any],
     arms: Arms,
     summary: EvaluationSummary,
@@ -225,7 +212,7 @@ def _write(
     return files
 
 
-def _result_file(found: Evaluated, arguments: argparse.Namespace) -> Path:
+def _result_file(found: Subject, arguments: argparse.Namespace) -> Path:
     return _folder(arguments) / f"{_stem(found)}.json"
 
 
@@ -238,13 +225,12 @@ def _filming(role: str, frames: Iterable[Frame], count: int) -> Iterable[Frame]:
     return progress(frames, f"filming {role}", count)
 
 
-def _stem(found: Evaluated) -> str:
+def _stem(found: Subject) -> str:
     """What files are called: the task, and the policy's own name."""
     task = found.task.name.replace("/", "-")
-    named = named_player(found.name)
-    if named is not None:
-        return f"{task}-{named[0]}"
-    if is_served(found.name):
+    if found.player.is_word:
+        return f"{task}-{found.player.name.replace(':', '-')}"
+    if found.player.kind == "served":
         return f"{task}-served"
     path = Path(found.name.removeprefix("zoo:"))
     own = (path.name or path.resolve().name).removesuffix(".npz")

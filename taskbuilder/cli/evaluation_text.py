@@ -8,10 +8,11 @@ from collections.abc import Sequence
 from taskbuilder.cli.output import paint, print_table
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.description.reasons import Reason
+from taskbuilder.evaluation.comparison import Beside, Comparison
+from taskbuilder.evaluation.results import roles
+from taskbuilder.evaluation.summary import EvaluationSummary
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM
-from taskbuilder.learn.evaluation import EvaluationSummary
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.results import Beside, Comparison, roles
 
 BAR = 24
 """Characters of the longest bar."""
@@ -25,10 +26,9 @@ MOST_REASONS = 5
 _CALLED = {EXPERT: "the expert", RANDOM: "random play", NOTHING: "holding still"}
 
 
-def print_result(
-    played: Sequence[Rollout], summary: EvaluationSummary, beside: Comparison, stages: Sequence[str]
-) -> None:
+def print_result(summary: EvaluationSummary, stages: Sequence[str]) -> None:
     """Print what episodes say together, and those that are worth being looked at."""
+    played, beside = summary.rollouts, summary.baselines
     print(paint(_verdict(summary), "bold"))
     print(_at_end(summary))
     if summary.success_held_s is not None:
@@ -38,7 +38,7 @@ def print_result(
     if summary.peak_robot_force is not None and len(played[0].actions) > 1:
         middle, most = summary.peak_robot_force
         print(f"force between robots: {most:.0f} N at most, median of the peaks {middle:.0f} N")
-    if beside.controls:
+    if beside is not None and beside.controls:
         print()
         _print_beside(beside)
     if len(stages) > 1:

@@ -16,8 +16,9 @@ from taskbuilder.cli.trained import trusts
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
-from taskbuilder.learn.plan import RUN_FILE, Plan
+from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.run_setup import RunSetup
+from taskbuilder.policies.runs import RUN_FILE
 from taskbuilder.rollout.record import Rollout
 
 if TYPE_CHECKING:  # loads PyTorch

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.output import can_ask, confirmed
-from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.expert.named import POLICIES
-from taskbuilder.learn.plan import RUN_FILE
-from taskbuilder.learn.policy import TrainedPolicy
-from taskbuilder.learn.runs import named_task, task_of_run, task_to_trust
+from taskbuilder.policies.runs import RUN_FILE, task_to_trust
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.task import load_task
 from taskbuilder.wording import excerpt
 
 _OBSERVED = {
@@ -35,33 +29,6 @@ _HELPED = {
 }
 
 
-@dataclass(frozen=True)
-class EnvFactory:
-    """Where a policy plays, in a form that other processes can be told.
-
-    Attributes:
-        task: Name or path of the task, as its user gave it.
-        catalogue: Where it is looked up.
-        options: Of the environment, by name.
-    """
-
-    task: str
-    catalogue: Catalogue
-    options: tuple[tuple[str, Any], ...]
-
-    def __call__(self, **more: Any) -> TaskEnv:
-        """Make the environment, with more options if need be."""
-        task = load_task(self.task, catalogue=self.catalogue)
-        return parallel_env(task, **{**dict(self.options), **more})
-
-
-def is_trained(name: str) -> bool:
-    """Whether a policy's name is that of a trained one: of the zoo, of a run, or of a file."""
-    if name in POLICIES:
-        return False
-    return name.startswith("zoo:") or "/" in name or Path(name).exists()
-
-
 def trusts(arguments: argparse.Namespace, run: str | Path | None, catalogue: Catalogue) -> bool:
     """Whether the task of a run may be run: what --trust says, or who sits at the terminal.
 
@@ -77,23 +44,6 @@ def trusts(arguments: argparse.Namespace, run: str | Path | None, catalogue: Cat
         f"The run is of the task {excerpt(file)}, which is not in the catalogue. It is a Python "
         "program. Run it?"
     )
-
-
-def task_of(name: str, policy: TrainedPolicy, catalogue: Catalogue, *, trust: bool) -> Path:
-    """The file of the task that a policy is for; nothing is imported to find it.
-
-    Args:
-        name: Of the policy.
-        policy: The same.
-        catalogue: Where its task is looked up.
-        trust: Whether the task at a path that a run records may be run.
-
-    Raises:
-        UsageError: It is nowhere that the user has named.
-    """
-    if (Path(name) / RUN_FILE).is_file():
-        return task_of_run(Path(name), catalogue, trust=trust)
-    return named_task(name, policy.about.get("task"), catalogue)
 
 
 def origin(about: Mapping[str, Any]) -> list[list[str]]:

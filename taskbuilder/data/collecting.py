@@ -29,7 +29,6 @@ from taskbuilder.data.plan import (
     changes,
     check_plan,
     describe,
-    trained_policies,
 )
 from taskbuilder.data.playing import (
     AttemptResult,
@@ -38,10 +37,8 @@ from taskbuilder.data.playing import (
     play_and_write,
     play_elsewhere,
 )
-from taskbuilder.data.policies import MakeOther
 from taskbuilder.data.schedule import Series, next_attempts, series_of
 from taskbuilder.data.videos import require_video
-from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import (
     TaskbuilderError,
     UsageError,
@@ -49,7 +46,8 @@ from taskbuilder.errors import (
 )
 from taskbuilder.files import write_whole
 from taskbuilder.jobs import LostError, Map, workers
-from taskbuilder.rollout.play import Policy
+from taskbuilder.policies.grammar import Player
+from taskbuilder.policies.mixture import players_of
 from taskbuilder.task import Task
 
 _ASIDE = tuple(f".{name}." for name in layout.OWN)
@@ -79,11 +77,6 @@ class CollectProgress(NamedTuple):
 Report = Callable[[CollectProgress], None]
 
 
-def no_other(name: str, env: TaskEnv) -> Policy:
-    """What makes no policy of another kind; plans that need one are refused."""
-    raise ValueError(f"{name} cannot be made for {env.task.name}")
-
-
 def collect(
     plan: CollectPlan,
     folder: Path,
@@ -91,7 +84,7 @@ def collect(
     jobs: int = 1,
     nodes: Map | None = None,
     report: Report = lambda _: None,
-    other: MakeOther = no_other,
+    players: Mapping[str, Player] | None = None,
 ) -> None:
     """Collect a data set, or continue with one that was begun.
 
@@ -101,9 +94,10 @@ def collect(
         jobs: Processes.
         nodes: A map over the nodes of a cluster, in place of processes; see `cluster.cluster`.
         report: Called after every attempt.
-        other: Makes trained policies; a function of a module.
+        players: The policies of the plan, by name; by default, they are read from their names.
 
     Raises:
+        UnknownNameError: There is no policy of this name.
         UsageError: Something cannot be collected, the folder holds something else, or the data
             set in it was begun in another way.
         CollectingError: Too few attempts succeed, a process was lost, or the disk is full.
@@ -111,8 +105,10 @@ def collect(
     """
     loaded = [plan.load(reference) for reference in plan.tasks]
     check_plan(plan, loaded)
-    if other is no_other and (unknown := trained_policies(plan.policies)):
-        raise UsageError(f'no policy "{unknown[0]}"; expert, noisy:NUMBER, random or nothing')
+    players = players or players_of(plan.policies)
+    for task in loaded:
+        for player in players.values():
+            player.check_task(task, plan.catalogue)
     tasks = dict(zip(plan.tasks, loaded, strict=True))
     if plan.cameras.names:
         require_video()
@@ -124,7 +120,7 @@ def collect(
             _write_tasks(folder, loaded)
             # A node draws as this machine does, whatever else is installed there.
             drawn = replace(plan, renderer=about["renderer"] or plan.renderer)
-            job = CollectJob(drawn, folder, other)
+            job = CollectJob(drawn, folder, players)
             if not layout.is_finished(folder):
                 played = _play_all(job, tasks, report, jobs=jobs, nodes=nodes)
                 _finish(folder, about, played)

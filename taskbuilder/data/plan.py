@@ -11,14 +11,13 @@ from typing import Any
 from taskbuilder.carried import carry, digests_of
 from taskbuilder.data.layout import FORMAT, KIND
 from taskbuilder.data.machines import machine_changes, machine_here
-from taskbuilder.data.policies import PolicyShare, is_named, needs_expert, policy_of, round_of
 from taskbuilder.data.recording import Cameras
 from taskbuilder.data.videos import LARGEST_SIDE
 from taskbuilder.digests import differences, digest_of
 from taskbuilder.env.options import Renderer, make_options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.expert.named import has_expert
+from taskbuilder.errors import UnknownNameError, UsageError
+from taskbuilder.policies.mixture import PolicyShare, policy_of, round_of
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.expert import stage_labels
 from taskbuilder.schema.grasping import rules_of
@@ -138,7 +137,7 @@ def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
     """Refuse what cannot be collected before anything is.
 
     Raises:
-        UsageError: A task has no expert or no such variation, or a picture has an odd size.
+        UsageError: A task has no such variation, or a picture has an odd size.
         UnknownNameError: A task has no such camera.
     """
     if not plan.license.isprintable() or not 1 <= len(plan.license) <= 200:
@@ -152,9 +151,6 @@ def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
 
 
 def _check_task(plan: CollectPlan, task: Task) -> None:
-    file = display_path(task.file.entry.file)
-    if any(needs_expert(share.name) for share in plan.policies) and not has_expert(task):
-        raise UsageError(f"{task.name} has no expert; write its stages under expert: in {file}")
     scenes = task.file.scenes
     for variation in plan.variations or ():
         if variation >= len(scenes):
@@ -305,8 +301,3 @@ def _task_changes(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator
         changed = differences(there[name].get("files", {}), about["files"])
         if changed:
             yield f"files of {name} changed: {', '.join(changed)}"
-
-
-def trained_policies(shares: Sequence[PolicyShare]) -> list[str]:
-    """The policies of a mixture that are not made here."""
-    return [share.name for share in shares if not is_named(share.name)]

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 from taskbuilder.data import layout
 from taskbuilder.data.machines import machine_of_episode
 from taskbuilder.data.plan import Attempt, CollectPlan
-from taskbuilder.data.policies import MakeOther, make_policy
 from taskbuilder.data.recording import EpisodeData, record_episode
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import ExplosionError, PlacementError, TaskbuilderError
 from taskbuilder.files import write_whole
+from taskbuilder.policies.grammar import Player
 from taskbuilder.rollout.play import Policy
 from taskbuilder.task import Task
 
@@ -31,12 +31,12 @@ class CollectJob:
     Attributes:
         plan: The plan.
         folder: Of the data set.
-        other: Makes policies of other kinds.
+        players: The policies of the plan, by name.
     """
 
     plan: CollectPlan
     folder: Path
-    other: MakeOther
+    players: Mapping[str, Player]
 
     def found(self, attempt: Attempt) -> AttemptResult | None:
         """What came of an attempt that is in the folder; what is there in part is removed."""
@@ -164,7 +164,7 @@ class EpisodePlayer:
             stack = ExitStack()
             task = self._tasks[attempt.reference]
             env = stack.enter_context(closing(self.job.plan.make_env(task, attempt.variation)))
-            made = make_policy(attempt.policy, env, stack, self.job.other)
+            made = self.job.players[attempt.policy].prepare(env, stack)
             self._made[key] = env, made, stack
         env, policy, _ = self._made[key]
         return env, policy

@@ -17,7 +17,6 @@ from taskbuilder._lazy import exported
 
 if TYPE_CHECKING:
     from taskbuilder.expert.leaving import stall_after_stages
-    from taskbuilder.expert.named import policy_named
     from taskbuilder.expert.planning.errors import PlanningError
     from taskbuilder.expert.planning.moves import Move
     from taskbuilder.expert.planning.planner import Planner
@@ -30,7 +29,6 @@ __all__ = [
     "Planner",
     "PlanningError",
     "Trajectory",
-    "policy_named",
     "stall_after_stages",
 ]
 
@@ -40,7 +38,6 @@ _HOMES = {
     "Planner": "taskbuilder.expert.planning.planner",
     "PlanningError": "taskbuilder.expert.planning.errors",
     "Trajectory": "taskbuilder.expert.planning.timing",
-    "policy_named": "taskbuilder.expert.named",
     "stall_after_stages": "taskbuilder.expert.leaving",
 }
 

@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING
 from taskbuilder._lazy import exported
 
 if TYPE_CHECKING:
-    from taskbuilder.learn.assessment import evaluate
+    from taskbuilder.evaluation.assessment import evaluate
+    from taskbuilder.evaluation.summary import EvaluationSummary
     from taskbuilder.learn.demonstrations import record
-    from taskbuilder.learn.evaluation import EvaluationSummary
     from taskbuilder.learn.plan import Plan
-    from taskbuilder.learn.policy import TrainedPolicy
     from taskbuilder.learn.runs import TrainedRun, resume, train
     from taskbuilder.learn.wrappers import TrainingWrappers
-    from taskbuilder.learn.zoo import load_policy, save_policy
+    from taskbuilder.policies.trained import TrainedPolicy
+    from taskbuilder.policies.zoo import load_policy, save_policy
 
 __all__ = [
     "EvaluationSummary",
@@ -41,15 +41,15 @@ __all__ = [
 
 _HOMES = {
     "Plan": "taskbuilder.learn.plan",
-    "TrainedPolicy": "taskbuilder.learn.policy",
-    "EvaluationSummary": "taskbuilder.learn.evaluation",
+    "TrainedPolicy": "taskbuilder.policies.trained",
+    "EvaluationSummary": "taskbuilder.evaluation.summary",
     "TrainedRun": "taskbuilder.learn.runs",
     "TrainingWrappers": "taskbuilder.learn.wrappers",
-    "evaluate": "taskbuilder.learn.assessment",
-    "load_policy": "taskbuilder.learn.zoo",
+    "evaluate": "taskbuilder.evaluation.assessment",
+    "load_policy": "taskbuilder.policies.zoo",
     "record": "taskbuilder.learn.demonstrations",
     "resume": "taskbuilder.learn.runs",
-    "save_policy": "taskbuilder.learn.zoo",
+    "save_policy": "taskbuilder.policies.zoo",
     "train": "taskbuilder.learn.runs",
 }
 

@@ -18,8 +18,8 @@ from taskbuilder.learn.networks import (
     set_lr,
     state_arrays,
 )
-from taskbuilder.learn.policy import Array
 from taskbuilder.learn.shapes import Shapes
+from taskbuilder.policies.trained import Array
 
 
 class ActorCritic:

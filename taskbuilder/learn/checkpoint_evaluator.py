@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.learn.evaluation import summarise
+from taskbuilder.evaluation.summary import summarise
 from taskbuilder.learn.plan import Plan
-from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task

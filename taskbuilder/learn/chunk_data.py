@@ -7,8 +7,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from taskbuilder.learn.policy import Array
 from taskbuilder.learn.recordings import Demonstrations
+from taskbuilder.policies.trained import Array
 
 LEAST_SCALE = 0.02
 """Minimum scale of an observed number, so that those that hardly vary are not amplified."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.env.actions import HYSTERESIS
-from taskbuilder.env.parallel import parallel_env
+from taskbuilder.env.factory import EnvFactory
 from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import workers
@@ -28,7 +28,7 @@ from taskbuilder.processes import cores
 from taskbuilder.rollout.files import load_rollouts
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.task import Task, load_task
+from taskbuilder.task import Task
 from taskbuilder.world.world import World
 
 DEMONSTRATIONS_FILE = "expert.npz"
@@ -36,8 +36,6 @@ DEMONSTRATIONS_FILE = "expert.npz"
 
 SEEDS_FROM = 500_000
 """First seed of demonstrations, separate from those of evaluations."""
-
-_Options = tuple[tuple[str, Any], ...]
 
 
 def record(
@@ -66,29 +64,22 @@ def record(
     Raises:
         UsageError: The task has no expert, or an option does not fit.
     """
-    named = reference_of(task) if isinstance(task, Task) else str(task)
-    play = partial(_play, named, catalogue, tuple((options or {}).items()))
+    play = partial(_play, EnvFactory.of(task, options or {}, catalogue))
     seeds = range(first_seed, first_seed + episodes)
     with workers(min(cores() if jobs is None else jobs, episodes)) as spread:
         yield from spread(play, seeds)
     _expert.cache_clear()
 
 
-def reference_of(task: Task) -> str:
-    """A reference to load a task by: its name in the catalogue, or else its path."""
-    entry = task.file.entry
-    return entry.name if entry.module else str(entry.file)
-
-
-def _play(task: str, catalogue: Catalogue | None, options: _Options, seed: int) -> Rollout:
-    expert = _expert(task, catalogue, options)
+def _play(make_env: EnvFactory, seed: int) -> Rollout:
+    expert = _expert(make_env)
     return with_explicit_grippers(expert.play(seed), _binary(expert.env.episode.world))
 
 
 @lru_cache(maxsize=1)
-def _expert(task: str, catalogue: Catalogue | None, options: _Options) -> Expert:
+def _expert(make_env: EnvFactory) -> Expert:
     """The expert of an environment, cached between episodes."""
-    return Expert(parallel_env(load_task(task, catalogue=catalogue), **dict(options)))
+    return Expert(make_env())
 
 
 def _binary(world: World) -> frozenset[str]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.arrays import Arrays
-from taskbuilder.learn.policy import Array
+from taskbuilder.policies.trained import Array
 
 LONGEST_COMMAND = 10
 """Random commands to grippers last 1 to this many control steps, all equally likely."""

@@ -9,9 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from taskbuilder.arrays import Arrays
-from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows
+from taskbuilder.policies.trained import Array, TrainedPolicy
 
 
 class Trainable(Protocol):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.policy import (
+from taskbuilder.policies.trained import (
     Array,
     Network,
     TrainedPolicy,

@@ -22,20 +22,12 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
 from taskbuilder.learn.learner import Algorithm, Preset
-from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.learn.settings import read_settings
-from taskbuilder.learn.zoo import load_policy
-from taskbuilder.untrusted import parse_json, read_within
+from taskbuilder.policies.runs import FORMAT, RUN_FILE, read_run
+from taskbuilder.policies.trained import TrainedPolicy
+from taskbuilder.policies.zoo import load_policy
 from taskbuilder.wording import excerpt, suggestion
-
-FORMAT = 1
-"""Version of the format of a run's folder; others are refused."""
-
-RUN_FILE = "run.json"
-
-_LARGEST = 1 << 20
-"""Maximum size of this file in bytes."""
 
 REWARDS = ("team", "local", "sparse", "shaped", "ratchet")
 
@@ -289,19 +281,13 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
     Raises:
         UsageError: There is no run, or its format is not supported.
     """
-    file, name = folder / RUN_FILE, display_path(folder)
-    if not file.is_file():
-        raise UsageError(f"{name} is no training run; it has no {RUN_FILE}")
+    about = read_run(folder)
     try:
-        about = parse_json(read_within(folder, RUN_FILE, _LARGEST))
-        found = about["format"]
-        if found == FORMAT:
-            values = {n: about[n] for n in Plan.__dataclass_fields__ if n in about}
-            plan = plan_of({**from_json(values), **from_json(about["env"])})
+        values = {n: about[n] for n in Plan.__dataclass_fields__ if n in about}
+        plan = plan_of({**from_json(values), **from_json(about["env"])})
     except (ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{display_path(file)} is damaged: {excerpt(error)}") from None
-    if found != FORMAT:
-        raise UsageError(f"{name} is a run of format {excerpt(found)}; this version reads {FORMAT}")
+        where = display_path(folder / RUN_FILE)
+        raise UsageError(f"{where} is damaged: {excerpt(error)}") from None
     plan.check()
     return plan, about
 

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.environment import options_of_dataset
-from taskbuilder.data.policies import is_named
 from taskbuilder.env.options import Options, make_options, option_infos, options_about
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstrations import explicit_gripper
-from taskbuilder.learn.policy import Array
 from taskbuilder.learn.replayed import Replayer, joined
+from taskbuilder.policies.grammar import is_word
+from taskbuilder.policies.trained import Array
 from taskbuilder.schema.grasping import rules_of
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
@@ -183,7 +183,7 @@ def recorded_options(dataset: Dataset, asked: Mapping[str, Any]) -> dict[str, An
     variations = collected["variations"]
     recorded["variation"] = "random" if variations == "all" else variations[0]
     played = [policy["name"] for policy in collected["policies"]]
-    recorded["teachers"] = tuple(name for name in played if not is_named(name))
+    recorded["teachers"] = tuple(name for name in played if not is_word(name))
     return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
 
 

@@ -14,7 +14,7 @@ from taskbuilder.data.dataset import RecordedEpisode
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.policy import Array
+from taskbuilder.policies.trained import Array
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.task import Task

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.errors import UsageError, display_path
+from taskbuilder.evaluation.statistics import bootstrap_band, iqm
 from taskbuilder.learn.logs import RunLog, Table
 from taskbuilder.learn.plan import Plan
-from taskbuilder.learn.statistics import bootstrap_band, iqm
 
 Numbers = NDArray[np.float64]
 Line = tuple[Numbers, Numbers]

@@ -11,23 +11,24 @@ from typing import Any
 
 from taskbuilder._version import __version__
 from taskbuilder.data.dataset import Dataset, load_dataset
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.env.factory import with_choices
+from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
-from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, reference_of
-from taskbuilder.learn.plan import RUN_FILE, Plan, digest, load_plan, make_plan, save_plan
-from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
+from taskbuilder.learn.plan import Plan, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
 from taskbuilder.learn.run_setup import RunSetup
-from taskbuilder.learn.zoo import load_policy, save_policy
 from taskbuilder.machine import processor, system, versions
+from taskbuilder.policies.runs import RUN_FILE, named_task, task_of_run
+from taskbuilder.policies.trained import TrainedPolicy
+from taskbuilder.policies.zoo import load_policy, save_policy
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.schema.catalogue import Catalogue, looks_like_path
+from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.grasping import grasp_rules
 from taskbuilder.task import Task, load_task
 from taskbuilder.untrusted import names_within
-from taskbuilder.wording import excerpt
 
 START_EPISODES = 50
 """Expert episodes for start states, if the run has no demonstrations."""
@@ -136,7 +137,8 @@ def set_up(
             raise UsageError("which task? give a name or a path, or --resume RUN to go on")
         task = named_task(display_path(dataset.folder), task_in(dataset), catalogue)
     loaded = task if isinstance(task, Task) else load_task(task, catalogue=catalogue)
-    return checked(make_plan(reference_of(loaded), settings, **given), loaded, dataset)
+    plan = make_plan(loaded.reference, settings, **with_choices(loaded, given))
+    return checked(plan, loaded, dataset)
 
 
 def check_torch() -> None:
@@ -268,73 +270,6 @@ def find(folder: Path, catalogue: Catalogue | None = None, *, trust: bool = Fals
         where = display_path(dataset.folder)
         raise UsageError(f"{where} has changed since this run began; train anew, or put it back")
     return checked(plan, task, dataset)
-
-
-def task_of_run(folder: Path, catalogue: Catalogue, *, trust: bool = False) -> Path:
-    """Find the file of the task of a run, without importing anything.
-
-    Args:
-        folder: Folder of the run.
-        catalogue: The catalogue in which the task is looked up by name, and by its file name.
-        trust: Whether the task at the path that the run records may be run.
-
-    Raises:
-        UsageError: The task is not in a place that the user has named, or is not trusted.
-    """
-    if (path := task_to_trust(folder, catalogue)) is not None:
-        if trust:
-            return path
-        raise UsageError(
-            f"{display_path(folder)} is of the task {excerpt(path)}, which is not in the catalogue "
-            "here. A task is a program: if it is yours, or you have read it, give --trust (in "
-            "Python: trust=True), or name its folder by --task-path"
-        )
-    task = load_plan(folder)[0].task
-    if task not in catalogue.tasks and looks_like_path(task):
-        task = Path(task).stem
-    return named_task(display_path(folder), task, catalogue)
-
-
-def task_to_trust(folder: Path, catalogue: Catalogue) -> Path | None:
-    """The file of the task of a run if it is not in the catalogue; None if the catalogue has it.
-
-    A run that somebody else has made may record any path. Relative paths and paths into the folder
-    of the run count for nothing, because the folder could bring its own code.
-
-    Args:
-        folder: Folder of the run.
-        catalogue: The catalogue, with the folders that the user has named.
-
-    Raises:
-        UsageError: There is no run.
-    """
-    task = load_plan(folder)[0].task
-    path = Path(task)
-    if task in catalogue.tasks or "\0" in task or not path.is_absolute():
-        return None
-    path = path.resolve()  # /proc/self/cwd/task.yaml is a file of the working directory
-    if path.is_relative_to(folder.resolve()) or not path.is_file():
-        return None
-    known = {entry.file.resolve() for entry in catalogue.tasks.values()}
-    return None if path in known else path
-
-
-def named_task(name: str, task: object, catalogue: Catalogue) -> Path:
-    """The file of a task that is given by a plain name of the catalogue.
-
-    Args:
-        name: Name of the policy or run that refers to the task, for messages.
-        task: Name of the task.
-        catalogue: The catalogue to look it up in.
-
-    Raises:
-        UsageError: The catalogue has no such task.
-    """
-    try:
-        return catalogue.named_task(task).file
-    except UnknownNameError as error:
-        hint = "name the folder of its files by --task-path"
-        raise UsageError(f"{name} is for a task that is not here ({error}); {hint}") from None
 
 
 def go_on(folder: Path, run: RunSetup, watch: Watch = lambda _: None) -> None:

@@ -9,8 +9,8 @@ import torch
 from torch import Tensor
 
 from taskbuilder.learn.networks import as_array
-from taskbuilder.learn.policy import Array
 from taskbuilder.learn.shapes import Layout, Rows
+from taskbuilder.policies.trained import Array
 
 LEAST_SCALE = 0.3
 """Minimum scale, so that inputs that hardly vary are not amplified."""

@@ -30,7 +30,6 @@ from taskbuilder.learn.learner import Trainable
 from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.plan import Plan
-from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.practice import Batches, Interaction, Practice
 from taskbuilder.learn.recordings import read_demonstrations
 from taskbuilder.learn.replayed import Replayer
@@ -39,7 +38,8 @@ from taskbuilder.learn.settings import make_settings
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
-from taskbuilder.learn.zoo import POLICY_FILE, load_policy, save_policy
+from taskbuilder.policies.trained import TrainedPolicy
+from taskbuilder.policies.zoo import POLICY_FILE, load_policy, save_policy
 from taskbuilder.task import Task
 
 INIT_FILE = "init.npz"

@@ -1,4 +1,4 @@
-"""Encoders of pictures as they are trained, the same as those of `taskbuilder.learn.pictures`."""
+"""Encoders of pictures as they are trained; those of `taskbuilder.policies` are the same."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import torch
 from torch import Tensor, nn
 
 from taskbuilder.learn.networks import as_array
-from taskbuilder.learn.pictures import KERNELS, SHARPNESS, STRIDES, Array, PictureEncoder
+from taskbuilder.policies.pictures import KERNELS, SHARPNESS, STRIDES, Array, PictureEncoder
 
 
 class PictureEncoders(nn.ModuleDict):

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 from taskbuilder.description.load import is_interrupt
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import Finding
-from taskbuilder.expert.named import has_expert
-from taskbuilder.expert.script.player import Expert
+from taskbuilder.expert.script.player import Expert, has_expert
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.task import Task, load_task

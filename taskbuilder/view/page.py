@@ -17,10 +17,10 @@ from taskbuilder.errors import TaskbuilderError
 from taskbuilder.view.recording import Moment, Recording
 from taskbuilder.view.scene import BrowserScene, camera_pictures, look_from, switches
 from taskbuilder.view.server import PageServer
-from taskbuilder.view.shapes import LinkPoses
 from taskbuilder.view.stage import Choice, Stage
 from taskbuilder.view.words import conditions, findings, heading, outcome, plain, pose_yaml, stages
 from taskbuilder.world.building import build_world
+from taskbuilder.world.visible import LinkPoses
 from taskbuilder.world.world import World
 
 PICTURES_HZ = 30

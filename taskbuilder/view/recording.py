@@ -15,7 +15,7 @@ from taskbuilder.description.reasons import EvaluatedState, label, reasons
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.view.shapes import LinkPoses
+from taskbuilder.world.visible import LinkPoses
 
 MOST_FIGURES = 3
 """Of a condition that holds, so many of its parts are told."""

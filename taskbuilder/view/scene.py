@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.sim.cameras import capture
 from taskbuilder.view.marks import WORDS, marks_of, segments
-from taskbuilder.view.shapes import Link, visible_links
+from taskbuilder.world.pictures import capture
+from taskbuilder.world.visible import Link, visible_links
 from taskbuilder.world.world import World
 
 LINE_PX = 2.0
@@ -137,7 +137,7 @@ def camera_pictures(world: World) -> Mapping[str, NDArray[np.uint8]]:
     for name, spec in world.scene.cameras.items():
         height = round(PICTURE_WIDTH * spec.size[1] / spec.size[0])
         view = world.camera(name, (PICTURE_WIDTH, height))
-        pictures[name] = capture(world.client, view, light=world.look.light).rgb
+        pictures[name] = capture(world, view).rgb
     return pictures
 
 

@@ -8,11 +8,8 @@ from dataclasses import dataclass
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import FileError, Finding, PlacementError, TaskbuilderError
-from taskbuilder.expert import Expert
-from taskbuilder.expert.named import policy_named
-from taskbuilder.learn.evaluation import check_fits, options_of
-from taskbuilder.learn.zoo import load_policy, zoo_names
-from taskbuilder.rollout.play import Policy
+from taskbuilder.policies.grammar import parse_policy
+from taskbuilder.policies.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.used_files import used_files
 from taskbuilder.task import Task, load_task
@@ -27,8 +24,7 @@ class Choice:
     """What is to be played.
 
     Attributes:
-        player: ``expert``, ``hold``, ``random``, the name of a pretrained policy, or the path of a
-            run or a policy.
+        player: Who plays; see `taskbuilder.policies.grammar`.
         seed: Seed of the episode.
         variation: Number of the variation.
     """
@@ -91,8 +87,7 @@ class Stage:
         """
         if self.task is None:
             raise FileError(self.findings)
-        trained = choice.player not in SCRIPTED
-        options = options_of(load_policy(choice.player)) if trained else {}
+        options = dict(parse_policy(choice.player).options)
         return parallel_env(self.task, **{**options, "variation": choice.variation})
 
     def play(self, choice: Choice, shown: Callable[[Moment], None]) -> Recording:
@@ -107,20 +102,9 @@ class Stage:
         """
         with ExitStack() as stack:
             env = stack.enter_context(closing(self.env(choice)))
-            policy = _policy(env, choice.player, stack)
+            policy = parse_policy(choice.player).prepare(env, stack)
             return record(env, choice.player, policy, choice.seed, shown)
 
     def explain(self, error: TaskbuilderError) -> tuple[Finding, ...]:
         """An error as findings, if it has any."""
         return error.findings if isinstance(error, FileError | PlacementError) else ()
-
-
-def _policy(env: TaskEnv, player: str, stack: ExitStack) -> Policy:
-    if player not in SCRIPTED:
-        trained = load_policy(player)
-        check_fits(trained, env, player)
-        return trained.player()
-    made = policy_named(player)(env)
-    if isinstance(made, Expert):
-        stack.callback(made.close)
-    return made

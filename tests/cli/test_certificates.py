@@ -14,7 +14,7 @@ from made_runs import sideways, write_task
 
 import taskbuilder
 from taskbuilder.digests import digest_of
-from taskbuilder.learn.zoo import save_policy
+from taskbuilder.policies.zoo import save_policy
 
 PACKAGE = Path(taskbuilder.__file__).parent
 SHORT = ("--episodes", "3", "--seed", "4", "--jobs", "1")

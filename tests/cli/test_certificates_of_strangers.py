@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from taskbuilder.trial.certificate import seals
+from taskbuilder.evaluation.certificate import seals
 
 ONE = ("--episodes", "2", "--seed", "4", "--jobs", "1", "--controls", "1")
 

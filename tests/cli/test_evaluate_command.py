@@ -10,7 +10,7 @@ import pytest
 from made_runs import ENV, sideways, write_run, write_task
 
 from taskbuilder.cli.evaluation_text import bar
-from taskbuilder.learn.zoo import save_policy
+from taskbuilder.policies.zoo import save_policy
 
 HERE = ("--task-path", ".", "--jobs", "1")
 SMALL = ("--size", "32x24", "--renderer", "tiny")

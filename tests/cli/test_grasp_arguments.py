@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from made_runs import ENV, sideways, write_run, write_task
 
-from taskbuilder.learn.zoo import load_policy, save_policy
+from taskbuilder.policies.zoo import load_policy, save_policy
 
 SHORT = ("--envs", "2", "--evaluate-every", "60", "--evaluate-episodes", "1", "--film-every", "0")
 TINY = ("--set", "hidden=[8]", "batch=16", "warm_up=20")

@@ -11,7 +11,7 @@ import pytest
 from made_runs import DESCRIPTION, SCENE, sideways, write_run
 
 from taskbuilder.arrays import StoreError
-from taskbuilder.learn.zoo import load_policy, save_policy
+from taskbuilder.policies.zoo import load_policy, save_policy
 
 MARK = "import pathlib\npathlib.Path('ran').touch()\n"
 WORDS = ("--episodes", "1", "--jobs", "1")

@@ -21,7 +21,7 @@ from taskbuilder.arrays import read_arrays
 from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.plan import load_plan, make_plan
 from taskbuilder.learn.settings import make_settings
-from taskbuilder.learn.zoo import load_policy
+from taskbuilder.policies.zoo import load_policy
 
 pytest.importorskip("torch")
 

@@ -22,10 +22,10 @@ from taskbuilder.data import layout
 from taskbuilder.data.checking import check_dataset
 from taskbuilder.data.collecting import CollectProgress, collect
 from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.policies import PolicyShare
 from taskbuilder.errors import UsageError
 from taskbuilder.jobs import LostError
-from taskbuilder.learn.zoo import load_policy, policy_file
+from taskbuilder.policies.mixture import PolicyShare
+from taskbuilder.policies.zoo import load_policy, policy_file
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning:ray.*"),

@@ -10,8 +10,8 @@ from own_task import DESCRIPTION, GOOD
 
 from taskbuilder.data.collecting import collect
 from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras
+from taskbuilder.policies.mixture import read_share
 
 CAMERAS = Cameras(("front", "left_wrist"), (48, 32), depth=True)
 

@@ -23,10 +23,10 @@ from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.environment import make_from
 from taskbuilder.data.machines import machine_of_episode
 from taskbuilder.data.plan import CollectPlan, attempt_of
-from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.files import write_whole
+from taskbuilder.policies.mixture import read_share
 from taskbuilder.task import load_task
 
 REACH = CollectPlan(("reach",), 3)

@@ -12,8 +12,8 @@ from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.formats import export_dataset
 from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.policies import read_share
 from taskbuilder.data.summary import summarize_dataset
+from taskbuilder.policies.mixture import read_share
 
 WORDS = """\
 timing: {episode_steps: 2}

@@ -11,8 +11,8 @@ from taskbuilder.cli import main
 from taskbuilder.data.collecting import CollectingError, collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.policies import read_share
 from taskbuilder.data.summary import missing_variations, summarize_dataset
+from taskbuilder.policies.mixture import read_share
 
 TASK = """\
 task: tall

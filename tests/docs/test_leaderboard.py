@@ -14,8 +14,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 from generators import leaderboard  # found by the line above
 
 from taskbuilder.digests import digest
-from taskbuilder.learn.zoo import policy_file
-from taskbuilder.trial.certificate import read_certificate, seals
+from taskbuilder.evaluation.certificate import read_certificate, seals
+from taskbuilder.policies.zoo import policy_file
 
 SHIPPED = leaderboard.CERTIFICATES
 FILES = sorted(file for file in SHIPPED.rglob("*.json") if file.name != leaderboard.VERIFIED)

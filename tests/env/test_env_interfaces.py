@@ -240,9 +240,9 @@ print([name for name in gymnasium.registry if name.startswith("taskbuilder")])
 
 def test_environments_and_learning_load_nothing_that_draws_on_paper():
     code = """
-import taskbuilder.env.vector, taskbuilder.env.joint, taskbuilder.expert.named
+import taskbuilder.env.vector, taskbuilder.env.joint, taskbuilder.policies.grammar
 import taskbuilder.visual.film
-import taskbuilder.learn.evaluation, taskbuilder.validate.runner, taskbuilder.validate.html.files
+import taskbuilder.evaluation.arms, taskbuilder.validate.runner, taskbuilder.validate.html.files
 print({"matplotlib", "PIL"} & {*sys.modules})
 """
     assert printed(code) == "set()\n"

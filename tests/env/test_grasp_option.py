@@ -12,7 +12,7 @@ from env_tasks import LIBRARY
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.env.vector import make_vec
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.named import policy_named
+from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout.files import load_rollouts, save_rollouts
 from taskbuilder.rollout.play import play, replay
 from taskbuilder.task import load_task
@@ -22,7 +22,7 @@ SEED = 1
 
 
 def expert(env):
-    return policy_named("expert")(env)
+    return Expert(env)
 
 
 def attaching(env):

@@ -13,7 +13,7 @@ import pytest
 from taskbuilder.learn.algorithms import ALGORITHMS, find_algorithm
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.shapes import Shapes
-from taskbuilder.learn.zoo import load_policy, save_policy
+from taskbuilder.policies.zoo import load_policy, save_policy
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "learning.md"
 SHAPES = Shapes({"left": 3, "right": 2}, {"left": 2, "right": 1}, 4)

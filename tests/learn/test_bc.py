@@ -15,19 +15,19 @@ from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.environment import make_from
 from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.policies import read_share
 from taskbuilder.data.recording import Cameras
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, resume, train
-from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
-from taskbuilder.learn.evaluation import check_fits, options_for, options_of
-from taskbuilder.learn.policy import Network
 from taskbuilder.learn.recordings import read_demonstrations
 from taskbuilder.learn.replayed import Replayer
 from taskbuilder.learn.runs import checked
 from taskbuilder.learn.vision import PictureEncoders
-from taskbuilder.learn.zoo import save_policy
+from taskbuilder.policies.chunk_policy import ChunkExecution, ChunkPolicy
+from taskbuilder.policies.fitting import check_fits, options_of
+from taskbuilder.policies.mixture import read_share
+from taskbuilder.policies.trained import Network
+from taskbuilder.policies.zoo import save_policy
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.task import load_task
@@ -349,7 +349,7 @@ def test_what_a_data_set_was_collected_with_is_what_its_policy_plays_in(tmp_path
     assert len(opened) == 1
     for recorded in (run.plan.env, options_of(run.policy)):
         assert options.items() <= recorded.items()
-    with closing(parallel_env("reach", **options_for(run.policy, {}, "it"))) as env:
+    with closing(parallel_env("reach", **options_of(run.policy))) as env:
         assert env.episode.world.robots["arm"].model.name == "ur5e"
         assert (env.options.control_hz, env.max_episode_steps) == (5, 60)
         check_fits(run.policy, env)

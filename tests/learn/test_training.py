@@ -25,7 +25,7 @@ from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.learn.training import train
-from taskbuilder.learn.zoo import load_policy
+from taskbuilder.policies.zoo import load_policy
 from taskbuilder.rollout import save_rollouts
 from taskbuilder.task import load_task
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.errors import UnknownNameError, UsageError
-from taskbuilder.expert.named import POLICIES, policy_named
+from taskbuilder.errors import UsageError
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import HoldStill, RandomActions, play, replay
 
@@ -71,19 +70,13 @@ def test_a_function_acts_by_what_is_seen_at_each_step(env):
         shown, *_ = env.step({agent: told[step] for agent, told in episode.actions.items()})
 
 
-@pytest.mark.parametrize("name", ["random", "nothing"])
-def test_what_was_played_can_be_played_again(name, env):
-    episode = play(env, policy_named(name)(env), 3)
+@pytest.mark.parametrize("policy", [RandomActions(), HoldStill()])
+def test_what_was_played_can_be_played_again(policy, env):
+    episode = play(env, policy, 3)
     rewards = []
     again = replay(env, episode, lambda played: rewards.append(played.team_reward()))
     assert rewards[1:] == episode.rewards.tolist()
     assert again.equals(episode)
-
-
-def test_policies_have_names():
-    assert list(POLICIES) == ["expert", "random", "nothing"]
-    with pytest.raises(UnknownNameError, match='no policy "rnadom"; did you mean "random"'):
-        policy_named("rnadom")
 
 
 def test_an_environment_that_draws_its_variation_has_no_expert_but_its_episodes_say_which(tmp_path):

@@ -11,7 +11,7 @@ from taskbuilder import Expert, parallel_env
 from taskbuilder.geometry import from_rpy_deg, to_rpy_deg
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.view.recording import record
-from taskbuilder.view.shapes import LinkPoses, visible_links
+from taskbuilder.world.visible import LinkPoses, visible_links
 
 
 @pytest.fixture(scope="module")

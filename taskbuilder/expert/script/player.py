@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 from taskbuilder.env.action_encoder import Actions
+from taskbuilder.env.actions import can_be_planned
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.planner import Planner
@@ -14,6 +15,7 @@ from taskbuilder.expert.script.troubles import StageError
 from taskbuilder.rollout.play import Watch, play
 from taskbuilder.rollout.record import Rollout, ScriptLog, Trouble
 from taskbuilder.schema.expert import ExpertStage, in_words
+from taskbuilder.task import Task
 
 Finish = bool | Literal["undecided"]
 """Whether to hold still until the episode is over once the stages are done; ``"undecided"``: no
@@ -228,3 +230,10 @@ class _Script:
             cause = "no time left"
             message = f"the episode ended after {episode.steps} control steps"
         return Trouble(self._stage, stage, "", cause, message, episode.steps)
+
+
+def has_expert(task: Task) -> bool:
+    """Whether a task has an expert whose action modes can be planned for."""
+    spec = task.file.spec
+    robots = spec.scene.robots.values()
+    return bool(spec.expert) and all(can_be_planned(robot.action) for robot in robots)

@@ -18,7 +18,6 @@ from torch import Tensor, nn
 
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.chunk_data import ChunkData
-from taskbuilder.learn.chunk_policy import ChunkExecution, ChunkPolicy
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.networks import (
     Linears,
@@ -29,12 +28,13 @@ from taskbuilder.learn.networks import (
     set_lr,
     state_arrays,
 )
-from taskbuilder.learn.pictures import KERNELS
-from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.recordings import Demonstrations
 from taskbuilder.learn.settings import Count, Layers, Positive, Weight
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.vision import PictureEncoders
+from taskbuilder.policies.chunk_policy import ChunkExecution, ChunkPolicy
+from taskbuilder.policies.pictures import KERNELS
+from taskbuilder.policies.trained import TrainedPolicy
 
 
 @dataclass(frozen=True)

@@ -23,12 +23,12 @@ from taskbuilder.learn.exploration import Exploration
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.networks import half_cosine, halved
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight, Whole, formerly
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
 from taskbuilder.learn.values import make_values
+from taskbuilder.policies.trained import Array, TrainedPolicy
 
 MEASURED = 20_000
 """Sampled transitions that set the standardisation of inputs when networks are reset."""

@@ -22,10 +22,10 @@ from torch import Tensor
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.off_policy import OffPolicy
-from taskbuilder.learn.policy import Array, Network, TrainedPolicy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight, Whole
 from taskbuilder.learn.shapes import Rows, Shapes
+from taskbuilder.policies.trained import Array, Network, TrainedPolicy
 
 Actions = dict[str, NDArray[np.float32]]
 

@@ -29,10 +29,10 @@ from taskbuilder.learn.networks import (
     state_arrays,
 )
 from taskbuilder.learn.on_policy import OnPolicy
-from taskbuilder.learn.policy import Array, TrainedPolicy
 from taskbuilder.learn.running_moments import RunningMoments
 from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight
 from taskbuilder.learn.shapes import Rows, Shapes
+from taskbuilder.policies.trained import Array, TrainedPolicy
 
 Flags = NDArray[np.bool_]
 

@@ -16,13 +16,11 @@ from made_runs import ENV, sideways, write_task
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.evaluation import (
-    check_fits,
-    evaluate,
-    options_of,
-    summarise,
-)
-from taskbuilder.learn.policy import Network, TrainedPolicy
+from taskbuilder.evaluation.arms import SUBJECT, Job, TrialConfig, jobs_of, play_all
+from taskbuilder.evaluation.summary import summarise
+from taskbuilder.policies.fitting import check_fits, options_of
+from taskbuilder.policies.grammar import parse_policy
+from taskbuilder.policies.trained import Network, TrainedPolicy
 from taskbuilder.rollout import play
 
 SEEDS = range(7)  # a goal behind the arm, goals on its way, one where it begins
@@ -77,8 +75,9 @@ def test_episodes_come_in_order_and_are_the_same_wherever_they_are_played(env, f
 
     asked = {"forces": True, "explain": True}
     expected = [play(env, sideways().act, seed, **asked) for seed in (4, 1, 5)]
-    for spread in (None, elsewhere):
-        found = evaluate(Make(file), sideways(), (4, 1, 5), spread)
+    config = TrialConfig(parse_policy(sideways()), Make(file), Make(file))
+    for spread in (map, elsewhere):
+        found = [played[SUBJECT] for played in play_all(config, jobs_of((4, 1, 5), 0), spread)]
         assert all(one.equals(other) for one, other in zip(found, expected, strict=True))
 
 
@@ -90,7 +89,8 @@ def test_episodes_come_as_soon_as_they_have_been_played(file):
             asked.append(seed)
             yield seed
 
-    episodes = evaluate(Make(file), sideways(), seeds())
+    config = TrialConfig(parse_policy(sideways()), Make(file), Make(file))
+    episodes = play_all(config, (Job(seed, False) for seed in seeds()))
     next(episodes)
     assert asked == [0]
     episodes.close()
@@ -195,7 +195,7 @@ def test_summaries_do_not_depend_on_the_order_of_equals():
 
 
 def test_measuring_and_plotting_need_no_torch():
-    names = ("evaluation", "statistics", "run_groups", "logs", "policy", "zoo")
-    modules = ", ".join(f"taskbuilder.learn.{name}" for name in names)
+    names = ("evaluation.assessment", "evaluation.verify", "learn.run_groups", "policies.mixture")
+    modules = ", ".join(f"taskbuilder.{name}" for name in names)
     code = f"import sys; sys.modules['torch'] = None; import {modules}"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -8,8 +8,8 @@ import numpy as np
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.learn.chunk_policy import CHUNKS, ChunkPolicy
-from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.policies.chunk_policy import CHUNKS, ChunkPolicy
+from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.wording import suggestion
 
 ZOO = Path(__file__).parent / "models"
@@ -22,7 +22,7 @@ LARGEST = 64 << 20
 """Maximum size of a policy's file in bytes, hundreds of times the size of those in the zoo."""
 
 _KIND = "policy"
-_PREFIX = "zoo:"
+ZOO_PREFIX = "zoo:"
 
 
 def save_policy(path: Path, policy: TrainedPolicy) -> None:
@@ -67,13 +67,13 @@ def policy_file(name: str) -> Path:
         UnknownNameError: The zoo has no policy of this name.
         UsageError: There is no such folder or file, or no policy in it yet.
     """
-    return _zoo_file(name) if name.startswith(_PREFIX) else _file(name)
+    return _zoo_file(name) if name.startswith(ZOO_PREFIX) else _file(name)
 
 
 def zoo_names() -> tuple[str, ...]:
     """Names of the pretrained policies, such as ``zoo:handover/demos``."""
     files = sorted(ZOO.glob("*/*.npz"))
-    return tuple(f"{_PREFIX}{file.parent.name}/{file.stem}" for file in files)
+    return tuple(f"{ZOO_PREFIX}{file.parent.name}/{file.stem}" for file in files)
 
 
 def _zoo_file(name: str) -> Path:
@@ -81,7 +81,7 @@ def _zoo_file(name: str) -> Path:
     if name not in names:
         help_ = suggestion(name, names, what="the zoo has")
         raise UnknownNameError(f'no policy "{name}"; {help_}')
-    return ZOO / f"{name.removeprefix(_PREFIX)}.npz"
+    return ZOO / f"{name.removeprefix(ZOO_PREFIX)}.npz"
 
 
 def _file(name: str) -> Path:

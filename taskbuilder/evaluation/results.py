@@ -1,94 +1,19 @@
-"""The results of a trial: metrics of the policy and comparison with the baselines."""
+"""The results of an evaluation, and the records of its episodes, as data."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from statistics import fmean
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from taskbuilder.digests import digest
-from taskbuilder.expert.ways import EXPERT, RANDOM, Kind, Way
-from taskbuilder.learn.evaluation import EvaluationSummary, summarise
+from taskbuilder.evaluation.arms import SUBJECT
+from taskbuilder.evaluation.comparison import Arms, Beside, compare
+from taskbuilder.evaluation.summary import EvaluationSummary, summarise
+from taskbuilder.expert.ways import Kind
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.trial.arms import CONTROLS, SUBJECT
-
-Arms = Mapping[Way, Sequence[Rollout]]
-"""Episodes by arm; the baselines play the first seeds of the policy."""
-
-
-@dataclass(frozen=True)
-class Beside:
-    """A baseline compared with the policy, on the seeds that both played.
-
-    Attributes:
-        arm: The arm of the baseline.
-        episodes: Number of common seeds.
-        success_rate: Success rate of the baseline at some step.
-        success_at_end_rate: Success rate of the baseline at the last step.
-        mean_return: Mean return of the baseline.
-        policy_return: Mean return of the policy, on the same seeds.
-    """
-
-    arm: Way
-    episodes: int
-    success_rate: float
-    success_at_end_rate: float
-    mean_return: float
-    policy_return: float
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """The comparison of a policy with its baselines.
-
-    Attributes:
-        controls: The expert, random actions and holding still, if they played.
-        best_stall: The stall with the highest return in episodes without success, or None.
-    """
-
-    controls: tuple[Beside, ...]
-    best_stall: Beside | None
-
-    @property
-    def normalized_return(self) -> float | None:
-        """The return on a scale from random actions (0) to the expert (1)."""
-        found = {beside.arm: beside for beside in self.controls}
-        if EXPERT not in found or RANDOM not in found:
-            return None
-        low, high = found[RANDOM].mean_return, found[EXPERT].mean_return
-        if not high > low:
-            return None
-        return (found[EXPERT].policy_return - low) / (high - low)
-
-
-def compare(arms: Arms) -> Comparison:
-    """Compare the policy of a trial with its baselines."""
-    own = {rollout.seed: rollout for rollout in arms[SUBJECT]}
-    controls = tuple(_beside(way, arms[way], own) for way in CONTROLS if arms.get(way))
-    stalls = []
-    for way, played in arms.items():
-        failed = [rollout for rollout in played if not rollout.success]
-        if way.kind is Kind.STALL and failed:
-            stalls.append(_beside(way, failed, own))
-    best = max(stalls, key=lambda beside: beside.mean_return, default=None)
-    return Comparison(controls, best)
-
-
-def _beside(way: Way, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> Beside:
-    return Beside(
-        arm=way,
-        episodes=len(played),
-        success_rate=fmean(rollout.success for rollout in played),
-        success_at_end_rate=fmean(rollout.success_at_end for rollout in played),
-        mean_return=fmean(rollout.team_return for rollout in played),
-        policy_return=fmean(own[rollout.seed].team_return for rollout in played),
-    )
-
-
-# --- as data
 
 
 def record(rollout: Rollout) -> dict[str, Any]:

@@ -2,37 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from secrets import token_hex
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.leaving import stall_after_stages
-from taskbuilder.expert.named import has_expert, policy_named
-from taskbuilder.expert.script.player import Expert
+from taskbuilder.expert.script.player import has_expert
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
-from taskbuilder.learn.policy import TrainedPolicy
+from taskbuilder.jobs import Map
+from taskbuilder.policies.grammar import Player, Word, player_of
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.rollout.served import PolicyServer, ServedPolicy
 
 SUBJECT = Way(Kind.POLICY)
 """The arm of the evaluated policy."""
 
-CONTROLS = (EXPERT, RANDOM, NOTHING)
-"""The arms of the baselines, other than stalling."""
+CONTROLS: Mapping[Way, Word] = {
+    EXPERT: Word("expert", "expert"),
+    RANDOM: Word("random", "random"),
+    NOTHING: Word("hold", "hold"),
+}
+"""The arms of the baselines, other than stalling, and who plays them."""
 
 Episodes = dict[Way, Rollout]
 """The episodes from one seed, by arm."""
-
-Player = TrainedPolicy | PolicyServer | str
-"""Who is evaluated: a trained policy, a policy server, or the name of another policy."""
-
-Spread = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
-"""A `map`, perhaps over several processes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,15 +37,19 @@ class TrialConfig:
     """The players and environments of a trial, picklable for other processes.
 
     Attributes:
-        player: A trained policy, the name of another policy, or a policy server.
+        player: Who is evaluated.
         make_env: Makes the environment of the policy; it takes further options.
         make_control_env: Makes the environment of the baselines.
+        any_grasp: Whether grippers may hold objects by another rule than in training.
+        forces: Whether forces between robots are measured.
         token: Identifies the config in processes that receive it more than once.
     """
 
     player: Player
     make_env: Callable[..., TaskEnv]
     make_control_env: Callable[..., TaskEnv]
+    any_grasp: bool = False
+    forces: bool = True
     token: str = field(default_factory=lambda: token_hex(8))
 
     def __eq__(self, other: object) -> bool:
@@ -77,7 +78,8 @@ class TrialPlayer:
         self._config = config
         self._stack = ExitStack()
         self._env = self._stack.enter_context(closing(config.make_env()))
-        self._policy = self._make_policy(config.player, self._env)
+        grasp = config.any_grasp
+        self._policy = config.player.prepare(self._env, self._stack, any_grasp=grasp)
         self._envs: dict[int, TaskEnv] = {}
         self._policies: dict[tuple[Way, int], Policy] = {}
 
@@ -87,16 +89,17 @@ class TrialPlayer:
 
     def play(self, job: Job) -> Episodes:
         """Play the arms of a job from its seed."""
-        subject = play(self._env, self._policy, job.seed, forces=True, explain=True)
+        forces = self._config.forces
+        subject = play(self._env, self._policy, job.seed, forces=forces, explain=True)
         episodes = {SUBJECT: subject}
         if not job.compared:
             return episodes
         variation = subject.variation
         env = self._control_env(variation)
-        for way in CONTROLS:
+        for way, word in CONTROLS.items():
             if way == EXPERT and not has_expert(env.task):
                 continue
-            if self._config.player == way.kind.value:  # it has been played
+            if self._config.player.kind == word.kind:  # it has been played
                 episodes[way] = subject
                 continue
             policy = self._control(way, variation)
@@ -114,29 +117,22 @@ class TrialPlayer:
     def _control(self, way: Way, variation: int) -> Policy:
         key = (way, variation)
         if key not in self._policies:
-            self._policies[key] = self._make_policy(way.kind.value, self._control_env(variation))
+            env = self._control_env(variation)
+            self._policies[key] = player_of(CONTROLS[way]).prepare(env, self._stack)
         return self._policies[key]
-
-    def _make_policy(self, player: Player, env: TaskEnv) -> Policy:
-        if isinstance(player, TrainedPolicy):
-            return player.player()
-        made = policy_named(player)(env) if isinstance(player, str) else player(env)
-        if isinstance(made, Expert | ServedPolicy):
-            self._stack.callback(made.close)
-        return made
 
 
 def play_all(
-    config: TrialConfig, jobs: Iterable[Job], spread: Spread | None = None
+    config: TrialConfig, jobs: Iterable[Job], spread: Map = map
 ) -> Generator[Episodes, None, None]:
     """Play episodes, and yield them in order.
 
     Args:
         config: The players and environments.
         jobs: The episodes to play.
-        spread: A `map` over several processes; by default episodes are played in this process.
+        spread: A `map`, perhaps over several processes.
     """
-    if spread is not None:
+    if spread is not map:
         yield from spread(partial(_play_elsewhere, config), jobs)
         return
     with closing(TrialPlayer(config)) as player:

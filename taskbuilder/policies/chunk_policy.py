@@ -17,8 +17,8 @@ import numpy as np
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.pictures import PictureEncoder, is_of_encoder, read_encoder
-from taskbuilder.learn.policy import Array, TrainedPolicy
+from taskbuilder.policies.pictures import PictureEncoder, is_of_encoder, read_encoder
+from taskbuilder.policies.trained import Array, TrainedPolicy
 from taskbuilder.rollout.play import Policy
 
 CHUNKS = "chunks"

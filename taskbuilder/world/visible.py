@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.env.camera import Segments
 from taskbuilder.raster import MeshInstance
 from taskbuilder.sim.raster import RasterWorld, raster_world
 from taskbuilder.world.world import World
@@ -53,8 +52,7 @@ def visible_links(world: World) -> tuple[Link, ...]:
     A texture shows as the mean of its two colours.
     """
     drawn = raster_world(world.client)
-    numbers = Segments(world).of(drawn.bodies, drawn.links)
-    names = Segments(world).names
+    numbers, names = world.segments.of(drawn.bodies, drawn.links), world.segments.names
     groups: dict[tuple[int, str], list[MeshInstance]] = {}
     for shape, number in zip(drawn.shapes, numbers, strict=False):
         name = names[number] if number else "distractors"

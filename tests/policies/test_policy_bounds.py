@@ -12,8 +12,8 @@ import pytest
 from made_runs import sideways
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
-from taskbuilder.learn import zoo
-from taskbuilder.learn.zoo import load_policy, save_policy
+from taskbuilder.policies import zoo
+from taskbuilder.policies.zoo import load_policy, save_policy
 
 ABOUT = np.frombuffer(json.dumps({"kind": "policy", "squash": True}).encode(), dtype=np.uint8)
 

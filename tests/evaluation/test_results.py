@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from made_rollouts import made_rollout
 
+from taskbuilder.evaluation.results import as_data, compare
 from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
-from taskbuilder.trial.results import as_data, compare
 
 POLICY = Way(Kind.POLICY)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.digests import differences, digest_of
+from taskbuilder.evaluation.certificate import seals
 from taskbuilder.machine import processor, system, versions
-from taskbuilder.trial.certificate import seals
 from taskbuilder.wording import excerpt
 
 MOST_NAMED = 5

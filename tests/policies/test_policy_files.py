@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError
-from taskbuilder.learn import zoo
-from taskbuilder.learn.policy import Network, TrainedPolicy, folded
-from taskbuilder.learn.zoo import load_policy, save_policy, zoo_names
+from taskbuilder.policies import zoo
+from taskbuilder.policies.trained import Network, TrainedPolicy, folded
+from taskbuilder.policies.zoo import load_policy, save_policy, zoo_names
 
 ABOUT = {"kind": "test", "words": "ä"}
 ARRAYS = {"left/0": np.arange(3, dtype=np.float32), "count": np.array([7], dtype=np.int64)}
@@ -91,7 +91,7 @@ def test_folding_takes_the_standardising_and_the_role_into_the_first_layer(roles
 
 
 def test_policies_need_no_torch():
-    code = "import sys; sys.modules['torch'] = None; import taskbuilder.learn.zoo"
+    code = "import sys; sys.modules['torch'] = None; import taskbuilder.policies.zoo"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

@@ -25,7 +25,7 @@ from taskbuilder.env.joint_observation import PIXELS, JointObservation
 from taskbuilder.env.joint_state import JointState
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError, UsageError
-from taskbuilder.rollout.messages import HOW_TO_GET, LARGEST, MessageError, packed, unpacked
+from taskbuilder.policies.messages import HOW_TO_GET, LARGEST, MessageError, packed, unpacked
 from taskbuilder.wording import excerpt, suggestion
 
 SCHEMES = ("ws", "wss")
@@ -52,21 +52,23 @@ class PolicyServer:
 
     Attributes:
         address: ``ws://host:port``.
-        task: Name or path of the task.
+        task: Name or path of the task; "" where it is named otherwise.
         cameras: Cameras whose images the policy sees.
         size: Width and height of the images; by default each camera's.
         steps: How many actions of a chunk are played before the next is asked for; by default all.
         renderer: Draws the images; by default, what the environment chooses.
         timeout_s: How long an answer may take, in seconds.
+        name: Its name in messages and results.
     """
 
     address: str
-    task: str
+    task: str = ""
     cameras: tuple[str, ...] = ()
     size: tuple[int, int] | None = None
     steps: int | None = None
     renderer: str | None = None
     timeout_s: float = ANSWERS_S
+    name: str = "a policy server"
 
     @property
     def options(self) -> dict[str, Any]:
@@ -90,7 +92,7 @@ def is_served(name: str) -> bool:
 
 
 def read_server(name: str) -> PolicyServer:
-    """Read ``ws://host:port/TASK?cameras=front,left_wrist&size=224&steps=10``.
+    """Read ``ws://host:port/TASK?cameras=front,left_wrist&size=224&steps=10``, TASK or not.
 
     Raises:
         UsageError: It is no such address.
@@ -99,8 +101,6 @@ def read_server(name: str) -> PolicyServer:
     parts = _split(name)
     if parts is None or not parts.hostname or not parts.port or parts.scheme not in SCHEMES:
         raise UsageError(f'"{name}" is no address of a policy server; write one {example}')
-    if len(parts.path) < 2:
-        raise UsageError(f"which task? name it after the address, {example}")
     asked = dict(parse_qsl(parts.query, keep_blank_values=True))
     known = ("cameras", "size", "steps", "renderer", "timeout")
     for key in asked:
@@ -117,6 +117,7 @@ def read_server(name: str) -> PolicyServer:
         steps=_whole(name, asked["steps"]) if "steps" in asked else None,
         renderer=asked.get("renderer"),
         timeout_s=_whole(name, asked["timeout"]) if "timeout" in asked else ANSWERS_S,
+        name=name,
     )
 
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from taskbuilder.evaluation.statistics import bootstrap_band, iqm, normalised
 from taskbuilder.intervals import wilson
-from taskbuilder.learn.statistics import bootstrap_band, iqm, normalised
 
 scores = arrays(
     np.float64, st.integers(1, 30), elements=st.floats(-1e3, 1e3, allow_subnormal=False)

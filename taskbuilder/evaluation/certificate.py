@@ -11,12 +11,13 @@ from typing import Any
 
 from taskbuilder.digests import Digests, digest, digest_of
 from taskbuilder.errors import UsageError, display_path
+from taskbuilder.evaluation.arms import SUBJECT
+from taskbuilder.evaluation.comparison import Arms
+from taskbuilder.evaluation.results import as_data, record
 from taskbuilder.files import write_whole
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.task import Task
-from taskbuilder.trial.arms import SUBJECT
-from taskbuilder.trial.results import Arms, as_data, record
 from taskbuilder.untrusted import parse_json, read_plain
 from taskbuilder.wording import excerpt
 
@@ -53,7 +54,7 @@ class Trial:
     compared: int
 
 
-def certificate(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
+def certificate_of(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
     """The certificate of a trial, as data.
 
     Args:

@@ -18,9 +18,9 @@ from websockets.sync.server import serve
 
 from taskbuilder.cli import main
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.rollout import messages
-from taskbuilder.rollout.messages import MessageError, packed, unpacked
-from taskbuilder.rollout.served import PolicyServer, ServerError, read_server
+from taskbuilder.policies import messages
+from taskbuilder.policies.messages import MessageError, packed, unpacked
+from taskbuilder.policies.served import PolicyServer, ServerError, read_server
 
 SIZE = 5
 """Numbers of an action of reach: a move, a turn and a gripper."""

@@ -11,8 +11,8 @@ import pytest
 
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.learn.evaluation import options_of
-from taskbuilder.learn.zoo import ZOO, load_policy, zoo_names
+from taskbuilder.policies.fitting import options_of
+from taskbuilder.policies.zoo import ZOO, load_policy, zoo_names
 from taskbuilder.rollout import play
 
 ROOT = Path(__file__).resolve().parents[2]

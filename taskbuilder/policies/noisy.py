@@ -1,0 +1,53 @@
+"""The expert with noise, whose episodes show how mistakes are made good."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from taskbuilder.env.action_encoder import Actions
+from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.expert.script.player import Expert
+from taskbuilder.rollout.record import ScriptLog
+
+
+class NoisyExpert:
+    """The expert with Gaussian noise on the numbers of the arms; grippers have none.
+
+    The expert continues from where the noise has led it, as far as its stages allow.
+
+    Args:
+        expert: The expert.
+        spread: Standard deviation, where actions are from -1 to 1.
+    """
+
+    def __init__(self, expert: Expert, spread: float) -> None:
+        self._expert, self._spread = expert, spread
+
+    def reset(self, env: TaskEnv, seed: int) -> None:
+        """Begin an episode; the seed determines the noise."""
+        self._expert.reset(env, seed)
+        # Apart from the generators of the episode and of random actions.
+        self._rng = np.random.default_rng([seed, 3])
+
+    def act(self, observations: Mapping[str, Any]) -> Actions | None:
+        """The expert's actions with noise, from -1 to 1."""
+        actions = self._expert.act(observations)
+        if actions is None:
+            return None
+        noisy = {}
+        for agent, action in actions.items():
+            noise = self._rng.normal(0.0, self._spread, len(action))
+            noise[self._expert.env.episode.actions[agent].arm_size :] = 0.0
+            noisy[agent] = np.clip(action + noise, -1.0, 1.0).astype(np.float32)
+        return noisy
+
+    def log(self) -> ScriptLog:
+        """The log of the expert's stages."""
+        return self._expert.log()
+
+    def close(self) -> None:
+        """Free what the expert holds."""
+        self._expert.close()
