@@ -1,12 +1,17 @@
 """How often comparisons of returns that stop when they are decided are wrong, by simulation.
 
     python benchmarks/stopping.py [--trials 20000]
+    python benchmarks/stopping.py --replay handover tests/broken_tasks/holding_pays.yaml ...
 
 A trial draws the differences between the expert's return and a probe's, whose true mean is zero, so
 that no comparison should find a lead. They come from normal, skewed and two-valued distributions.
 Every trial is judged three times: at the looks of `taskbuilder validate`, from all seeds at once,
 and at the looks of ``--quick``. Leads whose size is given in standard deviations tell how many
 seeds the looks need. Writes benchmarks/results/stopping.json.
+
+With --replay, tasks are played instead: every probe from all seeds, whatever the looks decide. The
+verdict on each comparison at the looks is held against that from all seeds at once, which is an
+interval of 95 %. Writes a row for each task to benchmarks/results/stopping_replayed.json.
 """
 
 from __future__ import annotations
@@ -14,18 +19,28 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 from machine import describe_machine
 from numpy.typing import NDArray
 
-from taskbuilder.intervals import student
+from taskbuilder import load_task
+from taskbuilder.expert.ways import EXPERT
+from taskbuilder.intervals import PairedDifference, student
+from taskbuilder.validate.checks import incentives, necessity
+from taskbuilder.validate.report import Probe
+from taskbuilder.validate.runner import validate_task
 from taskbuilder.validate.sequential import ENOUGH, ERROR, Look, Looks, looks
 
 RESULTS = Path(__file__).parent / "results" / "stopping.json"
+REPLAYED = RESULTS.with_name("stopping_replayed.json")
+FAMILIES = ("needs its robots", "pays for success")
+AT_ONCE = Looks((Look(ENOUGH, ERROR),), both_ways=True)
 SEED = 7_400_000
 LEADS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Mean leads, in standard deviations of the differences."""
@@ -95,7 +110,7 @@ def errors(rng: np.random.Generator, trials: int) -> dict[str, Any]:
     """How often each way of judging finds a lead where there is none."""
     plans = {
         "stopping": looks(ENOUGH),
-        "all seeds": Looks((Look(ENOUGH, ERROR),), both_ways=True),
+        "all seeds": AT_ONCE,
         "quick": looks(5),
     }
     found = {}
@@ -125,11 +140,80 @@ def lengths(rng: np.random.Generator, trials: int) -> list[dict[str, Any]]:
     return rows
 
 
+def verdict(expert: Probe, probe: Probe, plan: Looks, *, discounted: bool) -> tuple[bool, int]:
+    """Whether the expert leads a probe, and the seeds that it took to find out."""
+    ours, theirs = ((p.discounted if discounted else p.returns) for p in (expert, probe))
+    mine = dict(zip(expert.seeds, ours, strict=True))
+    rows = list(zip(probe.seeds, theirs, probe.succeeded, strict=True))
+    for look in plan.listed:
+        last = look is plan.listed[-1]
+        pairs = [
+            (mine[seed], earned)
+            for seed, earned, succeeded in rows
+            if seed < look.seeds and seed in mine and not succeeded
+        ]
+        if len(pairs) < incentives.LEAST_PAIRS:
+            continue
+        lead = PairedDifference.of(*map(list, zip(*pairs, strict=True)), look.tail)
+        if lead.low > 0.0 or lead.high < 0.0 or last:
+            return lead.low > 0.0, look.seeds
+    return True, plan.listed[-1].seeds  # it succeeds itself, and is left out
+
+
+def replayed(task: str) -> dict[str, Any]:
+    """Play a task's probes from all seeds, and compare the verdicts."""
+    started = time.process_time()
+    with (
+        mock.patch.object(incentives, "looks", return_value=AT_ONCE),
+        mock.patch.object(necessity, "looks", return_value=AT_ONCE),
+        mock.patch.object(necessity, "MOST_SOLOS", 0),  # which are not compared
+    ):
+        report = validate_task(task, only=FAMILIES, apart=False)
+    probes = [probe for family in report.families for probe in family.probes]
+    expert = next(probe for probe in probes if probe.way == EXPERT)
+    plan = looks(ENOUGH, len(load_task(task).file.scenes))
+    differ, needed = [], Counter()
+    for probe in probes:
+        if probe is expert:
+            continue
+        seeds = 0
+        for discounted in (False, True):
+            at_once, _ = verdict(expert, probe, AT_ONCE, discounted=discounted)
+            stopped, took = verdict(expert, probe, plan, discounted=discounted)
+            seeds = max(seeds, took)
+            if stopped is not at_once:
+                differ.append(f"{probe.way}{' discounted' * discounted}")
+        needed[seeds] += 1
+    return {
+        "ok": report.ok,
+        "codes": sorted({finding.code for finding in report.findings}),
+        "probes": len(probes) - 1,
+        "differ": differ,
+        "probes_by_seeds": {str(seeds): needed[seeds] for seeds in sorted(needed)},
+        "cpu_s": round(time.process_time() - started, 1),
+    }
+
+
+def replay(tasks: list[str]) -> None:
+    """Replay tasks, and write a row for each as soon as it is there."""
+    rows = json.loads(REPLAYED.read_text(encoding="utf-8")) if REPLAYED.exists() else {}
+    for task in tasks:
+        name = load_task(task).name
+        rows[name] = replayed(task)
+        print(name, rows[name], flush=True)
+        text = json.dumps(rows, indent=1, ensure_ascii=False, sort_keys=True)
+        REPLAYED.write_text(text + "\n", encoding="utf-8")
+
+
 def main() -> None:
-    """Simulate, and write what was found."""
+    """Simulate, or replay, and write what was found."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, default=20_000)
+    parser.add_argument("--replay", nargs="+", metavar="TASK")
     asked = parser.parse_args()
+    if asked.replay:
+        replay(asked.replay)
+        return
     started = time.process_time()
     rng = np.random.default_rng(SEED)
     data = {
