@@ -33,6 +33,7 @@ from taskbuilder import load_task
 from taskbuilder.expert.ways import EXPERT
 from taskbuilder.intervals import PairedDifference, student
 from taskbuilder.validate.checks import incentives, necessity
+from taskbuilder.validate.checks.rivals import LEAST_PAIRS
 from taskbuilder.validate.report import Probe
 from taskbuilder.validate.runner import validate_task
 from taskbuilder.validate.sequential import ENOUGH, ERROR, Look, Looks, looks
@@ -152,7 +153,7 @@ def verdict(expert: Probe, probe: Probe, plan: Looks, *, discounted: bool) -> tu
             for seed, earned, succeeded in rows
             if seed < look.seeds and seed in mine and not succeeded
         ]
-        if len(pairs) < incentives.LEAST_PAIRS:
+        if len(pairs) < LEAST_PAIRS:
             continue
         lead = PairedDifference.of(*map(list, zip(*pairs, strict=True)), look.tail)
         if lead.low > 0.0 or lead.high < 0.0 or last:

@@ -227,6 +227,12 @@ def _add_validate(adder: Adder) -> None:
         metavar="N",
         help="use N seeds per variation (default 40)",
     )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue an interrupted validation with the same arguments after the last family of "
+        "checks that was finished",
+    )
     add_other_robots(parser)
     add_grasp(parser)
     add_jobs(parser)

@@ -19,20 +19,26 @@ What only training uses, progress and setback, is checked as well; see `training
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.expert.leaving import leave_after_stages
 from taskbuilder.expert.ways import EXPERT, Kind, Way
-from taskbuilder.geometry import total
-from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import in_words
 from taskbuilder.validate.checks.necessity import Tried, play_ways
+from taskbuilder.validate.checks.rivals import (
+    SORTS,
+    Comparisons,
+    Plays,
+    Rival,
+    Sort,
+    closeness,
+    mean,
+)
 from taskbuilder.validate.checks.training_signals import check_training_signals
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
@@ -46,15 +52,9 @@ from taskbuilder.validate.playing import (
     wild_terms,
 )
 from taskbuilder.validate.report import Check, FamilyResult, Probe, Result
-from taskbuilder.validate.sequential import Look, Looks, looks
-
-LEAST_PAIRS = 3
-"""Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
+from taskbuilder.validate.sequential import looks
 
 NAME = "pays for success"
-
-Plays = Mapping[Way, Mapping[Start, Rollout]]
-"""Episodes by probe and start."""
 
 
 class Replayed(NamedTuple):
@@ -71,33 +71,10 @@ class Replayed(NamedTuple):
     ways: frozenset[Way] | None = None
 
 
-@dataclass(frozen=True)
-class _Sort:
-    """A kind of probe that must not earn as much as success.
-
-    Attributes:
-        code: Code of the check.
-        name: Name of the check.
-        kinds: Prefixes of the names of its probes.
-    """
-
-    code: str
-    name: str
-    kinds: tuple[Kind, ...]
-
-
-_SORTS = (
-    _Sort("TB553", "success pays more than nothing and random play", (Kind.NOTHING, Kind.RANDOM)),
-    _Sort("TB552", "success pays more than stalling", (Kind.STALL,)),
-    _Sort("TB554", "success pays more than leaving out a robot", (Kind.WITHOUT,)),
-    _Sort("TB555", "success pays more than failing on purpose", (Kind.FAIL,)),
-)
-
-
 def pays_family(context: Context) -> FamilyResult:
     """Compare the returns of the expert with those of the probes."""
     plan = looks(context.seeds, context.variations)
-    beside = _Comparisons(_judged_sorts(context), plan)
+    beside = Comparisons(_judged_sorts(context), plan)
     known = {way: found for way, found in context.plays.items() if way.kind is not Kind.ALONE}
     plays: dict[Way, dict[Start, Rollout]] = {}
     bounded = _check_terms(context, known)
@@ -132,20 +109,20 @@ def pays_family(context: Context) -> FamilyResult:
     elif plays.get(EXPERT):
         summary = _summary(beside)
     else:
-        summary = ", ".join(f"{probe.way} {_mean(probe.returns):.1f}" for probe in probes)
+        summary = ", ".join(f"{probe.way} {mean(probe.returns):.1f}" for probe in probes)
     return FamilyResult(NAME, checks, findings, summary, probes=probes)
 
 
-def _judged_sorts(context: Context) -> tuple[_Sort, ...]:
+def _judged_sorts(context: Context) -> tuple[Sort, ...]:
     """The sorts of probes that must not earn as much as success, in the order of judging."""
     needed = context.task.file.spec.cooperation == "required"
-    return tuple(sort for sort in _SORTS if needed or sort.code != "TB554")
+    return tuple(sort for sort in SORTS if needed or sort.code != "TB554")
 
 
 def _play_on(
     context: Context,
     plays: dict[Way, dict[Start, Rollout]],
-    beside: _Comparisons,
+    beside: Comparisons,
     first: int,
     end: int,
 ) -> None:
@@ -210,7 +187,7 @@ def _known(
     return found
 
 
-def _probe(way: Way, found: Mapping[Start, Rollout], beside: _Comparisons) -> Probe:
+def _probe(way: Way, found: Mapping[Start, Rollout], beside: Comparisons) -> Probe:
     by_seed = sorted(found.items(), key=lambda item: item[0].seed)
     listed = [play for _, play in by_seed]
     return Probe(
@@ -224,12 +201,12 @@ def _probe(way: Way, found: Mapping[Start, Rollout], beside: _Comparisons) -> Pr
     )
 
 
-def _summary(beside: _Comparisons) -> str:
+def _summary(beside: Comparisons) -> str:
     """The closest probe, the expert's lead over it, and how many seeds the probes needed."""
     rivals = beside.rivals
     if not rivals:
         return "every way of playing succeeds"
-    closest = min(rivals, key=_closeness)
+    closest = min(rivals, key=closeness)
     lead = [
         f"by {closest.lead}" + (f" with discount {DISCOUNT:g}" if closest.discount < 1.0 else "")
     ]
@@ -241,11 +218,6 @@ def _summary(beside: _Comparisons) -> str:
         f"expert leads {closest.way} {lead[0]} ({means}, {_pairs(closest)}); "
         f"decided by number of seeds: {counts}"
     )
-
-
-def _mean(values: Iterable[float]) -> float:
-    listed = list(values)
-    return total(listed) / len(listed)
 
 
 # --- in each process
@@ -293,13 +265,13 @@ def _check_terms(context: Context, plays: Plays) -> Result:
     return Check("TB551", "reward terms are finite", not count, count, 0, "terms"), findings
 
 
-def _compared(context: Context, beside: _Comparisons) -> Iterator[Result]:
+def _compared(context: Context, beside: Comparisons) -> Iterator[Result]:
     """Judge the kinds of probes in order, up to the first that earns as much as success."""
     for sort in beside.sorts:
         rivals = beside.of(sort)
         if not rivals:
             continue
-        closest = min(rivals, key=_closeness)
+        closest = min(rivals, key=closeness)
         better = {rival.way for rival in rivals if not rival.lead.low > 0.0}
         findings = [_finding(context, sort, closest, len(better))] if better else []
         margin = closest.lead.low / closest.steps
@@ -308,147 +280,12 @@ def _compared(context: Context, beside: _Comparisons) -> Iterator[Result]:
             return
 
 
-@dataclass(frozen=True)
-class _Rival:
-    """The returns of a probe and the expert, from the same seeds.
-
-    Attributes:
-        way: Name of the probe.
-        discount: Discount of the returns.
-        expert: Mean return of the expert.
-        earned: Mean return of the probe.
-        lead: The expert's return minus the probe's, pair by pair.
-        successes: The number of the probe's episodes that succeeded, and are left out.
-        steps: Discounted number of control steps of the episode.
-        seeds: Number of seeds up to the look.
-    """
-
-    way: Way
-    discount: float
-    expert: float
-    earned: float
-    lead: PairedDifference
-    successes: int
-    steps: float
-    seeds: int
-
-
-class _Comparisons:
-    """The comparisons of a task, each as it was at the look that decided it.
-
-    Args:
-        sorts: The sorts of probes that are judged, in order.
-        plan: The looks.
-    """
-
-    def __init__(self, sorts: Sequence[_Sort], plan: Looks) -> None:
-        self.sorts = sorts
-        self._plan = plan
-        self._decided: dict[tuple[Way, float], _Rival] = {}
-        self._open: dict[tuple[Way, float], _Rival] = {}
-        self._short: set[Way] = set()
-        self._asked: set[Way] | None = None  # all, at the first look
-
-    def look(self, plays: Plays, look: Look) -> None:
-        """Look at all comparisons that are undecided so far.
-
-        Args:
-            plays: The episodes up to this look.
-            look: The look.
-        """
-        last = look == self._plan.listed[-1]
-        self._short = set()
-        for way in plays:
-            if not self._sorted(way) or (self._asked is not None and way not in self._asked):
-                continue
-            rivals = list(_beside_expert(way, plays[EXPERT], plays[way], look))
-            if not rivals and not last:
-                self._short.add(way)
-            for rival in rivals:
-                key = (way, rival.discount)
-                if key in self._decided:
-                    continue
-                self._open.pop(key, None)
-                decided = last or self._is_decided(rival.lead)
-                (self._decided if decided else self._open)[key] = rival
-        self._asked = self.undecided
-
-    def _is_decided(self, lead: PairedDifference) -> bool:
-        if self._plan.both_ways and lead.pairs < LEAST_PAIRS:
-            return False
-        if lead.low > 0.0:
-            return True
-        return lead.high < 0.0 if self._plan.both_ways else lead.mean <= 0.0
-
-    def _sorted(self, way: Way) -> bool:
-        return any(way.kind in sort.kinds for sort in self.sorts)
-
-    @property
-    def undecided(self) -> set[Way]:
-        """The probes to be played on: those that can change the result.
-
-        A sort of probes is judged only where none before it has failed.
-        """
-        found = {way for way, _ in self._open} | self._short
-        for number, sort in enumerate(self.sorts):
-            if any(not rival.lead.low > 0.0 for rival in self._of(sort, self._decided)):
-                judged = {kind for one in self.sorts[: number + 1] for kind in one.kinds}
-                return {way for way in found if way.kind in judged}
-        return found
-
-    def _of(self, sort: _Sort, found: Mapping[tuple[Way, float], _Rival]) -> list[_Rival]:
-        return [rival for (way, _), rival in found.items() if way.kind in sort.kinds]
-
-    def of(self, sort: _Sort) -> list[_Rival]:
-        """The comparisons of a sort, in the order of the probes."""
-        return self._of(sort, {**self._decided, **self._open})
-
-    @property
-    def rivals(self) -> list[_Rival]:
-        """All comparisons."""
-        return [rival for sort in self.sorts for rival in self.of(sort)]
-
-    def needed(self, way: Way) -> int | None:
-        """Number of seeds after which a probe was decided; None if it was not compared."""
-        both = [rival.seeds for (one, _), rival in self._decided.items() if one == way]
-        return max(both, default=None)
-
-
-def _pairs(rival: _Rival) -> str:
+def _pairs(rival: Rival) -> str:
     left_out = f", without {rival.successes} that succeeded" if rival.successes else ""
     return f"{rival.lead.pairs} pair{'s' * (rival.lead.pairs > 1)}{left_out}"
 
 
-def _closeness(rival: _Rival) -> tuple[bool, float]:
-    """Sort key: the expert's lead, smallest first; for equal leads, undiscounted returns first."""
-    return rival.lead.low > 0.0, rival.lead.low / rival.steps
-
-
-def _beside_expert(
-    way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout], look: Look
-) -> Iterator[_Rival]:
-    """Compare a probe with the expert, undiscounted and discounted.
-
-    Successful episodes of the probe are left out, since the reward is meant for them. A probe is
-    left out if some of its episodes succeed and fewer than `LEAST_PAIRS` others remain.
-    """
-    both = [start for start in found if start in expert]
-    common = [start for start in both if not found[start].success]
-    successes = len(both) - len(common)
-    if len(common) < (LEAST_PAIRS if len(common) < len(found) else 1):
-        return
-    steps = max(expert[start].steps for start in common)
-    for discount in (1.0, DISCOUNT):
-        ours, theirs = (
-            [plays[start].discounted(discount) for start in common] for plays in (expert, found)
-        )
-        weighted = steps if discount == 1.0 else (1.0 - discount**steps) / (1.0 - discount)
-        lead = PairedDifference.of(ours, theirs, look.tail)
-        earned, ahead = _mean(theirs), _mean(ours)
-        yield _Rival(way, discount, ahead, earned, lead, successes, weighted, look.seeds)
-
-
-def _finding(context: Context, sort: _Sort, rival: _Rival, better: int) -> Finding:
+def _finding(context: Context, sort: Sort, rival: Rival, better: int) -> Finding:
     at = f" at a discount of {rival.discount:g}" if rival.discount < 1.0 else ""
     plural = "way pays" if better == 2 else "ways pay"
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
