@@ -83,8 +83,9 @@ def looks(seeds: int, variations: int = 1) -> Looks:
 
     With `ENOUGH` seeds or more, there are looks at 5, 10, 20, … seeds up to this number, with the
     error spent over them; the first look covers every variation. With fewer, as with ``--quick``,
-    the first look is at these, by an interval of 95 %. What it leaves undecided is looked at again
-    in the same way, with twice as many seeds each time, up to `ENOUGH`.
+    the first look is at these, by an interval of 95 %. Probes that leave the expert's script and
+    are undecided by then are looked at again in the same way, with twice as many seeds each time,
+    up to `ENOUGH`.
 
     Args:
         seeds: Number of seeds.

@@ -16,6 +16,9 @@ from taskbuilder.validate.sequential import Look, Looks
 LEAST_PAIRS = 3
 """Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
 
+REPEATED = (Kind.STALL, Kind.FAIL)
+"""Kinds of probes that are played from more seeds than were asked for, where those are few."""
+
 Plays = Mapping[Way, Mapping[Start, Rollout]]
 """Episodes by probe and start."""
 
@@ -97,23 +100,21 @@ class Comparisons:
             if not self._sorted(way) or (self._asked is not None and way not in self._asked):
                 continue
             rivals = list(_beside_expert(way, plays[EXPERT], plays[way], look))
-            if not rivals and not last:
+            if not rivals and not last and self._plan.both_ways:
                 self._short.add(way)
             for rival in rivals:
                 key = (way, rival.discount)
                 if key in self._decided:
                     continue
                 self._open.pop(key, None)
-                decided = last or self._is_decided(rival.lead)
+                decided = last or self._is_decided(way, rival.lead)
                 (self._decided if decided else self._open)[key] = rival
         self._asked = self.undecided
 
-    def _is_decided(self, lead: PairedDifference) -> bool:
-        if self._plan.both_ways and lead.pairs < LEAST_PAIRS:
-            return False
-        if lead.low > 0.0:
-            return True
-        return lead.high < 0.0 if self._plan.both_ways else lead.mean <= 0.0
+    def _is_decided(self, way: Way, lead: PairedDifference) -> bool:
+        if self._plan.both_ways:
+            return lead.pairs >= LEAST_PAIRS and (lead.low > 0.0 or lead.high < 0.0)
+        return way.kind not in REPEATED or lead.low > 0.0 or lead.mean <= 0.0
 
     def _sorted(self, way: Way) -> bool:
         return any(way.kind in sort.kinds for sort in self.sorts)
