@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from collections.abc import Iterable
 from contextlib import closing
 from pathlib import Path
@@ -34,6 +35,7 @@ from taskbuilder.validate.runner import SEEDS, validate_task
 
 RESULTS = Path(__file__).parent / "results" / "proofs"
 RECORDS = folder("tasks") / PROOFS
+_NUMBERS = re.compile(r"\[\s+(?:(?:-?[0-9][-+.e0-9]*|null),?\s+)+\]")
 FIRST_SEED, EPISODES = 3_300_000, 10
 """Episodes of the expert for the figures on how the task is done."""
 
@@ -42,8 +44,9 @@ LEAST_SUCCESS = 0.98
 
 
 def write(file: Path, data: Any) -> None:
-    """Write data as JSON."""
+    """Write data as JSON, lists of numbers in one line."""
     text = json.dumps(data, indent=1, ensure_ascii=False, sort_keys=True)
+    text = _NUMBERS.sub(lambda found: " ".join(found[0].split()), text)
     file.write_text(text + "\n", encoding="utf-8")
 
 

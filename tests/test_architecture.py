@@ -134,7 +134,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "pyarrow": ("taskbuilder/data/formats/lerobot_tables.py",),
-    "av": ("taskbuilder/data/videos.py",),
+    "av": ("taskbuilder/data/videos.py", "taskbuilder/visual/video.py"),
     "h5py": ("taskbuilder/data/formats/robomimic.py",),
     "PIL": (
         *("taskbuilder/visual/still.py", "taskbuilder/visual/video.py"),

@@ -50,6 +50,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "robots": robots.library,
     "scaffold": commands.scaffold,
     "robust": training.robust,
+    "stopping": results.stopping,
     "task": tasks.page,
     "verbs": keys.verbs,
     "view": vocabulary.view,

@@ -74,6 +74,17 @@ def probes(task: str) -> str:
     )
 
 
+def stopping(_: str) -> str:
+    """How often comparisons find a lead where there is none."""
+    found = read("stopping.json")
+    rows = [
+        [name, *(f"{100 * rates[how]:.1f} %" for how in ("stopping", "all seeds", "quick"))]
+        for name, rates in found["errors"].items()
+    ]
+    head = ["differences", "at four looks", "from 40 seeds at once", "with `--quick`"]
+    return f"{table(head, rows)}\n\nEach row has {found['trials']:,} trials."
+
+
 def _way(way: Mapping[str, Any]) -> str:
     """A way to play a task, in words."""
     match way["kind"]:

@@ -236,6 +236,12 @@ def _add_validate(adder: Adder) -> None:
         metavar="N",
         help="use N seeds per variation (default 40)",
     )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue an interrupted validation with the same arguments after the last family of "
+        "checks that was finished",
+    )
     add_env_options(parser, ("robots", "grasp"))
     add_jobs(parser)
     add_ray(parser, "tasks")

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import (
@@ -33,12 +33,19 @@ from taskbuilder.processes import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.choices import OtherRobots
+from taskbuilder.validate.apart import Level
 from taskbuilder.validate.formats import DOCUMENTS, document
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
 from taskbuilder.validate.report import FamilyResult, TaskReport, as_data
-from taskbuilder.validate.runner import QUICK_SEEDS, SEEDS, families_of, validate_task
+from taskbuilder.validate.runner import (
+    QUICK_SEEDS,
+    SEEDS,
+    families_of,
+    partial_result,
+    validate_task,
+)
 
 if TYPE_CHECKING:  # pages need the physics engine, which a static validation never loads
     from taskbuilder.validate.html.page import Page
@@ -76,6 +83,9 @@ def run(arguments: argparse.Namespace) -> int:
     except BaseException:  # what has been measured by now is not given up
         _print_some(reports, arguments.format)
         raise
+    for name in names:  # nothing is left to go on with
+        if left := partial_result(name, **_options(catalogue, arguments)):
+            left.remove()
     alone = len(reports) == 1  # then its page shows the same time
     seconds = reports[0].seconds if alone else time.perf_counter() - started
     _print_end(reports, arguments.format, seconds, pages.finish())
@@ -88,16 +98,11 @@ def _validated(
 ) -> Generator[TaskReport, None, None]:
     """The reports, each as soon as it is made."""
     check_spread(arguments)
-    asked = asked_options(arguments)
-    validate = partial(
-        validate_task,
-        level=arguments.level,
-        seeds=QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
-        catalogue=catalogue,
-        robots=dict(asked.get("robots", ())),
-        grasp=asked.get("grasp", "task"),
-        only=arguments.only,
-    )
+    options = _options(catalogue, arguments)
+    if arguments.resume:
+        _tell_of_partial(names, options)
+    keep = not arguments.ray  # whose machines have no folder in common
+    validate = partial(validate_task, **options, keep=keep, resume=arguments.resume)
     if arguments.ray:
         with cluster(arguments.ray) as spread:
             yield from progress(spread(validate, names), "tasks", len(names))
@@ -111,6 +116,36 @@ def _validated(
         with printing_to_stderr():  # what a description prints is no part of the result
             report = validate(name, jobs=jobs, progress=progress)
         yield report
+
+
+class _Options(TypedDict):
+    """The arguments of `validate_task` on which a result depends."""
+
+    level: Level
+    seeds: int
+    catalogue: Catalogue
+    robots: dict[str, str | Path]
+    grasp: str
+    only: list[str] | None
+
+
+def _options(catalogue: Catalogue, arguments: argparse.Namespace) -> _Options:
+    asked = asked_options(arguments)
+    return {
+        "level": arguments.level,
+        "seeds": QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
+        "catalogue": catalogue,
+        "robots": dict(asked.get("robots", ())),
+        "grasp": asked.get("grasp", "task"),
+        "only": arguments.only,
+    }
+
+
+def _tell_of_partial(names: Sequence[str], options: _Options) -> None:
+    """Say on standard error from where each task goes on."""
+    for name in names:
+        if found := partial_result(name, **options):
+            print(f"{name}: {found.load()[1]}", file=sys.stderr, flush=True)
 
 
 def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) -> TaskReport:

@@ -19,11 +19,14 @@ def leave_after_stages(
     Args:
         env: An environment of the episode's task and variation, with the same options.
         whole: The expert's episode.
-        who: Returns the policies that continue after a stage, by name, given its number.
+        who: Returns the policies that continue after a stage, by name, given its number. Nothing
+            is replayed beyond the last stage that has any.
     """
-    ends = {
+    at_end = {
         end: number for number, end in enumerate(whole.stage_ends, start=1) if end < whole.steps
     }
+    policies = {number: who(number) for number in at_end.values()}
+    ends = {end: number for end, number in at_end.items() if policies[number]}
     saved: list[tuple[int, int, EnvState]] = []
 
     def save(env: TaskEnv) -> None:
@@ -35,7 +38,7 @@ def leave_after_stages(
         replay(env, whole.until(max(ends)), save)
     plays: dict[Way, Rollout] = {}
     for number, step, state in saved:
-        for kind, policy in who(number).items():
+        for kind, policy in policies[number].items():
             env.load_state(state)
             plays[Way(kind, stage=number)] = resume(env, policy, whole.until(step))
     return plays

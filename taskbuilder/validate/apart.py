@@ -134,15 +134,20 @@ class Listener(Protocol):
         """Report the progress over seeds, with a label."""
 
 
+Save = Callable[[Kept], None]
+"""Called with the results so far after each family."""
+
+
 class Nobody:
-    """Ignores events, for a validation in the calling process.
+    """Ignores most events, for a validation in the calling process.
 
     Args:
         progress: See `Progress`.
+        save: Called with the results so far after each family.
     """
 
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
+    def __init__(self, progress: Progress, save: Save) -> None:
+        self._progress, self._save = progress, save
 
     def begin(self, part: str, limit_s: float, rest: tuple[str, ...] = ()) -> None:
         """Report that a part has begun."""
@@ -152,6 +157,7 @@ class Nobody:
 
     def done(self, kept: Kept) -> None:
         """Report that a part is done."""
+        self._save(kept)
 
     def progress(self, seeds: Iterable[int], label: str) -> Iterable[int]:
         """Report the progress over seeds, with a label."""
@@ -216,7 +222,10 @@ class Owner:
 
 
 def watch(
-    function: Callable[[ValidationConfig], TaskReport], config: ValidationConfig, progress: Progress
+    function: Callable[[ValidationConfig], TaskReport],
+    config: ValidationConfig,
+    progress: Progress,
+    save: Save = lambda _: None,
 ) -> TaskReport:
     """Run a validation in a child process.
 
@@ -224,11 +233,12 @@ def watch(
         function: A function of a module that runs the validation and reports to an `Owner`.
         config: The arguments of the validation.
         progress: Wraps the seeds of a family to show progress.
+        save: Called with the results so far after each family.
 
     Raises:
         LostError: The process does not start.
     """
-    with closing(_Watch(function, config, progress)) as watched:
+    with closing(_Watch(function, config, progress, save)) as watched:
         return watched.report()
 
 
@@ -240,8 +250,10 @@ class _Watch:
         function: Callable[[ValidationConfig], TaskReport],
         config: ValidationConfig,
         progress: Progress,
+        save: Save,
     ) -> None:
         self._function = function
+        self._save = save
         self._orders = config
         self._progress = progress
         self._worker = Worker({}, prepared=function.__module__)
@@ -290,6 +302,7 @@ class _Watch:
             self._shown = iter(self._progress(said.seeds, said.label))
         elif isinstance(said, Kept):
             self._orders = replace(self._orders, kept=said)
+            self._save(said)
         elif said.one_more:
             next(self._shown, None)
 

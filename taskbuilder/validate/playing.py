@@ -9,7 +9,7 @@ import numpy as np
 
 from taskbuilder.env.action_encoder import ActionEncoder, Actions
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.rollout.play import play
+from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.players import HoldStill, RandomActions
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.env_cache import EnvCache, Start
@@ -43,14 +43,48 @@ def play_expert(cache: EnvCache, start: Start) -> Rollout:
     return expert.play(start.seed, finish=True if in_turn else "undecided", explain=True)
 
 
-def play_nothing(env: TaskEnv, seed: int) -> Rollout:
-    """Play an episode in which all robots hold still."""
-    return play(env, HoldStill(), seed)
+def play_nothing(env: TaskEnv, seed: int, *, until_decided: bool = False) -> Rollout:
+    """Play an episode in which all robots hold still; see `UntilDecided`."""
+    return play(env, UntilDecided(HoldStill()) if until_decided else HoldStill(), seed)
 
 
-def play_random(env: TaskEnv, seed: int) -> Rollout:
-    """Play an episode of random actions, drawn from the seed."""
-    return play(env, RandomActions(), seed)
+def play_random(env: TaskEnv, seed: int, *, until_decided: bool = False) -> Rollout:
+    """Play an episode of random actions, drawn from the seed; see `UntilDecided`."""
+    return play(env, UntilDecided(RandomActions()) if until_decided else RandomActions(), seed)
+
+
+class UntilDecided:
+    """Follows another policy until the episode has succeeded, or cannot succeed any more.
+
+    Once failure has held, success does not count: nothing that comes later changes whether the
+    episode succeeds.
+
+    Args:
+        policy: The other policy.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+
+    def reset(self, env: TaskEnv, seed: int) -> None:
+        """Begin an episode."""
+        self._env = env
+        self._policy.reset(env, seed)
+
+    def act(self, observations: Mapping[str, Any]) -> Actions | None:
+        """The other policy's actions, or None once the success is decided."""
+        return None if is_decided(self._env) else self._policy.act(observations)
+
+
+def is_decided(env: TaskEnv) -> bool:
+    """Whether the rest of an episode cannot change whether it succeeds."""
+    return env.episode.succeeded or env.episode.failed
+
+
+def is_whole(rollout: Rollout) -> bool:
+    """Whether an episode was played to its end, not only until its success was decided."""
+    decided = rollout.success or rollout.failed_at is not None
+    return rollout.exploded or not decided or rollout.steps >= rollout.horizon
 
 
 def random_actions(env: TaskEnv, seed: int) -> Iterator[Actions]:

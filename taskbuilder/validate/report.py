@@ -36,6 +36,9 @@ class Check:
     unit: str = ""
 
 
+FIGURES = 7
+"""Significant figures of the returns of single episodes in ``--format json``."""
+
 Result = tuple[Check, list[Finding]]
 """The result of one check."""
 
@@ -52,12 +55,19 @@ class Probe:
         returns: Undiscounted return of the team in each episode.
         discounted: The same at a discount of 0.95.
         successes: Number of episodes in which success held at some step.
+        seeds: Seed of each episode.
+        succeeded: Whether success held at some step of each episode.
+        decided_after: Number of seeds after which the comparison with the expert was decided; None
+            for the expert, and for a probe that is not compared.
     """
 
     way: Way
     returns: tuple[float, ...]
     discounted: tuple[float, ...]
     successes: int
+    seeds: tuple[int, ...] = ()
+    succeeded: tuple[bool, ...] = ()
+    decided_after: int | None = None
 
 
 @dataclass(frozen=True)
@@ -205,7 +215,19 @@ def _probe_data(probe: Probe) -> dict[str, Any]:
         "discounted_return": _mean(probe.discounted),
         "successes": probe.successes,
         "episodes": len(probe.returns),
+        "decided_after": probe.decided_after,
+        "by_seed": {
+            "seed": list(probe.seeds),
+            "return": [_figures(value) for value in probe.returns],
+            "discounted_return": [_figures(value) for value in probe.discounted],
+            "succeeded": [int(succeeded) for succeeded in probe.succeeded],
+        },
     }
+
+
+def _figures(value: float) -> float | None:
+    """A return with as many figures as its comparison needs; None if it is not finite."""
+    return float(f"{value:.{FIGURES}g}") if math.isfinite(value) else None
 
 
 def _mean(returns: Sequence[float]) -> float | None:

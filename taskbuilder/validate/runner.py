@@ -20,6 +20,7 @@ from taskbuilder.errors import (
     UsageError,
     display_path,
 )
+from taskbuilder.geometry import total
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import CHILDREN, owned
 from taskbuilder.schema.catalogue import Catalogue
@@ -44,6 +45,7 @@ from taskbuilder.validate.checks.static import static_failure, static_family
 from taskbuilder.validate.losses import finding_of_loss, lost_family
 from taskbuilder.validate.making import Stopwatch
 from taskbuilder.validate.report import Check, FamilyResult, Progress, TaskReport
+from taskbuilder.validate.resuming import PartialResult
 from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:  # a static validation loads no physics
@@ -73,7 +75,10 @@ class Family:
 
 
 def _families() -> tuple[Family, ...]:
-    """All families but the static one, in order."""
+    """All families but the static one, in order.
+
+    Those that take little time and often fail come first.
+    """
     # Imported only here: these need the physics engine, which a static check never loads.
     from taskbuilder.validate.checks.build import build_family
     from taskbuilder.validate.checks.contract import contract_family
@@ -88,8 +93,8 @@ def _families() -> tuple[Family, ...]:
     return (
         Family("build", "build", build_family),
         Family("reset", "build", reset_family, ("build",)),
-        Family("repeat", "full", repeat_family, ("reset",)),
         Family("reach", "full", reach_family, ("reset",)),
+        Family("repeat", "full", repeat_family, ("reset",)),
         Family("contract", "full", contract_family, ("repeat",)),
         Family("solvable", "full", solvable_family, ("repeat", "reach")),
         Family("needs its robots", "full", needs_family, ("solvable",)),
@@ -110,6 +115,8 @@ def validate_task(
     apart: bool = True,
     robots: Mapping[str, str | Path] | None = None,
     grasp: str = "task",
+    keep: bool = False,
+    resume: bool = False,
 ) -> TaskReport:
     """Validate a task.
 
@@ -131,6 +138,10 @@ def validate_task(
             there are no such child processes, and the task is played in this one.
         robots: Robot models that replace those of the task file; see `load_task`.
         grasp: How grippers with fingers hold objects; see `load_task`.
+        keep: Whether to write the results to the user's cache folder after each family of checks,
+            so that a later call with ``resume=True`` can continue from there.
+        resume: Whether to continue an interrupted call with the same arguments. If the task file or
+            the description has changed since, the validation starts anew.
 
     Raises:
         UnknownNameError: There is no such task, or ``robots`` names an unknown model.
@@ -146,12 +157,53 @@ def validate_task(
         str(reference), level, seeds, catalogue, jobs, wanted, robots=others, grasp=grasp
     )
     watched, summed = Stopwatch(), _checksum(config)
+    found = _partial(config) if keep or resume else None
+    if found and resume:
+        config = replace(config, kept=found.load()[0])
+    before = total(family.seconds for family in config.kept.report.families) if config.kept else 0.0
+    save = found.save if found and keep else _forget
     if apart and CHILDREN:
-        report = watch(validate_in_child, config, progress)
+        report = watch(validate_in_child, config, progress, save)
     else:
-        report = _validated(config, Nobody(progress))
-    making = replace(watched.making(level, seeds, wanted), checksum=summed)
+        report = _validated(config, Nobody(progress, save))
+    making = watched.making(level, seeds, wanted)
+    making = replace(making, checksum=summed, seconds=making.seconds + before)
     return replace(report, making=making)
+
+
+def partial_result(
+    reference: str | Path,
+    *,
+    level: Level,
+    seeds: int,
+    catalogue: Catalogue,
+    only: Collection[str] | None = None,
+    robots: Mapping[str, str | Path] | None = None,
+    grasp: str = "task",
+) -> PartialResult | None:
+    """The file of what an interrupted validation has found; None if its task cannot be read.
+
+    The arguments are those of `validate_task`.
+    """
+    wanted = None if only is None else tuple(only)
+    others = other_robots(robots or {})
+    return _partial(
+        ValidationConfig(
+            str(reference), level, seeds, catalogue, 1, wanted, robots=others, grasp=grasp
+        )
+    )
+
+
+def _partial(config: ValidationConfig) -> PartialResult | None:
+    if config.level == "static":  # which takes no time
+        return None
+    with suppress(FileError, OSError):  # reported with everything else
+        return PartialResult(config)
+    return None
+
+
+def _forget(_: Kept) -> None:
+    """Keep no results."""
 
 
 def _checksum(config: ValidationConfig) -> str:

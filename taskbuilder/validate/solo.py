@@ -23,7 +23,7 @@ from taskbuilder.schema.expert import ExpertStage, Repeat, Together, listed, ord
 from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import ObjectSpec, SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.playing import DropAll
+from taskbuilder.validate.playing import DropAll, UntilDecided, is_decided
 from taskbuilder.world.world import World
 
 LIFT_M = 0.2
@@ -149,7 +149,8 @@ def _ways(joint: UrdfJoint, spec: ObjectSpec) -> Iterator[float]:
 def play_solo(expert: Expert, seed: int, solo: Solo) -> Rollout:
     """Play an attempt twice: once holding on at the end, once letting go.
 
-    Returns the better of the two episodes.
+    Returns one of the two episodes that succeeds, if there is one. Episodes end once their success
+    is decided.
     """
     env = expert.env
     env.reset(seed=seed)
@@ -159,16 +160,18 @@ def play_solo(expert: Expert, seed: int, solo: Solo) -> Rollout:
         seed,
         stages=stages,
         finish=False,
+        until_decided=True,
         after_stage=lambda number: (
             saved.append(env.save_state()) if number == len(stages) else None
         ),
     )
-    if not saved or tried.success:
+    if not saved or is_decided(env):
         return tried
-    holding = resume(env, HoldStill(), tried)
+    holding = resume(env, UntilDecided(HoldStill()), tried)
+    if holding.success:
+        return holding
     env.load_state(saved[0])
-    letting_go = resume(env, DropAll(), tried)
-    return max(holding, letting_go, key=lambda play: (play.success, play.team_return))
+    return resume(env, UntilDecided(DropAll()), tried)
 
 
 def _stages(env: TaskEnv, solo: Solo) -> tuple[ExpertStage, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from taskbuilder.expert.ways import EXPERT
+from taskbuilder.expert.ways import EXPERT, Kind, Way
 from taskbuilder.validate.html.chart import Axis, charts, lines
 from taskbuilder.validate.html.page import Page
 from taskbuilder.validate.html.templates import task_page
@@ -22,6 +22,12 @@ def test_the_best_stands_on_top_and_what_beats_the_expert_is_told_apart(probes):
     assert listed == [("stall after stage 2", "rival"), ("expert", "expert"), ("random", "other")]
     listed = [(str(line.way), line.role) for line in lines(probes, discounted=True)]
     assert listed == [("expert", "expert"), ("stall after stage 2", "other"), ("random", "other")]
+
+
+def test_the_seeds_that_a_comparison_needed_are_told():
+    stall = Probe(Way(Kind.STALL, stage=1), (1.0, 2.0), (0.5, 1.0), 0, decided_after=20)
+    assert "decided after 20 seeds" in drawn(Probe(EXPERT, (3.0,), (2.0,), 1), stall)
+    assert "decided after" not in drawn(Probe(EXPERT, (3.0,), (2.0,), 1))
 
 
 def test_what_is_not_finite_is_left_out(probes):

@@ -24,12 +24,21 @@ def moving(count, size=(64, 48)):
     return frames
 
 
+@pytest.fixture(params=["PyAV", "OpenCV alone"])
+def writer(request, monkeypatch):
+    """What writes films: PyAV where it is installed, as here, and OpenCV where it is not."""
+    if request.param == "OpenCV alone":
+        monkeypatch.setitem(sys.modules, "av", None)
+    return request.param
+
+
 def write(path, frames, fps=24):
     with mp4(path, fps=fps) as add:
         for frame in frames:
             add(frame)
 
 
+@pytest.mark.usefixtures("writer")
 def test_a_film_reads_back_frame_by_frame(tmp_path):
     frames = moving(12)
     write(tmp_path / "film.mp4", frames)
@@ -44,11 +53,36 @@ def test_a_film_reads_back_frame_by_frame(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["film.mp4"]
 
 
+@pytest.mark.parametrize(
+    ("writer", "codec"), [("PyAV", "avc1"), ("OpenCV alone", "vp09")], indirect=["writer"]
+)
+def test_films_are_in_a_format_that_browsers_play(writer, codec, tmp_path):
+    write(tmp_path / "film.mp4", moving(3))
+    film = cv2.VideoCapture(str(tmp_path / "film.mp4"))
+    written = int(film.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").decode().lower()
+    assert written in {"avc1": ("avc1", "h264"), "vp09": ("vp09", "vp90")}[codec]
+
+
+def test_a_film_is_the_same_to_the_bit_each_time(tmp_path):
+    for name in ("one", "two"):
+        write(tmp_path / f"{name}.mp4", moving(5))
+    assert (tmp_path / "one.mp4").read_bytes() == (tmp_path / "two.mp4").read_bytes()
+
+
+def test_the_colours_of_a_palette_are_those_that_are_there():
+    rng = np.random.default_rng(0)
+    pixels = rng.integers(0, 6, (500, 3), dtype=np.uint8) * np.uint8(51)
+    found = video._colors(pixels)
+    assert found.dtype == np.uint8
+    assert np.array_equal(found, np.unique(pixels, axis=0))
+
+
 def test_a_film_can_be_read_by_all(tmp_path):
     write(tmp_path / "film.mp4", moving(2))
     assert (tmp_path / "film.mp4").stat().st_mode & 0o777 == 0o644
 
 
+@pytest.mark.usefixtures("writer")
 @pytest.mark.parametrize("problem", [KeyboardInterrupt, RuntimeError])
 def test_a_film_that_is_cut_short_is_not_there(problem, tmp_path):
     (tmp_path / "film.mp4").write_bytes(b"old")
@@ -73,6 +107,7 @@ def test_a_film_that_cannot_be_read_back_is_not_kept(tmp_path, monkeypatch):
 def test_another_codec_is_taken_without_a_word_where_the_first_is_missing(
     tmp_path, monkeypatch, capfd
 ):
+    monkeypatch.setitem(sys.modules, "av", None)
     monkeypatch.setattr(video, "CODECS", ("avc1", "mp4v"))
     write(tmp_path / "film.mp4", moving(4))
     assert frames_in(tmp_path / "film.mp4") == 4
@@ -80,6 +115,7 @@ def test_another_codec_is_taken_without_a_word_where_the_first_is_missing(
 
 
 def test_without_any_codec_there_is_no_film(tmp_path, monkeypatch, capfd):
+    monkeypatch.setitem(sys.modules, "av", None)
     monkeypatch.setattr(video, "CODECS", ("zzzz",))
     with pytest.raises(OSError, match="writes no MP4 with zzzz"):
         write(tmp_path / "film.mp4", moving(4))

@@ -53,6 +53,7 @@ class Expert:
         without: Collection[str] = (),
         persist: bool = False,
         finish: Finish = True,
+        until_decided: bool = False,
         after_stage: Callable[[int], None] = lambda _: None,
         observations: bool = False,
         cameras: Sequence[str] = (),
@@ -73,6 +74,8 @@ class Expert:
                 until the episode is over. False: playing ends. ``"undecided"``: if a
                 stage has failed, playing ends at once; otherwise, all robots hold still until
                 success is reached or the episode is over.
+            until_decided: Whether to stop playing as soon as it is certain whether the episode
+                succeeds: when success is reached, or when failure holds.
             after_stage: Function that is called with the number of each completed stage (counting
                 from 1) before the next stage begins. The function may save the state of the
                 environment, but must not change the state.
@@ -97,6 +100,7 @@ class Expert:
             without=frozenset(without),
             persist=persist,
             finish=finish,
+            until_decided=until_decided,
             after_stage=after_stage,
         )
         return play(
@@ -169,10 +173,12 @@ class _Script:
         without: frozenset[str] = frozenset(),
         persist: bool = False,
         finish: Finish = True,
+        until_decided: bool = False,
         after_stage: Callable[[int], None] = lambda _: None,
     ) -> None:
         self._env, self._planner, self._stages = env, planner, stages
         self._without, self._persist, self._finish = without, persist, finish
+        self._until_decided = until_decided
         self._after_stage = after_stage
         self._stage = 0
         self._ends: list[int] = []
@@ -183,6 +189,9 @@ class _Script:
         self._actions = self._play()
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
+        episode = self._env.episode
+        if self._until_decided and (episode.succeeded or episode.failed):
+            return None
         return next(self._actions, None)
 
     def log(self) -> ScriptLog:

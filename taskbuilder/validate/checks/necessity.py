@@ -6,6 +6,10 @@ object in the success condition, at each of its grasp points, and brings it to e
 condition, or just up. If the condition names joints, it moves their object by each of its grasp
 points along them. From each seed up to `MOST_SOLOS` of these attempts are played, in turn.
 
+Nothing else is asked of a robot alone than whether it succeeds, so its episodes end once that is
+decided. The other probes are also compared with the expert by the family "pays for success", which
+begins with few seeds: from these, the episodes are played to their end.
+
 Probes are judged from the simplest on, up to the first that succeeds: if waiting is enough,
 everything else is, too. If the task says ``cooperation: optional``, the success of single robots is
 measured and is not a finding.
@@ -14,9 +18,11 @@ measured and is not a finding.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
 from taskbuilder.expert.ways import NOTHING, RANDOM, Kind, Way
 from taskbuilder.rollout.record import Rollout
@@ -27,7 +33,8 @@ from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import play_nothing, play_random
 from taskbuilder.validate.proportion import Proportion
 from taskbuilder.validate.report import Check, FamilyResult, Result
-from taskbuilder.validate.solo import play_solo, solos
+from taskbuilder.validate.sequential import looks
+from taskbuilder.validate.solo import Solo, play_solo, solos
 
 MOST_SOLOS = 3
 
@@ -78,7 +85,10 @@ _SHORTCUTS = (
 def needs_family(context: Context) -> FamilyResult:
     """Try to succeed without some of the robots, and without a plan."""
     starts = context.some_starts()
-    for start, plays in zip(starts, context.ask(try_ways, starts, "needs its robots"), strict=True):
+    first = looks(context.seeds, context.variations).first
+    jobs = [Tried(start, whole=start.seed < first) for start in starts]
+    asked = context.ask(play_ways, starts, "needs its robots", about=jobs)
+    for start, plays in zip(starts, asked, strict=True):
         for way, play in plays.items():
             context.plays.setdefault(way, {})[start] = play
     results = list(_judged(context))
@@ -109,27 +119,52 @@ def _called(way: Way) -> str:
 # --- in each process
 
 
-def try_ways(cache: EnvCache, start: Start) -> dict[Way, Rollout]:
-    """Play all probes that must not succeed, from a start."""
-    task, env = cache.task, cache.env(start.variation)
-    plays: dict[Way, Rollout] = {
-        NOTHING: play_nothing(env, start.seed),
-        RANDOM: play_random(env, start.seed),
+class Tried(NamedTuple):
+    """Probes to be played from a start.
+
+    Attributes:
+        start: The start.
+        ways: The probes; None for all.
+        whole: Whether to play the episodes to their end although their success is decided.
+    """
+
+    start: Start
+    ways: tuple[Way, ...] | None = None
+    whole: bool = True
+
+
+def play_ways(cache: EnvCache, job: Tried) -> dict[Way, Rollout]:
+    """Play probes that must not succeed, from a start."""
+    env, seed = cache.env(job.start.variation), job.start.seed
+    return {
+        way: play_solo(cache.expert(job.start.variation), seed, way.attempt)
+        if isinstance(way.attempt, Solo)
+        else _play_way(cache, env, job, way)
+        for way in job.ways or _ways(cache, env, seed)
     }
+
+
+def _ways(cache: EnvCache, env: TaskEnv, seed: int) -> Iterable[Way]:
+    """All probes from a seed; the attempts of robots alone take turns."""
+    yield from (NOTHING, RANDOM)
+    task = cache.task
     if not cache.has_expert or len(task.agents) < 2:
-        return plays
-    expert = cache.expert(start.variation)
-    for robot in task.agents:
-        plays[Way(Kind.WITHOUT, robot=robot)] = expert.play(
-            start.seed, without={robot}, persist=True
-        )
-    scene = env.episode.world.scene
-    listed = solos(task, scene)
-    first = start.seed * MOST_SOLOS
-    turns = [(first + offset) % len(listed) for offset in range(min(MOST_SOLOS, len(listed)))]
-    for solo in (listed[turn] for turn in turns):
-        plays[solo.way] = play_solo(expert, start.seed, solo)
-    return plays
+        return
+    yield from (Way(Kind.WITHOUT, robot=robot) for robot in task.agents)
+    listed = solos(task, env.episode.world.scene)
+    first = seed * MOST_SOLOS
+    for offset in range(min(MOST_SOLOS, len(listed))):
+        yield listed[(first + offset) % len(listed)].way
+
+
+def _play_way(cache: EnvCache, env: TaskEnv, job: Tried, way: Way) -> Rollout:
+    seed, short = job.start.seed, not job.whole
+    if way.kind is Kind.WITHOUT:
+        expert = cache.expert(job.start.variation)
+        return expert.play(seed, without={way.robot}, persist=True, until_decided=short)
+    if way == NOTHING:
+        return play_nothing(env, seed, until_decided=short)
+    return play_random(env, seed, until_decided=short)
 
 
 # --- the checks

@@ -27,6 +27,8 @@ class ChartLine:
         role: ``expert``, ``rival`` for what earns as much as the expert, or ``other``.
         solved: In how many episodes it succeeded.
         episodes: How many were played.
+        decided_after: Number of seeds after which the comparison with the expert was decided, or
+            None.
     """
 
     way: Way
@@ -35,6 +37,7 @@ class ChartLine:
     role: str
     solved: int
     episodes: int
+    decided_after: int | None = None
 
     @property
     def dots(self) -> tuple[float, ...]:
@@ -117,6 +120,7 @@ def lines(probes: Sequence[Probe], *, discounted: bool) -> list[ChartLine]:
             _role(probe.way, means),
             probe.successes,
             len(probe.returns),
+            probe.decided_after,
         )
         for probe, got in measured
     ]

@@ -1,0 +1,184 @@
+"""Comparisons of the expert's returns with those of probes, each at the look that decides it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from taskbuilder.expert.ways import EXPERT, Kind, Way
+from taskbuilder.geometry import total
+from taskbuilder.intervals import PairedDifference
+from taskbuilder.rollout.record import Rollout
+from taskbuilder.validate.env_cache import Start
+from taskbuilder.validate.playing import DISCOUNT
+from taskbuilder.validate.sequential import Look, Looks
+
+LEAST_PAIRS = 3
+"""Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
+
+REPEATED = (Kind.STALL, Kind.FAIL)
+"""Kinds of probes that are played from more seeds than were asked for, where those are few."""
+
+Plays = Mapping[Way, Mapping[Start, Rollout]]
+"""Episodes by probe and start."""
+
+
+@dataclass(frozen=True)
+class Sort:
+    """A kind of probe that must not earn as much as success.
+
+    Attributes:
+        code: Code of the check.
+        name: Name of the check.
+        kinds: Prefixes of the names of its probes.
+    """
+
+    code: str
+    name: str
+    kinds: tuple[Kind, ...]
+
+
+SORTS = (
+    Sort("TB553", "success pays more than nothing and random play", (Kind.NOTHING, Kind.RANDOM)),
+    Sort("TB552", "success pays more than stalling", (Kind.STALL,)),
+    Sort("TB554", "success pays more than leaving out a robot", (Kind.WITHOUT,)),
+    Sort("TB555", "success pays more than failing on purpose", (Kind.FAIL,)),
+)
+
+
+@dataclass(frozen=True)
+class Rival:
+    """The returns of a probe and the expert, from the same seeds.
+
+    Attributes:
+        way: Name of the probe.
+        discount: Discount of the returns.
+        expert: Mean return of the expert.
+        earned: Mean return of the probe.
+        lead: The expert's return minus the probe's, pair by pair.
+        successes: The number of the probe's episodes that succeeded, and are left out.
+        steps: Discounted number of control steps of the episode.
+        seeds: Number of seeds up to the look.
+    """
+
+    way: Way
+    discount: float
+    expert: float
+    earned: float
+    lead: PairedDifference
+    successes: int
+    steps: float
+    seeds: int
+
+
+class Comparisons:
+    """The comparisons of a task, each as it was at the look that decided it.
+
+    Args:
+        sorts: The sorts of probes that are judged, in order.
+        plan: The looks.
+    """
+
+    def __init__(self, sorts: Sequence[Sort], plan: Looks) -> None:
+        self.sorts = sorts
+        self._plan = plan
+        self._decided: dict[tuple[Way, float], Rival] = {}
+        self._open: dict[tuple[Way, float], Rival] = {}
+        self._short: set[Way] = set()
+        self._asked: set[Way] | None = None  # all, at the first look
+
+    def look(self, plays: Plays, look: Look) -> None:
+        """Look at all comparisons that are undecided so far.
+
+        Args:
+            plays: The episodes up to this look.
+            look: The look.
+        """
+        last = look == self._plan.listed[-1]
+        self._short = set()
+        for way in plays:
+            if not self._sorted(way) or (self._asked is not None and way not in self._asked):
+                continue
+            rivals = list(_beside_expert(way, plays[EXPERT], plays[way], look))
+            if not rivals and not last and self._plan.both_ways:
+                self._short.add(way)
+            for rival in rivals:
+                key = (way, rival.discount)
+                if key in self._decided:
+                    continue
+                self._open.pop(key, None)
+                decided = last or self._is_decided(way, rival.lead)
+                (self._decided if decided else self._open)[key] = rival
+        self._asked = self.undecided
+
+    def _is_decided(self, way: Way, lead: PairedDifference) -> bool:
+        if self._plan.both_ways:
+            return lead.pairs >= LEAST_PAIRS and (lead.low > 0.0 or lead.high < 0.0)
+        return way.kind not in REPEATED or lead.low > 0.0 or lead.mean <= 0.0
+
+    def _sorted(self, way: Way) -> bool:
+        return any(way.kind in sort.kinds for sort in self.sorts)
+
+    @property
+    def undecided(self) -> set[Way]:
+        """The probes to be played on: those that can change the result.
+
+        A sort of probes is judged only where none before it has failed.
+        """
+        found = {way for way, _ in self._open} | self._short
+        for number, sort in enumerate(self.sorts):
+            if any(not rival.lead.low > 0.0 for rival in self._of(sort, self._decided)):
+                judged = {kind for one in self.sorts[: number + 1] for kind in one.kinds}
+                return {way for way in found if way.kind in judged}
+        return found
+
+    def _of(self, sort: Sort, found: Mapping[tuple[Way, float], Rival]) -> list[Rival]:
+        return [rival for (way, _), rival in found.items() if way.kind in sort.kinds]
+
+    def of(self, sort: Sort) -> list[Rival]:
+        """The comparisons of a sort, in the order of the probes."""
+        return self._of(sort, {**self._decided, **self._open})
+
+    @property
+    def rivals(self) -> list[Rival]:
+        """All comparisons."""
+        return [rival for sort in self.sorts for rival in self.of(sort)]
+
+    def needed(self, way: Way) -> int | None:
+        """Number of seeds after which a probe was decided; None if it was not compared."""
+        both = [rival.seeds for (one, _), rival in self._decided.items() if one == way]
+        return max(both, default=None)
+
+
+def closeness(rival: Rival) -> tuple[bool, float]:
+    """Sort key: the expert's lead, smallest first; for equal leads, undiscounted returns first."""
+    return rival.lead.low > 0.0, rival.lead.low / rival.steps
+
+
+def _beside_expert(
+    way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout], look: Look
+) -> Iterator[Rival]:
+    """Compare a probe with the expert, undiscounted and discounted.
+
+    Successful episodes of the probe are left out, since the reward is meant for them. A probe is
+    left out if some of its episodes succeed and fewer than `LEAST_PAIRS` others remain.
+    """
+    both = [start for start in found if start in expert]
+    common = [start for start in both if not found[start].success]
+    successes = len(both) - len(common)
+    if len(common) < (LEAST_PAIRS if len(common) < len(found) else 1):
+        return
+    steps = max(expert[start].steps for start in common)
+    for discount in (1.0, DISCOUNT):
+        ours, theirs = (
+            [plays[start].discounted(discount) for start in common] for plays in (expert, found)
+        )
+        weighted = steps if discount == 1.0 else (1.0 - discount**steps) / (1.0 - discount)
+        lead = PairedDifference.of(ours, theirs, look.tail)
+        earned, ahead = mean(theirs), mean(ours)
+        yield Rival(way, discount, ahead, earned, lead, successes, weighted, look.seeds)
+
+
+def mean(values: Sequence[float]) -> float:
+    """The mean of some values."""
+    return total(values) / len(values)
