@@ -11,6 +11,7 @@ from taskbuilder._lazy import exported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
+    from taskbuilder.data.collection import collect, export
     from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
     from taskbuilder.data.environment import make_from
     from taskbuilder.env.joint import JointEnv
@@ -18,8 +19,12 @@ if TYPE_CHECKING:
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
     from taskbuilder.evaluation.assessment import evaluate
+    from taskbuilder.evaluation.filming import film
+    from taskbuilder.evaluation.summary import EvaluationSummary
+    from taskbuilder.evaluation.verify import Verification, verify
     from taskbuilder.expert.script.player import Expert
-    from taskbuilder.learn.runs import train
+    from taskbuilder.learn.runs import TrainedRun, train
+    from taskbuilder.policies.grammar import parse_policy
     from taskbuilder.policies.trained import TrainedPolicy
     from taskbuilder.policies.zoo import load_policy
     from taskbuilder.rollout.play import Policy, play, replay
@@ -27,14 +32,18 @@ if TYPE_CHECKING:
     from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.schema.suites import Suite
     from taskbuilder.task import Task, load_task
+    from taskbuilder.validate import validate
     from taskbuilder.validate.environments import check_env
+    from taskbuilder.validate.report import TaskReport
     from taskbuilder.validate.runner import validate_task
+    from taskbuilder.visual.rendering import render
     from taskbuilder.world.building import build_world
     from taskbuilder.world.world import World
 
 __all__ = [
     "Catalogue",
     "Dataset",
+    "EvaluationSummary",
     "Expert",
     "FileError",
     "JointEnv",
@@ -44,17 +53,23 @@ __all__ = [
     "Suite",
     "Task",
     "TaskEnv",
+    "TaskReport",
     "TaskVectorEnv",
     "TaskbuilderError",
     "TrainedPolicy",
+    "TrainedRun",
     "UnknownNameError",
     "UsageError",
+    "Verification",
     "World",
     "__version__",
     "build_world",
     "catalogue",
     "check_env",
+    "collect",
     "evaluate",
+    "export",
+    "film",
     "load_dataset",
     "load_policy",
     "load_suite",
@@ -62,15 +77,20 @@ __all__ = [
     "make_from",
     "make_vec",
     "parallel_env",
+    "parse_policy",
     "play",
+    "render",
     "replay",
     "train",
+    "validate",
     "validate_task",
+    "verify",
 ]
 
 _HOMES = {
     "Catalogue": "taskbuilder.schema.catalogue",
     "Dataset": "taskbuilder.data.dataset",
+    "EvaluationSummary": "taskbuilder.evaluation.summary",
     "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
@@ -80,25 +100,35 @@ _HOMES = {
     "Suite": "taskbuilder.schema.suites",
     "Task": "taskbuilder.task",
     "TaskEnv": "taskbuilder.env.parallel",
+    "TaskReport": "taskbuilder.validate.report",
     "TaskVectorEnv": "taskbuilder.env.vector",
     "TaskbuilderError": "taskbuilder.errors",
     "TrainedPolicy": "taskbuilder.policies.trained",
+    "TrainedRun": "taskbuilder.learn.runs",
     "UnknownNameError": "taskbuilder.errors",
     "UsageError": "taskbuilder.errors",
+    "Verification": "taskbuilder.evaluation.verify",
     "World": "taskbuilder.world.world",
     "build_world": "taskbuilder.world.building",
     "check_env": "taskbuilder.validate.environments",
+    "collect": "taskbuilder.data.collection",
     "evaluate": "taskbuilder.evaluation.assessment",
+    "export": "taskbuilder.data.collection",
+    "film": "taskbuilder.evaluation.filming",
     "load_dataset": "taskbuilder.data.dataset",
     "load_policy": "taskbuilder.policies.zoo",
     "load_task": "taskbuilder.task",
     "make_from": "taskbuilder.data.environment",
     "make_vec": "taskbuilder.env.vector",
     "parallel_env": "taskbuilder.env.parallel",
+    "parse_policy": "taskbuilder.policies.grammar",
     "play": "taskbuilder.rollout.play",
+    "render": "taskbuilder.visual.rendering",
     "replay": "taskbuilder.rollout.play",
     "train": "taskbuilder.learn.runs",
+    "validate": "taskbuilder.validate",
     "validate_task": "taskbuilder.validate.runner",
+    "verify": "taskbuilder.evaluation.verify",
 }
 
 

@@ -43,6 +43,10 @@ class Task:
     robots: OtherRobots = ()
     grasp: str = "task"
 
+    def __repr__(self) -> str:
+        stages = len(self.description.stages)
+        return f"<Task {self.name}: {', '.join(self.agents)}; {_counted(stages, 'stage')}>"
+
     def __getstate__(self) -> dict[str, Any]:
         # Without the description: where it is made for the groups of a scene, no module has it.
         return {field.name: getattr(self, field.name) for field in fields(self)}
@@ -67,6 +71,10 @@ class Task:
     def agents(self) -> tuple[str, ...]:
         """The names of the robots, in the order of the task file."""
         return tuple(self.file.spec.scene.robots)
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
 
 
 def load_task(

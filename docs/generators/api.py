@@ -28,6 +28,8 @@ def names(wanted: str) -> str:
     blocks: list[str] = []
     for name in listed or sorted(module.__all__, key=str.lower):
         thing = getattr(module, name)
+        if inspect.ismodule(thing):  # a package that can be called
+            thing = getattr(thing, name)
         if not name.startswith("__") and get_origin(thing) is not Annotated:
             blocks += _entry(f"{module_name}.{name}", name, thing)
     return "\n\n".join(blocks)

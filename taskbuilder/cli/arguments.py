@@ -348,8 +348,9 @@ def _add_demo(adder: Adder) -> None:
         "--policy",
         default="expert",
         metavar="P",
-        help="expert, random, nothing (all robots hold still), or a trained policy: "
-        "zoo:TASK/TRACK, the folder of a run, or a policy file (default expert)",
+        help="expert, noisy:0.3 (the expert with noise), random, hold (all robots hold still), "
+        "ws://HOST:PORT (a policy server), or a trained policy: zoo:TASK/TRACK, the folder of a "
+        "run, or a policy file (default expert)",
     )
     add_jobs(parser)
     parser.add_argument(

@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from taskbuilder.cli import output
 from taskbuilder.cli.dataset_command import print_summary
@@ -18,45 +17,47 @@ from taskbuilder.cli.output import print_json
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
 from taskbuilder.cluster import cluster
-from taskbuilder.data.collecting import CollectProgress, Report, collect
-from taskbuilder.data.dataset import load_dataset
+from taskbuilder.data.collecting import CollectProgress, Report
+from taskbuilder.data.collection import collect
 from taskbuilder.data.formats import export_dataset
-from taskbuilder.data.plan import CollectPlan
-from taskbuilder.data.recording import Cameras
 from taskbuilder.data.summary import (
     MissingVariation,
     missing_variations,
     summarize_dataset,
 )
+from taskbuilder.env.options import EnvOptions
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.jobs import Map
-from taskbuilder.policies.grammar import Player
-from taskbuilder.policies.mixture import (
-    PolicyShare,
-    digests_of_players,
-    players_of,
-    read_share,
-    shared_options,
-)
-from taskbuilder.processes import cores
 from taskbuilder.schema.catalogue import Catalogue
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Collect a data set, say what is in it, and export it."""
-    shares = tuple(read_share(text) for text in arguments.policy)
-    players = players_of(shares)
-    plan = _plan(arguments, shares, players)
     exported = Path(f"{arguments.out}-{arguments.export}")
     if arguments.export and exported.exists():
         raise UsageError(f"{display_path(exported)} exists; the export would go there")
     check_spread(arguments)
-    jobs = arguments.jobs or cores()
-    if not plan.per_variation:
-        jobs = min(jobs, plan.episodes * len(plan.tasks))
+    catalogue = catalogue_of(arguments)
+    variations, first_seed = _start(arguments, catalogue)
     with _Progress() as report, _nodes(arguments) as nodes:
-        collect(plan, arguments.out, jobs=jobs, nodes=nodes, report=report, players=players)
-    dataset = load_dataset(arguments.out)
+        dataset = collect(
+            asked_tasks(arguments, catalogue),
+            arguments.out,
+            episodes=arguments.per_variation or arguments.episodes,
+            policy=arguments.policy,
+            variations=variations,
+            per_variation=arguments.per_variation is not None,
+            first_seed=first_seed,
+            depth=arguments.depth,
+            keep_failures=arguments.keep_failures,
+            until_success=arguments.until_success,
+            license=arguments.license,
+            jobs=arguments.jobs,
+            nodes=nodes,
+            report=report,
+            catalogue=catalogue,
+            **_options(arguments),
+        )
     if arguments.export:
         export_dataset(dataset, arguments.export, exported)
     told, missing = summarize_dataset(dataset), tuple(missing_variations(dataset))
@@ -87,34 +88,21 @@ def _nodes(arguments: argparse.Namespace) -> AbstractContextManager[Map | None]:
     return cluster(arguments.ray) if arguments.ray else nullcontext()
 
 
-def _plan(
-    arguments: argparse.Namespace, shares: tuple[PolicyShare, ...], players: Mapping[str, Player]
-) -> CollectPlan:
-    catalogue = catalogue_of(arguments)
-    references = tuple(asked_tasks(arguments, catalogue))
-    variations, first_seed = _start(arguments, catalogue)
-    return CollectPlan(
-        tasks=references,
-        episodes=arguments.per_variation or arguments.episodes,
-        per_variation=arguments.per_variation is not None,
-        policies=shares,
-        cameras=Cameras(arguments.cameras, arguments.size, arguments.depth),
-        options=shared_options(players, asked_options(arguments)),
-        renderer=arguments.renderer or "auto",
-        variations=variations,
-        first_seed=first_seed,
-        keep_failures=arguments.keep_failures,
-        until_success=arguments.until_success,
-        license=arguments.license,
-        policy_digests=digests_of_players(players),
-        catalogue=catalogue,
-    )
+def _options(arguments: argparse.Namespace) -> EnvOptions:
+    """The options of the environments, and which pictures are recorded."""
+    pictures: EnvOptions = {
+        "cameras": arguments.cameras,
+        "camera_size": arguments.size,
+        "renderer": arguments.renderer or "auto",
+    }
+    asked: Any = asked_options(arguments)
+    return {**asked, **pictures}
 
 
 def _start(
     arguments: argparse.Namespace, catalogue: Catalogue
-) -> tuple[tuple[int, ...] | None, int]:
-    """The variations, or None for all, and the first seed; by default those of a suite."""
+) -> tuple[tuple[int, ...] | Literal["all"], int]:
+    """The variations and the first seed; by default those of a suite."""
     suite = asked_suite(arguments, catalogue)
     variations: tuple[int, ...] | None = suite.train.variations if suite else (0,)
     if arguments.per_variation and not suite:
@@ -122,7 +110,10 @@ def _start(
     seed = suite.train.first_seed if suite else 0
     if arguments.variation is not None:
         variations = None if arguments.variation == "all" else (arguments.variation,)
-    return variations, seed if arguments.seed is None else arguments.seed
+    return (
+        "all" if variations is None else variations,
+        seed if arguments.seed is None else arguments.seed,
+    )
 
 
 class _Progress:

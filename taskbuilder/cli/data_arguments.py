@@ -56,8 +56,9 @@ def add_collect(adder: CommandAdder) -> None:
         nargs="+",
         default=["expert"],
         metavar="P",
-        help="expert, noisy:0.3 (the expert with noise), random, nothing (all robots hold still), "
-        "or a trained policy (zoo:TASK/TRACK, the folder of a run, or a policy file); several "
+        help="expert, noisy:0.3 (the expert with noise), random, hold (all robots hold still), "
+        "ws://HOST:PORT (a policy server), or a trained policy (zoo:TASK/TRACK, the folder of a "
+        "run, or a policy file); several "
         "policies take turns, and P*3 plays three times as often (default expert)",
     )
     parser.add_argument(

@@ -13,7 +13,7 @@ from typing import Any
 
 from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.output import paint, print_json, progress, say, show_finding
-from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.errors import display_path
 from taskbuilder.evaluation.arms import SUBJECT, jobs_of, play_all
@@ -24,6 +24,7 @@ from taskbuilder.processes import cores
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
 from taskbuilder.visual.film import save_film
+from taskbuilder.visual.rendering import check_views
 from taskbuilder.visual.still import save_image
 from taskbuilder.visual.strip import film_strip
 from taskbuilder.world.inertias import doubtful_inertias
@@ -33,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Play episodes, say how each went, and show the first."""
     found = _found(arguments)
     task = found.task
-    check_views(task, arguments)
+    check_views(task, arguments.variation, arguments.camera or ())
     for finding in (*task.warnings, *doubtful_inertias(task.file)):
         print(show_finding(finding), file=sys.stderr)
     found.check()

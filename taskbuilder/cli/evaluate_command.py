@@ -15,7 +15,7 @@ from taskbuilder.cli.env_options import asked_options
 from taskbuilder.cli.evaluation_text import print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.spreading import spread_over
-from taskbuilder.cli.tasks import catalogue_of, check_views, make_folder
+from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import origin, trusts
 from taskbuilder.cli.verifying import track_episodes, verify
 from taskbuilder.errors import UsageError, display_path
@@ -35,6 +35,7 @@ from taskbuilder.files import write_whole
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.visual.capture import Frame
 from taskbuilder.visual.film import save_film
+from taskbuilder.visual.rendering import check_views
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -140,9 +141,8 @@ def _check(found: Subject, arguments: argparse.Namespace) -> None:
     if arguments.certificate:
         check_certifiable(found, (arguments.seed,))
     variation = found.options.get("variation", 0)
-    filmed = argparse.Namespace(variation=variation, camera=arguments.camera)
     if isinstance(variation, int):
-        check_views(found.task, filmed)
+        check_views(found.task, variation, arguments.camera or ())
     elif arguments.video:
         raise UsageError("films are of one variation, and the policy's is random; name --variation")
     found.check()

@@ -183,8 +183,8 @@ def add_evaluate(adder: CommandAdder) -> None:
         "policy",
         nargs="?",
         metavar="POLICY",
-        help="zoo:TASK/TRACK, the folder of a run, or a policy file; expert:TASK, random:TASK or "
-        "nothing:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N&renderer=R",
+        help="zoo:TASK/TRACK, the folder of a run, or a policy file; expert:TASK, "
+        "noisy:0.3:TASK, random:TASK or hold:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N&renderer=R",
     )
     parser.add_argument(
         "--episodes",

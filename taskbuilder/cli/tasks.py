@@ -8,13 +8,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.errors import UsageError, display_path
 from taskbuilder.schema.catalogue import Catalogue, Sort
-from taskbuilder.wording import suggestion
 
 if TYPE_CHECKING:
     from taskbuilder.schema.suites import Suite
-    from taskbuilder.task import Task
 
 
 def catalogue_of(arguments: argparse.Namespace) -> Catalogue:
@@ -62,25 +60,6 @@ def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str
     if not arguments.tasks:
         raise UsageError("which task? give a name, a path, --suite or --all")
     return list(dict.fromkeys(arguments.tasks))
-
-
-def check_views(task: Task, arguments: argparse.Namespace) -> None:
-    """Refuse a --variation or a --camera that the task does not have.
-
-    Raises:
-        UsageError: There is no such variation.
-        UnknownNameError: There is no such camera.
-    """
-    scenes = task.file.scenes
-    if arguments.variation >= len(scenes):
-        has = f"it has 1 to {len(scenes) - 1}" if len(scenes) > 1 else "it has none"
-        wrong = f"{task.name} has no variation {arguments.variation}"
-        raise UsageError(f"{wrong}; {has}, and 0 is the plain task")
-    cameras = scenes[arguments.variation].cameras
-    for camera in arguments.camera or ():
-        if camera not in cameras:
-            help_ = suggestion(camera, cameras, what="it has")
-            raise UnknownNameError(f'{task.name} has no camera "{camera}"; {help_}')
 
 
 def make_folder(folder: Path) -> None:

@@ -83,6 +83,10 @@ class RecordedEpisode:
         about: Mapping[str, Any] = self._about["tasks"][self._line["task"]]
         return about
 
+    def __repr__(self) -> str:
+        how = "success" if self.success else "no success"
+        return f"<RecordedEpisode {self.task}, seed {self.seed}: {self.steps} steps, {how}>"
+
     @property
     def task(self) -> str:
         """The name of the task."""
@@ -288,6 +292,11 @@ class Dataset(Sequence[RecordedEpisode]):
         self.about = about
         self.contents = contents
         self._lines = tuple(contents["episodes"])
+
+    def __repr__(self) -> str:
+        count, tasks = len(self), ", ".join(self.tasks)
+        where = display_path(self.folder)
+        return f"<Dataset {where}: {count} episode{'s' * (count != 1)} of {tasks}>"
 
     @property
     def tasks(self) -> tuple[str, ...]:

@@ -333,12 +333,9 @@ def options_about(*kinds: Kind) -> tuple[str, ...]:
     return tuple(name for name, info in option_infos().items() if info.kind in kinds)
 
 
-class EnvOptions(TypedDict, total=False):
-    """The fields of `Options` as keyword arguments, for type checkers."""
+class TrainingOptions(TypedDict, total=False):
+    """The options of environments that a training run chooses, for type checkers."""
 
-    reward: RewardSharing
-    flat: bool
-    normalize: bool
     horizon: int | None
     control_hz: int | None
     variation: Variation
@@ -351,9 +348,17 @@ class EnvOptions(TypedDict, total=False):
     cameras: tuple[str, ...]
     camera_size: tuple[int, int] | None
     renderer: Renderer
-    render_camera: str | None
     robots: Mapping[str, str | Path] | OtherRobots
     grasp: GraspChoice
+
+
+class EnvOptions(TrainingOptions, total=False):
+    """The fields of `Options` as keyword arguments, for type checkers."""
+
+    reward: RewardSharing
+    flat: bool
+    normalize: bool
+    render_camera: str | None
 
 
 def make_options(**options: Unpack[EnvOptions]) -> Options:

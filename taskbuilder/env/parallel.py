@@ -86,6 +86,10 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         self._last: Observations = {}
         self._noise: Mapping[str, Any] = {}  # of the generator before the last look
 
+    def __repr__(self) -> str:
+        agents = ", ".join(self.possible_agents)
+        return f"<TaskEnv {self.task.name}: {agents}; {self.max_episode_steps} steps>"
+
     # --- spaces
 
     @cached_property

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Unpack
 
 from taskbuilder._version import __version__
 from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.env.factory import with_choices
+from taskbuilder.env.options import TrainingOptions
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
@@ -59,9 +60,26 @@ def train(
     task: str | Path | Task | None = None,
     *,
     out: str | Path | None = None,
-    settings: Any = (),
+    algorithm: str | None = None,
+    preset: str | None = None,
+    settings: Mapping[str, Any] | Sequence[str] = (),
+    reward: Literal["team", "local", "sparse", "shaped", "ratchet"] | None = None,
+    steps: int | None = None,
+    seed: int | None = None,
+    envs: int | None = None,
+    workers: int | None = None,
+    demos: int | None = None,
+    starts: float | None = None,
+    init: str | None = None,
+    data: str | Path | None = None,
+    device: Literal["cpu", "cuda"] | None = None,
+    evaluate_every: int | None = None,
+    evaluate_episodes: int | None = None,
+    film_every: int | None = None,
+    checkpoint_every: int | None = None,
+    stop_at: float | None = None,
     watch: Watch = lambda _: None,
-    **plan: Any,
+    **options: Unpack[TrainingOptions],
 ) -> TrainedRun:
     """Train a policy for each robot of a task.
 
@@ -70,17 +88,56 @@ def train(
             is the default.
         out: Folder of the run; by default ``runs/TASK-TRACK-SEED``, such as
             ``runs/handover-scratch-0``.
+        algorithm: The algorithm; by default ``maddpg``.
+        preset: The preset of settings of the algorithm.
         settings: Settings of the algorithm, as a dictionary from names to values.
+        reward: The training reward; by default ``ratchet``.
+        steps: Control steps, summed over all environments; with a data set, updates.
+        seed: Seed of everything random in the run.
+        envs: Number of parallel environments.
+        workers: Processes for the environments; 0 for this one. Results do not depend on it.
+        demos: Expert episodes to learn from.
+        starts: Fraction of the training episodes that begin in a state of an expert episode.
+        init: The trained policy to start from, by name.
+        data: The data set to learn from, for algorithms that learn from one.
+        device: Device of the networks.
+        evaluate_every: Control steps between evaluations.
+        evaluate_episodes: Episodes per evaluation.
+        film_every: Evaluations between films of an episode; 0 for no films.
+        checkpoint_every: Control steps between checkpoints.
+        stop_at: Stop when, in two evaluations in a row, success holds at the last control step in
+            this share of the episodes.
         watch: Function that is called with the status of the run after each step of all
             environments.
-        plan: Keyword arguments for the other options of the command ``taskbuilder train``, such as
-            ``algorithm``, ``steps``, ``seed`` and ``demos``.
+        options: Options of the environments; see `Options`. Those that a data set or the policy
+            ``init`` decides need not be given.
 
     Raises:
         UsageError: An option is invalid, the folder already has a run, or PyTorch is missing.
         FileError: The files of the task have errors.
     """
-    run = set_up(task, settings, **plan)
+    run = set_up(
+        task,
+        settings,
+        algorithm=algorithm,
+        preset=preset,
+        reward=reward,
+        steps=steps,
+        seed=seed,
+        envs=envs,
+        workers=workers,
+        demos=demos,
+        starts=starts,
+        init=init,
+        data=data,
+        device=device,
+        evaluate_every=evaluate_every,
+        evaluate_episodes=evaluate_episodes,
+        film_every=film_every,
+        checkpoint_every=checkpoint_every,
+        stop_at=stop_at,
+        **options,
+    )
     folder = Path(out) if out is not None else default_folder(run)
     with locked(folder, new=True):
         create(folder, run)

@@ -53,7 +53,7 @@ class ChunkExecution:
             raise ValueError("the decay is not finite")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ChunkPolicy(TrainedPolicy):
     """A policy whose networks predict chunks of actions, the first action first.
 

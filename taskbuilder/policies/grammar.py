@@ -21,6 +21,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -294,8 +295,13 @@ def _own(policy: Any) -> Player:
     named = policy if hasattr(policy, "__qualname__") else kind
     name = f"{named.__module__}.{named.__qualname__}".removeprefix("__main__.")
     if isinstance(policy, type):
-        return Player(name, "own", policy)
+        takes_env = bool(signature(policy).parameters)
+        return Player(name, "own", policy if takes_env else partial(_made, policy))
     return Player(name, "own", partial(_given, policy if plays else as_policy(policy)))
+
+
+def _made(policy: type[Policy], _: TaskEnv) -> Policy:
+    return policy()
 
 
 def _given(policy: Policy, _: TaskEnv) -> Policy:

@@ -13,6 +13,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import Function
+from taskbuilder.wording import excerpt
 
 Array = NDArray[np.float32]
 
@@ -62,6 +63,10 @@ class TrainedPolicy:
 
     networks: Mapping[str, Network]
     about: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        agents = ", ".join(self.networks)
+        return f"<{type(self).__name__} for {excerpt(self.about.get('task'))}: {agents}>"
 
     def act(self, observations: Mapping[str, NDArray[np.floating]]) -> dict[str, Array]:
         """Every agent's action, from -1 to 1, given its own observation alone."""

@@ -134,6 +134,11 @@ class Rollout:
     why: tuple[Reason, ...] = ()
     log: ScriptLog | None = None
 
+    def __repr__(self) -> str:
+        how = "success" if self.success else "no success"
+        paid = f"return {self.team_return:.2f}"
+        return f"<Rollout {self.task}, seed {self.seed}: {self.steps} steps, {how}, {paid}>"
+
     @property
     def steps(self) -> int:
         """Length of the episode in control steps."""

@@ -104,7 +104,7 @@ def _families() -> tuple[Family, ...]:
 
 
 def validate_task(
-    reference: str | Path,
+    reference: str | Path | Task,
     *,
     level: Level = "full",
     seeds: int = SEEDS,
@@ -121,7 +121,8 @@ def validate_task(
     """Validate a task.
 
     Args:
-        reference: Name of the task, or path of its YAML file.
+        reference: Name of the task, path of its YAML file, or a loaded task, with the robots and
+            the rule of grasping that it was loaded with.
         level: Which checks to run: ``static`` (checks of the files, without physics), ``build``
             (also checks that build and reset the scene), or ``full`` (all checks).
         seeds: Number of seeds per variation.
@@ -148,6 +149,11 @@ def validate_task(
         UsageError: ``only`` names an unknown family, or ``robots`` or ``grasp`` does not fit the
             task; see `load_task`.
     """
+    if isinstance(reference, Task):
+        catalogue = catalogue or reference.file.catalogue
+        robots = {**dict(reference.robots), **dict(robots or {})}
+        grasp = reference.grasp if grasp == "task" else grasp
+        reference = reference.reference
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
     if wanted:
