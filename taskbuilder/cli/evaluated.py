@@ -117,7 +117,8 @@ def evaluated(
     else:
         player, file = load_policy(name), policy_file(name)
         reference = task or str(task_of(name, player, catalogue, trust=trust))
-        chosen = options_for(player, disturbances or {}, name)
+        asked = {**(disturbances or {}), **({"robots": robots} if robots else {})}
+        chosen = options_for(player, asked, name)
     chosen = {**(options if options is not None else chosen), **(disturbances or {})}
     if variation is not None:
         chosen["variation"] = variation

@@ -26,7 +26,9 @@ from taskbuilder.learn.policy import TrainedPolicy
 from taskbuilder.learn.statistics import iqm
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.catalogue import looks_like_path
 from taskbuilder.schema.grasping import rules_of
+from taskbuilder.schema.other_robots import other_robots
 
 SEED = 2_000_000
 """First seed of held-out evaluations: no policy is chosen by these episodes."""
@@ -199,6 +201,11 @@ def options_for(policy: TrainedPolicy, asked: Mapping[str, Any], name: str) -> d
         UsageError: With one of them, the policy would observe or act otherwise than in training.
     """
     trained = options_of(policy)
+    for robot, model in () if "robots" in asked else other_robots(trained.get("robots", ())):
+        if looks_like_path(model):  # of the machine that reads it, and a policy may be anybody's
+            raise UsageError(
+                f"{name} was trained with a robot of a file; name the file: --robot {robot}=FILE"
+            )
     for option in options_about("observed"):
         free = option_infos()[option].disturbs or option not in trained
         if not free and asked.get(option, trained[option]) != trained[option]:
