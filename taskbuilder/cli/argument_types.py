@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 
-class Once(argparse.Action):
+class StoreOnce(argparse.Action):
     """Stores the value of an option; a second use with another value is a mistake."""
 
     def __call__(
@@ -22,7 +22,7 @@ class Once(argparse.Action):
         given = getattr(namespace, "given", {})
         if option_string and given.get(self.dest, values) != values:
             was = given[self.dest]
-            wrong = f"is given twice, as {was} and {values}; give it once"
+            wrong = f"given twice, as {was} and {values}; give it once"
             raise argparse.ArgumentError(self, wrong)
         namespace.given = {**given, self.dest: values}
         setattr(namespace, self.dest, values)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, Once, size, whole
+from taskbuilder.cli.argument_types import Extend, StoreOnce, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
@@ -60,7 +60,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         for name in (None, "store"):
-            self.register("action", name, Once)
+            self.register("action", name, StoreOnce)
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and exit with status 2."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
@@ -16,9 +17,9 @@ from taskbuilder.data.videos import LARGEST_SIDE
 from taskbuilder.digests import differences, digest_of
 from taskbuilder.env.options import Renderer, make_options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.errors import UnknownNameError, UsageError
+from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.policies.mixture import PolicyShare, policy_of, round_of
-from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.schema.expert import stage_labels
 from taskbuilder.schema.grasping import rules_of
 from taskbuilder.sources import digests_of_library, digests_of_task
@@ -146,6 +147,13 @@ def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
         raise UsageError(f"{twice} is named twice")
+    for robot, model in make_options(**plan.options).robots:
+        if looks_like_path(model):
+            raise UsageError(
+                f"--robot {robot}={display_path(Path(model))}: a data set names robots of the "
+                f"catalogue, which others can look up; name the folder of its file by --task-path, "
+                f"and give --robot {robot}=NAME"
+            )
     for task in tasks:
         _check_task(plan, task)
 

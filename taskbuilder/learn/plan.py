@@ -21,7 +21,7 @@ from taskbuilder.env.options import (
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
-from taskbuilder.learn.learner import Algorithm, Preset
+from taskbuilder.learn.learner import Preset
 from taskbuilder.learn.recordings import recorded_options
 from taskbuilder.learn.settings import read_settings
 from taskbuilder.policies.runs import FORMAT, RUN_FILE, read_run
@@ -214,7 +214,7 @@ def make_plan(
             raise UsageError(f"{chosen['algorithm']} has no presets; leave --preset out")
         _choice("preset", chosen["preset"], tuple(algorithm.presets))
         preset = algorithm.presets[chosen["preset"]]
-    _check_source(chosen, algorithm)
+    check_source(chosen)
     trained = _env_of(init) if init else {}
     if algorithm.from_data:
         opened = chosen["data"]
@@ -239,18 +239,22 @@ def plan_of(values: Mapping[str, Any]) -> Plan:
     return Plan(**own, options=make_options(**{**_FOR_TRAINING, **options}))
 
 
-def _check_source(chosen: Mapping[str, Any], algorithm: Algorithm) -> None:
+def check_source(chosen: Mapping[str, Any]) -> None:
     """Check that a data set is given if, and only if, the algorithm learns from one.
+
+    Args:
+        chosen: The fields of the plan that are given.
 
     Raises:
         UsageError: It is otherwise.
     """
-    name = chosen.get("algorithm", Plan.algorithm)
+    name = chosen.get("algorithm") or Plan.algorithm
+    algorithm = find_algorithm(name)
     if algorithm.from_data and not chosen.get("data"):
         raise UsageError(
             f"{name} learns from a data set; name one by --data DIR (taskbuilder collect makes one)"
         )
-    if algorithm.from_data and "envs" in chosen:
+    if algorithm.from_data and chosen.get("envs") is not None:
         raise UsageError(f"{name} learns from the data set alone; leave --envs out")
     for option in ("data", "cameras"):
         if chosen.get(option) and not algorithm.from_data:

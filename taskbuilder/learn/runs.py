@@ -17,7 +17,7 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
-from taskbuilder.learn.plan import Plan, digest, load_plan, make_plan, save_plan
+from taskbuilder.learn.plan import Plan, check_source, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.machine import processor, system, versions
@@ -187,8 +187,9 @@ def set_up(
     check_torch()
     catalogue = catalogue or Catalogue.discover()
     dataset = data = given.get("data")
-    if data is not None and not isinstance(data, Dataset):
-        given["data"] = dataset = load_dataset(data)
+    if data is not None:
+        check_source(given)
+        given["data"] = dataset = data if isinstance(data, Dataset) else load_dataset(data)
     if task is None:
         if dataset is None:
             raise UsageError("which task? give a name or a path, or --resume RUN to go on")

@@ -12,7 +12,9 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
 from taskbuilder.policies.trained import TrainedPolicy
+from taskbuilder.schema.catalogue import looks_like_path
 from taskbuilder.schema.grasping import rules_of
+from taskbuilder.schema.other_robots import other_robots
 
 OPTIONS = tuple(name for name, info in option_infos().items() if info.decides_policy)
 """Options of environments that a policy records, because it depends on them."""
@@ -46,6 +48,11 @@ def check_options(trained: Mapping[str, Any], asked: Mapping[str, Any], name: st
     Raises:
         UsageError: With one of them, the policy would observe or act otherwise than in training.
     """
+    for robot, model in () if "robots" in asked else other_robots(trained.get("robots", ())):
+        if looks_like_path(model):  # of the machine that reads it, and a policy may be anybody's
+            raise UsageError(
+                f"{name} was trained with a robot of a file; name the file: --robot {robot}=FILE"
+            )
     for option in options_about("observed"):
         free = option_infos()[option].disturbs or option not in trained
         if not free and asked.get(option, trained[option]) != trained[option]:

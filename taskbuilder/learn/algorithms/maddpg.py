@@ -69,8 +69,7 @@ class MaddpgSettings:
         share: Whether agents with spaces of the same size share one actor, with a one-hot input.
         bc_updates: Behaviour cloning updates from demonstrations, before reinforcement learning.
         bc_noise: Standard deviation of noise on the standardised observations of demonstrations.
-        critic_warmup_updates: Updates of the critics alone, when a run starts from a policy or
-            from demonstrations. Untrained critics would spoil the actors.
+        critic_warmup_updates: Updates of critics alone at first, in runs from a policy or episodes.
         imitation: Weight of the imitation term, relative to the critics' normalised gradient.
         imitation_half_life: Control steps in which this weight halves; 0 for a constant weight.
     """
