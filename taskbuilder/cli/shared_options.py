@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-from taskbuilder.cli.argument_types import Extend, robot_choice, size, whole
+from taskbuilder.cli.argument_types import (
+    Extend,
+    listed_choices,
+    one_of,
+    robot_choice,
+    size,
+    whole,
+)
+from taskbuilder.extensions import RENDERERS
+
+RENDERER_NAMES = ("auto", "raster", "tiny", "egl")
 
 
 def add_jobs(parser: ArgumentParser) -> None:
@@ -120,7 +130,8 @@ def add_renderer(parser: ArgumentParser) -> None:
     """``--renderer``: how images are rendered."""
     parser.add_argument(
         "--renderer",
-        choices=("auto", "raster", "tiny", "egl"),
+        type=one_of(RENDERER_NAMES, RENDERERS),
+        metavar=listed_choices(RENDERER_NAMES),
         default="auto",
         help="raster: fast rasteriser on the CPU; tiny: PyBullet's TinyRenderer; egl: OpenGL "
         "(default auto: raster if it is installed, otherwise tiny)",

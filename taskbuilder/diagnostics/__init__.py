@@ -11,8 +11,9 @@ from types import MappingProxyType
 
 from taskbuilder.diagnostics import environments, names, rollouts, scene, yaml
 from taskbuilder.diagnostics.entry import Code, Example, Where
+from taskbuilder.diagnostics.foreign import CheckFamily
 
-__all__ = ["CODES", "Code", "Example", "Where"]
+__all__ = ["CODES", "CheckFamily", "Code", "Example", "Where"]
 
 CODES: Mapping[str, Code] = MappingProxyType(
     {

@@ -24,6 +24,10 @@ Targets = Sequence[float] | None
 """Joint positions for the end of the control step, or None if motors have other commands."""
 
 
+Space = Literal["tool", "joint", "torque"]
+"""What the numbers of an action command."""
+
+
 @dataclass(frozen=True)
 class Arm:
     """An arm, as arm modes use it.
@@ -90,7 +94,7 @@ class ArmMode(ABC):
         arm: What they command.
     """
 
-    space: ClassVar[Literal["tool", "joint", "torque"]]
+    space: ClassVar[Space]
     arm: Arm
 
     @property

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
+from taskbuilder.extensions import RENDERERS
 from taskbuilder.schema.grasping import GraspChoice, with_grasp
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.other_robots import OtherRobots, other_robots, with_robots
@@ -166,7 +167,7 @@ class Options:
         _choice("frame", self.frame, ("task", "base"))
         _choice("rotation", self.rotation, get_args(Rotation))
         _choice("distances", self.distances, get_args(Distances))
-        _choice("renderer", self.renderer, get_args(Renderer))
+        _choice("renderer", self.renderer, RENDERERS.names(get_args(Renderer)))
         size = self.camera_size
         if size is not None and not all(isinstance(n, int) and 0 < n <= 4096 for n in size):
             raise UsageError(f"camera_size is {size!r}; a width and a height of 1 to 4096 pixels")

@@ -26,7 +26,7 @@ from taskbuilder.schema import (
 )
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.order import ONLY_WITH, VERBS
-from taskbuilder.schema.values import PALETTE, Shorthand, rgb
+from taskbuilder.schema.values import PALETTE, OneOf, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
@@ -170,7 +170,8 @@ def _unmarked(hint: Any) -> Any:
 
 
 def _annotated(inner: tuple[Any, ...]) -> str:
-    words = describe(inner[0]) + _range(Annotated[inner])
+    own = next((extra.own for extra in inner[1:] if isinstance(extra, OneOf)), ())
+    words = ", ".join(map(code, own)) or describe(inner[0]) + _range(Annotated[inner])
     for extra in inner[1:]:
         if isinstance(extra, Shorthand):
             words += f", or the word {code(extra.word)}"

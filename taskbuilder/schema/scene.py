@@ -12,6 +12,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from taskbuilder.extensions import ACTION_MODES
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.arrangement import ARRANGEMENTS, MAX_COUNT, Arrangement
 from taskbuilder.schema.camera import CameraSpec
@@ -31,6 +32,7 @@ from taskbuilder.schema.values import (
     Mass,
     Model,
     Name,
+    OneOf,
     OrNumber,
     Position,
     Positive,
@@ -298,18 +300,17 @@ class SiteSpec(_Placed):
         return self
 
 
+ARM_MODES = (
+    *("tcp_delta", "tcp_pose", "tcp_path"),
+    *("joint_delta", "joint_position", "joint_velocity", "joint_torque"),
+)
+"""The library's own action modes."""
+
+
 class ActionSpec(Model):
     """What an agent's action means."""
 
-    arm: Literal[
-        "tcp_delta",
-        "tcp_pose",
-        "tcp_path",
-        "joint_delta",
-        "joint_position",
-        "joint_velocity",
-        "joint_torque",
-    ] = "tcp_delta"
+    arm: Annotated[str, OneOf(ARM_MODES, ACTION_MODES)] = "tcp_delta"
     frame: Literal["world", "base", "tcp"] = "world"
     max_step: Annotated[float, Field(gt=0.0, le=0.5)] = Field(
         0.05, description="Maximum translation in a control step, in metres."
