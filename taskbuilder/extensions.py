@@ -6,7 +6,6 @@ for them reads what is declared, and imports nothing. What is found is kept for 
 
 from __future__ import annotations
 
-import logging
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -17,10 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.errors import ExtensionError, TaskbuilderError, UnknownNameError
-from taskbuilder.quiet import HINTS
 from taskbuilder.wording import suggestion
-
-_log = logging.getLogger(HINTS)
 
 
 @dataclass(frozen=True)
@@ -194,7 +190,11 @@ def _declared(door: Door, path: tuple[str, ...]) -> Mapping[str, tuple[Part, ...
 
 @cache
 def _tell_of_own_name(part: Part) -> None:
-    _log.warning(
+    import logging  # `--help` does without
+
+    from taskbuilder.quiet import HINTS
+
+    logging.getLogger(HINTS).warning(
         "%s has the name of one of taskbuilder's own, which is used; %s must rename it",
         part,
         part.package.split()[0],

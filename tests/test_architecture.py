@@ -144,7 +144,7 @@ ABOVE = tuple(
     for name in ("__init__", "__main__", "gym", "tasks/__init__", "robots/__init__")
 )
 
-MOST_CODE = 370
+MOST_CODE = 350
 """Lines of code in a module, which docstrings, comments and blank lines are not."""
 
 LIBRARY = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "taskbuilder").rglob("*.py"))

@@ -20,7 +20,7 @@ from taskbuilder.env.joint_modes import (
 )
 from taskbuilder.env.tcp_modes import TcpDeltaMode, TcpPathMode, TcpPoseMode
 from taskbuilder.extensions import ACTION_MODES
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 from taskbuilder.geometry import Pose, Quat, norm, total
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.sim.differential_ik import DifferentialIK
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World

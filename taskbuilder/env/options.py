@@ -9,10 +9,11 @@ from typing import Any, Literal, TypedDict, Unpack, get_args
 
 from taskbuilder.errors import UsageError
 from taskbuilder.extensions import RENDERERS
+from taskbuilder.schema.agents import RobotEntry
 from taskbuilder.schema.grasping import GraspChoice, with_grasp
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.other_robots import OtherRobots, other_robots, with_robots
-from taskbuilder.schema.scene import RobotEntry, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion

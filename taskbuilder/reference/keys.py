@@ -14,13 +14,18 @@ from taskbuilder.reference.markdown import code, number
 from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.schema import (
+    agents,
     arrangement,
     expert,
     joints,
+    objects,
     order,
+    placing,
     postures,
     robot,
     scene,
+    shapes,
+    sites,
     task,
     values,
 )
@@ -30,7 +35,10 @@ from taskbuilder.schema.values import PALETTE, OneOf, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
-    for module in (scene, postures, arrangement, joints, task, robot, expert, order)
+    for module in (
+        *(shapes, placing, objects, sites, agents, scene),
+        *(postures, arrangement, joints, task, robot, expert, order),
+    )
     for name, model in vars(module).items()
     if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
 }

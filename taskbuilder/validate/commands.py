@@ -18,7 +18,7 @@ import numpy as np
 from taskbuilder.env.actions import HYSTERESIS, make_mode
 from taskbuilder.env.arm_modes import Arm, ArmMode
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 

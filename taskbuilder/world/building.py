@@ -11,11 +11,13 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.urdf import with_limits
 from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
+from taskbuilder.schema.agents import RobotEntry
 from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.robots import RobotModel, joint_values
-from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
+from taskbuilder.schema.sites import SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.body import BASE, Body
