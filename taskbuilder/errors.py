@@ -135,6 +135,10 @@ class EngineError(TaskbuilderError):
     """The physics engine cannot be imported: it is missing, or two packages provide it."""
 
 
+class ExtensionError(TaskbuilderError):
+    """A part that another package adds cannot be used; the message names the package."""
+
+
 class DivergenceError(TaskbuilderError):
     """Learning came to numbers that are not finite."""
 

@@ -16,7 +16,10 @@ from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Te
 from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import fill
-from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
+from taskbuilder.schema.objects import ObjectSpec
+from taskbuilder.schema.placing import Place
+from taskbuilder.schema.shapes import PartSpec, Shape
+from taskbuilder.schema.sites import Marker, SiteSpec
 from taskbuilder.task import Task, load_task
 
 DOCS = Path(__file__).parents[1]

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Sequence
 from typing import Any
+
+from taskbuilder.errors import UnknownNameError
+from taskbuilder.extensions import Door
 
 
 class StoreOnce(argparse.Action):
@@ -58,6 +62,24 @@ def whole(least: int, most: int) -> Any:
         return value
 
     return convert
+
+
+def one_of(own: Sequence[str], door: Door) -> Any:
+    """A converter for one of the library's own names, or of those that installed packages add."""
+
+    def convert(text: str) -> str:
+        try:
+            door.part(text, own)
+        except UnknownNameError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+        return text
+
+    return convert
+
+
+def listed_choices(names: Sequence[str]) -> str:
+    """The library's own names, as helps show them."""
+    return f"{{{','.join(names)}}}"
 
 
 def variation(text: str) -> int | str:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, StoreOnce, size, whole
+from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
@@ -30,7 +30,8 @@ from taskbuilder.cli.shared_options import (
     add_show,
     add_suite,
 )
-from taskbuilder.validate.formats import DOCUMENTS
+from taskbuilder.extensions import REPORT_FORMATS
+from taskbuilder.validate.formats import NAMES as REPORT_NAMES
 from taskbuilder.wording import suggestion
 
 _COMMANDS = (
@@ -248,7 +249,8 @@ def _add_validate(adder: Adder) -> None:
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
-        choices=("text", "json", *DOCUMENTS, "github"),
+        type=one_of(REPORT_NAMES, REPORT_FORMATS),
+        metavar=listed_choices(REPORT_NAMES),
         default="text",
         help="format of the report (default text)",
     )

@@ -8,6 +8,8 @@ from pathlib import Path
 from taskbuilder.cli.argument_types import (
     Extend,
     listed,
+    listed_choices,
+    one_of,
     share,
     side_or_size,
     variation_or_all,
@@ -22,6 +24,7 @@ from taskbuilder.cli.shared_options import (
     add_suite,
 )
 from taskbuilder.data.names import FORMAT_NAMES
+from taskbuilder.extensions import DATA_FORMATS
 
 ACTIONS = ("info", "check", "film", "export")
 
@@ -181,4 +184,10 @@ def add_dataset(adder: CommandAdder) -> None:
 
 
 def _add_format(parser: ArgumentParser, text: str) -> None:
-    parser.add_argument("--format", dest="export", choices=FORMAT_NAMES, help=text)
+    parser.add_argument(
+        "--format",
+        dest="export",
+        type=one_of(FORMAT_NAMES, DATA_FORMATS),
+        metavar=listed_choices(FORMAT_NAMES),
+        help=text,
+    )

@@ -34,7 +34,7 @@ from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.validate.apart import Level
-from taskbuilder.validate.formats import DOCUMENTS, document
+from taskbuilder.validate.formats import document_writer
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
@@ -65,6 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.only:
         families_of(arguments.level, arguments.only)
     started = time.perf_counter()
+    document_writer(arguments.format)  # a format that cannot be used is refused at once
     asked = asked_options(arguments)
     robots, grasp = asked.get("robots", ()), asked.get("grasp", "task")
     pages = _Pages(arguments.report, catalogue, robots, grasp)
@@ -254,8 +255,8 @@ def _print_some(reports: Sequence[TaskReport], form: str) -> None:
     """The reports on the tasks that are done, where the others will not be."""
     if reports and form == "json":
         print_json(as_data(reports, complete=False))
-    elif reports and form in DOCUMENTS:
-        emit(document(form, reports))
+    elif reports and (document := document_writer(form)):
+        emit(document(reports))
 
 
 def _print_end(reports: Sequence[TaskReport], form: str, seconds: float, page: str) -> None:
@@ -268,7 +269,7 @@ def _print_end(reports: Sequence[TaskReport], form: str, seconds: float, page: s
         return
     if form == "json":
         print_json(as_data(reports))
-    else:
-        emit(document(form, reports))
+    elif document := document_writer(form):
+        emit(document(reports))
     if named:
         print(named, file=sys.stderr)

@@ -109,7 +109,7 @@ class _About(_Record):
     license: Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\n\r\t]*$")]
     collected: _Collected
     options: dict[_Label, Any]
-    renderer: Literal["raster", "tiny", "egl"] | None
+    renderer: _Label | None
     tasks: Annotated[dict[_TaskName, _Task], Field(min_length=1, max_length=1000)]
     library: _Text
     versions: dict[_Text, _Text]

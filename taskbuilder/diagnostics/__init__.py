@@ -9,18 +9,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from taskbuilder.diagnostics import environments, names, rollouts, scene, yaml
+from taskbuilder.diagnostics import (
+    environments,
+    experts,
+    names,
+    necessity,
+    repeating,
+    rewards,
+    scene,
+    yaml,
+)
 from taskbuilder.diagnostics.entry import Code, Example, Where
+from taskbuilder.diagnostics.foreign import CheckFamily
 
-__all__ = ["CODES", "Code", "Example", "Where"]
+__all__ = ["CODES", "CheckFamily", "Code", "Example", "Where"]
 
 CODES: Mapping[str, Code] = MappingProxyType(
-    {
-        **yaml.ENTRIES,
-        **names.ENTRIES,
-        **scene.ENTRIES,
-        **rollouts.ENTRIES,
-        **environments.ENTRIES,
-    }
+    dict(
+        sorted(
+            item
+            for part in (yaml, names, scene, repeating, experts, environments, necessity, rewards)
+            for item in part.ENTRIES.items()
+        )
+    )
 )
 """Every code, in order."""

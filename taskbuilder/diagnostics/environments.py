@@ -1,12 +1,71 @@
-"""Codes of what checking an environment shows: TB57x and TB58x."""
+"""Codes of environments, and of their speed: TB52x, TB56x, TB57x and TB58x."""
 
 from __future__ import annotations
 
-from taskbuilder.diagnostics.entry import Code, Example
+from taskbuilder.diagnostics.entry import Code, Example, within
 
 _OURS = " No known task fails this check. If yours does, please report it."
 
 ENTRIES = {
+    "TB521": Code(
+        "PettingZoo's parallel API test",
+        "`parallel_api_test` fails on the environment of the task." + _OURS,
+    ),
+    "TB522": Code(
+        "PettingZoo's AEC tests",
+        "`api_test` or `seed_test` fails on the turn-based (AEC) environment of the task." + _OURS,
+    ),
+    "TB523": Code(
+        "Gymnasium's environment checker",
+        "`check_env` fails on the joint environment (`JointEnv`), in which one agent controls all "
+        "robots. For example, it fails if an episode has only one control step.",
+        within(
+            "",
+            "timing: {control_hz: 10, physics_hz: 120, episode_steps: 1}",
+            "timing: {control_hz: 10, physics_hz: 120, episode_steps: 50}",
+        ),
+    ),
+    "TB524": Code(
+        "Observation outside its space",
+        "An observation does not have the shape or dtype of its space, lies outside the bounds of "
+        "the space, or contains NaN. taskbuilder clips observations to these bounds. No known "
+        "task fails this check unless its description changes values of the world.",
+    ),
+    "TB525": Code(
+        "Constant observation",
+        "The observation of an agent never changes during an episode. Or, when the same actions "
+        "are played, the agent's observations are the same in every episode, although the initial "
+        "positions differ. The agent cannot learn from such observations.",
+        Example(
+            "task",
+            "observe: {left: [goal.position], right: [self.tcp, cube.position]}",
+            "observe: {left: [self.tcp, cube.position], right: [self.tcp, cube.position]}",
+        ),
+    ),
+    "TB526": Code(
+        "Observations shared between agents",
+        "Two agents have exactly the same observations and neither observes itself, so neither "
+        "agent can tell which of the two it is. Or observations share memory. Then writing into "
+        "one observation changes another observation or the episode, or the next step changes an "
+        "observation that was returned earlier.",
+        Example(
+            "task",
+            "observe: {left: [cube.pose, time_left], right: [cube.pose, time_left]}",
+            "observe: {left: [self.tcp, cube.pose], right: [self.tcp, cube.pose]}",
+        ),
+    ),
+    "TB527": Code(
+        "Space recreated on every call",
+        "`observation_space` or `action_space` returns a new object on every call, so seeding the "
+        "space has no effect." + _OURS,
+    ),
+    "TB561": Code(
+        "Speed and cost",
+        "Three measurements, which neither pass nor fail. The first is the number of control "
+        "steps per second. The second is the overhead of a control step: the time that it takes "
+        "in addition to its physics steps, as a multiple of the duration of one physics step. The "
+        "third is the median duration of a reset.",
+    ),
     "TB571": Code(
         "Render returns no picture",
         "`render` does not return a uint8 array of shape (height, width, 3), or all pixels of the "

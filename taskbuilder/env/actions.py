@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from inspect import isabstract
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.env.arm_modes import Arm, ArmMode, Targets
+from taskbuilder.env.arm_modes import Arm, ArmMode, Space, Targets
+from taskbuilder.env.foreign_modes import ForeignMode
 from taskbuilder.env.joint_modes import (
     JointDeltaMode,
     JointPositionMode,
@@ -17,7 +19,8 @@ from taskbuilder.env.joint_modes import (
     JointVelocityMode,
 )
 from taskbuilder.env.tcp_modes import TcpDeltaMode, TcpPathMode, TcpPoseMode
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.extensions import ACTION_MODES
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
@@ -33,9 +36,44 @@ ARM_MODES: Mapping[str, type[ArmMode]] = {
 """Arm modes by the name that task files give them."""
 
 
+def arm_mode(name: str) -> type[ArmMode]:
+    """The arm mode of a name; also one that another package adds.
+
+    Raises:
+        UnknownNameError: There is none.
+        ExtensionError: It is of another package, and cannot be used.
+    """
+    part = ACTION_MODES.part(name, ARM_MODES)
+    if part is None:
+        return ARM_MODES[name]
+    mode: type[ArmMode] = part.load(_no_mode)
+    return mode
+
+
+def make_mode(arm: Arm) -> ArmMode:
+    """The mode by which actions command an arm.
+
+    Raises:
+        ExtensionError: It is of another package, and cannot be used.
+    """
+    part = ACTION_MODES.part(arm.spec.arm, ARM_MODES)
+    mode = arm_mode(arm.spec.arm)
+    return mode(arm) if part is None else ForeignMode.of(part, mode, arm)
+
+
+def _no_mode(found: object) -> str | None:
+    if not (isinstance(found, type) and issubclass(found, ArmMode)):
+        return "is no subclass of taskbuilder.env.arm_modes.ArmMode"
+    if isabstract(found):
+        return f"lacks {', '.join(sorted(found.__abstractmethods__))}"
+    if getattr(found, "space", None) not in get_args(Space):
+        return f"has no space; set it to one of {', '.join(get_args(Space))}"
+    return None
+
+
 def can_be_planned(spec: ActionSpec) -> bool:
     """Whether a planned motion can be written as actions of this kind."""
-    return ARM_MODES[spec.arm].space != "torque"
+    return arm_mode(spec.arm).space != "torque"
 
 
 HYSTERESIS = 0.2
@@ -92,7 +130,7 @@ class RobotActions:
 
     def __init__(self, world: World, robot: Robot, spec: ActionSpec, dt: float) -> None:
         self.arm = Arm.of(world, robot, spec, dt)
-        self._mode = ARM_MODES[spec.arm](self.arm)
+        self._mode = make_mode(self.arm)
         self._gripper = GripperMode(robot, spec.gripper) if robot.model.takes_hold else None
         of_gripper = (self._gripper.bounds,) if self._gripper else ()
         self._bounds = (*self._mode.bounds, *of_gripper)

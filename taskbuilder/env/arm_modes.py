@@ -16,12 +16,16 @@ from typing import ClassVar, Literal
 
 from taskbuilder.geometry import Pose, Quat, norm, total
 from taskbuilder.kinematics.differential_ik import DifferentialIK
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
 Targets = Sequence[float] | None
 """Joint positions for the end of the control step, or None if motors have other commands."""
+
+
+Space = Literal["tool", "joint", "torque"]
+"""What the numbers of an action command."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ class ArmMode(ABC):
         arm: What they command.
     """
 
-    space: ClassVar[Literal["tool", "joint", "torque"]]
+    space: ClassVar[Space]
     arm: Arm
 
     @property

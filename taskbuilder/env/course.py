@@ -15,7 +15,7 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.interpreters import Lineage
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.schema.task import LOOK_PARTS, LookPart
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task

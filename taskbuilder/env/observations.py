@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.env.actions import RobotActions
+from taskbuilder.env.foreign_channels import ForeignChannel
 from taskbuilder.env.naming import channel_names, with_matrix
 from taskbuilder.geometry import Pose, Quat, multiply
 from taskbuilder.schema.channels import CAMERA_QUANTITIES, Channel
@@ -205,6 +206,10 @@ def make_reading(name: str, channel: Channel, world: World, noise: Noise | None 
 
 
 def _reading(name: str, channel: Channel, world: World, noise: Noise | None) -> ObservedValue:
+    if channel.added:
+        foreign = ForeignChannel.of(channel, world)
+        low, high = (tuple(bound) for bound in zip(*foreign.bounds, strict=True))
+        return ObservedValue(name, foreign.read, low, high, None, noise, foreign.names)
     read, low, high, turns = _parts(channel, world)
     acts = channel.quantity == "previous_action"
     action = _actions(world, channel.subject).short_names if acts else ()

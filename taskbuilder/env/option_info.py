@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from taskbuilder.errors import UsageError
+from taskbuilder.extensions import Door
 from taskbuilder.wording import suggestion
 
 Kind = Literal["reward", "arrays", "scene", "observed", "pictures", "view"]
@@ -22,6 +23,7 @@ class OptionInfo:
         help: What it chooses.
         kind: What it is about.
         choices: Meaning of each value, if there are only these and False.
+        others: Where other packages add choices, if they can.
         unless_given: What holds by default, where the default does not say it.
         bounds: Minimum and maximum of a number.
         unit: Of the number.
@@ -36,6 +38,7 @@ class OptionInfo:
     help: str
     kind: Kind
     choices: Mapping[str | bool, str] = field(default_factory=dict)
+    others: Door | None = None
     unless_given: str = ""
     bounds: tuple[float, float] | None = None
     unit: str = ""
@@ -58,7 +61,8 @@ def check_value(name: str, value: Any, info: OptionInfo) -> None:
         UsageError: It is none of the choices, or out of bounds.
     """
     if info.choices and not isinstance(value, bool):
-        check_choice(name, value, [choice for choice in info.choices if isinstance(choice, str)])
+        own = tuple(choice for choice in info.choices if isinstance(choice, str))
+        check_choice(name, value, info.others.names(own) if info.others else own)
     if info.bounds is None or value is None:
         return
     least, most = info.bounds

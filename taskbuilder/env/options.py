@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 from taskbuilder.env.option_info import Kind, OptionInfo, about, check_choice, check_value
 from taskbuilder.errors import UsageError
+from taskbuilder.extensions import RENDERERS
 from taskbuilder.schema.choices import GraspChoice, OtherRobots
 
 if TYPE_CHECKING:  # models of files, which the command line does without until a command runs
@@ -221,6 +222,7 @@ class Options:
                 "tiny": "PyBullet's TinyRenderer",
                 "egl": "OpenGL",
             },
+            others=RENDERERS,
             decides_policy=True,
         ),
     )

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.agents import RobotEntry
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.scene import RobotEntry, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.values import frozen
 
 

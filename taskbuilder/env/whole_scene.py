@@ -11,7 +11,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from taskbuilder.schema.channels import GRIPPER_QUANTITIES
-from taskbuilder.schema.scene import ObjectSpec, SceneSpec, SiteSpec
+from taskbuilder.schema.objects import ObjectSpec
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.sites import SiteSpec
 from taskbuilder.world.placement import parents_of, placement_order
 from taskbuilder.world.world import World
 

@@ -45,7 +45,11 @@ def entries(_: str) -> str:
 
 def entry(code: str) -> str:
     """What a code means, with an example."""
-    about = known()[code]
+    return entry_of(known()[code])
+
+
+def entry_of(about: Code) -> str:
+    """A meaning, with its example."""
     parts = [f"**{about.title[:1].upper()}{about.title[1:]}.** {about.meaning}"]
     if about.example:
         parts.append(_shown(about.example))

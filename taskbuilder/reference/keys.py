@@ -14,23 +14,31 @@ from taskbuilder.reference.markdown import code, number
 from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.schema import (
+    agents,
     arrangement,
     expert,
     joints,
+    objects,
     order,
+    placing,
     postures,
     robot,
     scene,
+    shapes,
+    sites,
     task,
     values,
 )
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.order import ONLY_WITH, VERBS
-from taskbuilder.schema.values import PALETTE, Shorthand, rgb
+from taskbuilder.schema.values import PALETTE, OneOf, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
-    for module in (scene, postures, arrangement, joints, task, robot, expert, order)
+    for module in (
+        *(shapes, placing, objects, sites, agents, scene),
+        *(postures, arrangement, joints, task, robot, expert, order),
+    )
     for name, model in vars(module).items()
     if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
 }
@@ -170,7 +178,8 @@ def _unmarked(hint: Any) -> Any:
 
 
 def _annotated(inner: tuple[Any, ...]) -> str:
-    words = describe(inner[0]) + _range(Annotated[inner])
+    own = next((extra.own for extra in inner[1:] if isinstance(extra, OneOf)), ())
+    words = ", ".join(map(code, own)) or describe(inner[0]) + _range(Annotated[inner])
     for extra in inner[1:]:
         if isinstance(extra, Shorthand):
             words += f", or the word {code(extra.word)}"

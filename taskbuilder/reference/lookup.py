@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from taskbuilder import description
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.reference import codes, keys, vocabulary
+from taskbuilder.reference import codes, extensions, keys, vocabulary
 from taskbuilder.reference.meanings import DRAWN
 from taskbuilder.reference.python import prose, signature
 from taskbuilder.schema.order import ONLY_WITH, VERBS
@@ -45,16 +45,30 @@ def explain(name: str) -> tuple[Entry, ...]:
     Raises:
         UnknownNameError: It says nothing.
     """
-    wanted = _plain(name)
-    found = tuple(
-        entry for short, entry in _entries() if f".{_plain(short)}".endswith(f".{wanted}")
-    )
+    own = tuple(entry for short, entry in _entries() if _ends(short, name))
+    found = (*own, *_foreign(name))
     if not found:
-        known = [short.replace(".NAME", "").removeprefix("scene.") for short, _ in _entries()]
+        known = [part.name for part in extensions.declared()]
+        known += [short.replace(".NAME", "").removeprefix("scene.") for short, _ in _entries()]
         known += [short.rpartition(".")[2] for short, _ in _entries()]
         sorts = "name a finding's code, a condition, a verb, a channel, or a path of keys"
         raise UnknownNameError(f'no entry "{name}"; {suggestion(name, known, otherwise=sorts)}')
     return found
+
+
+def _ends(short: str, name: str) -> bool:
+    return f".{_plain(short)}".endswith(f".{_plain(name)}")
+
+
+def _foreign(name: str) -> Iterator[Entry]:
+    """What other packages add under a name; only what has this name is imported."""
+    for part in extensions.declared():
+        if _ends(part.name, name):
+            yield Entry(part.name, f"{part.noun} of {part.package}", extensions.described(part))
+    if re.fullmatch(r"[a-z]{2,5}\d{3}", _plain(name)) and not name.upper().startswith("TB"):
+        for code, package, text in extensions.codes():
+            if _ends(code, name):
+                yield Entry(code, f"finding of {package}", text)
 
 
 def _plain(name: str) -> str:

@@ -11,9 +11,10 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.errors import Finding
 from taskbuilder.schema.expert import ExpertStage, each_order
 from taskbuilder.schema.joints import UNITS, JointSpec, Spring
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.order import Order
 from taskbuilder.schema.robots import beyond_limits
-from taskbuilder.schema.scene import ObjectSpec, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.wording import suggestion
 

@@ -8,16 +8,15 @@ from installed packages that declare the entry-point groups ``taskbuilder.tasks`
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
 from taskbuilder._library import folder as library_folder
 from taskbuilder.errors import FileError, Finding, Location, UnknownNameError, display_path
+from taskbuilder.extensions import declares
 from taskbuilder.wording import closest, suggestion
 
 Sort = Literal["task", "robot"]
@@ -227,23 +226,12 @@ def _folders_of(package: str) -> list[Path]:
 
 
 def _plugins(group: str) -> Iterator[tuple[str, str]]:
-    if not any(map(partial(_declares, group), sys.path)):
+    if not declares(group):
         return
     from importlib.metadata import entry_points  # slow to import, and reads every package
 
     for point in sorted(entry_points(group=group)):
         yield point.name, point.value
-
-
-def _declares(group: str, place: str) -> bool:
-    """Whether a package that is installed in a folder has entry points of a group."""
-    section = f"[{group}]".encode()
-    for pattern in ("*.dist-info/entry_points.txt", "*.egg-info/entry_points.txt"):
-        for file in Path(place or ".").glob(pattern):
-            with suppress(OSError):
-                if section in file.read_bytes():
-                    return True
-    return False
 
 
 def _first_of_each(entries: Iterable[CatalogueEntry]) -> Mapping[str, CatalogueEntry]:

@@ -7,8 +7,9 @@ belongs to the episode.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from taskbuilder.extensions import CHANNELS
 from taskbuilder.schema.names import SceneNames
 from taskbuilder.wording import suggestion
 
@@ -30,6 +31,22 @@ OBJECT_QUANTITIES = (*POSE_QUANTITIES, "velocity")
 CAMERA_QUANTITIES = ("rgb", "depth", "mask", "points")
 EPISODE_QUANTITIES = ("time_left",)
 
+OWN = (
+    *(f"robot.{quantity}" for quantity in ROBOT_QUANTITIES),
+    *(f"object.{quantity}" for quantity in OBJECT_QUANTITIES),
+    *(f"frame.{quantity}" for quantity in POSE_QUANTITIES),
+    *(f"camera.{quantity}" for quantity in CAMERA_QUANTITIES),
+    *(f"episode.{quantity}" for quantity in EPISODE_QUANTITIES),
+)
+"""The library's own channels, by the kind of the subject and the quantity.
+
+Other packages add channels under such names: ``robot.manipulability`` is a quantity of robots. A
+``frame`` is a site, or a frame of a robot or an object.
+"""
+
+EXTENSIBLE = ("robot", "object", "frame", "episode")
+"""Kinds of subjects for which packages can add channels."""
+
 
 @dataclass(frozen=True)
 class Channel:
@@ -41,11 +58,14 @@ class Channel:
         subject: Robot, object, group, part, site or camera; "" for a quantity of the episode.
         quantity: Such as "pose", or the name of a joint of an articulated object.
         frame: Frame that poses are expressed in: "world" or a dotted frame name.
+        added: Of a channel that another package adds: its kind of subject, and the quantity, such
+            as "robot.manipulability"; otherwise "".
     """
 
     subject: str
     quantity: str
     frame: str = "world"
+    added: str = ""
 
 
 def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | str:
@@ -60,6 +80,8 @@ def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | 
     if what in EPISODE_QUANTITIES:
         return Channel("", what)
     subject, _, quantity = what.rpartition(".")
+    if not subject and quantity in _added("episode"):
+        return _addition(Channel("", quantity, frame or "world"), "episode")
     if not subject:
         return f'"{what}" is no channel; write subject.quantity, such as self.tcp or stick.pose'
     if "self" in (subject, frame.partition(".")[0]) and agent is None:
@@ -73,8 +95,33 @@ def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | 
         return _unknown(subject, names)
     if quantity not in (allowed or ()) and not _maybe_joint(subject, names):
         help_ = suggestion(quantity, allowed or (), what="it has")
-        return f'"{subject}" has no "{quantity}" to observe; {help_}'
-    return Channel(subject, quantity, frame)
+        return f'"{subject}" has no "{quantity}" to observe; {help_}{_misnamed(quantity)}'
+    channel, kind = Channel(subject, quantity, frame), _kind(subject, names)
+    if kind and quantity not in _own_quantities(kind, subject, names) and quantity in _added(kind):
+        return _addition(channel, kind)
+    return channel
+
+
+def _addition(channel: Channel, kind: str) -> Channel | str:
+    """A channel that a package adds, or a sentence that says that two packages do."""
+    name = f"{kind}.{channel.quantity}"
+    return CHANNELS.problem(name, OWN) or replace(channel, added=name)
+
+
+def _added(kind: str) -> tuple[str, ...]:
+    """The quantities that packages add for a kind of subject."""
+    names = (name.partition(".") for name in CHANNELS.declared() if name not in OWN)
+    return tuple(quantity for of, _, quantity in names if of == kind and of in EXTENSIBLE)
+
+
+def _misnamed(quantity: str) -> str:
+    """A hint at a package that declares a quantity under a name that leads nowhere, or ""."""
+    for name, (part, *_) in CHANNELS.declared().items():
+        kind, _, last = name.rpartition(".")
+        if last == quantity and kind not in EXTENSIBLE:
+            wanted = ", ".join(f"{each}.{quantity}" for each in EXTENSIBLE)
+            return f"; {part} must be declared as one of {wanted}"
+    return ""
 
 
 def _own(name: str, agent: str | None) -> str:
@@ -83,19 +130,33 @@ def _own(name: str, agent: str | None) -> str:
 
 
 def _quantities(subject: str, names: SceneNames) -> tuple[str, ...] | None:
+    """What can be observed of a subject; None if the scene has no such subject."""
     if members := names.members(subject):
         return _quantities(members[0], names)
+    kind = _kind(subject, names)
+    return (*_own_quantities(kind, subject, names), *_added(kind)) if kind else None
+
+
+def _kind(subject: str, names: SceneNames) -> str | None:
+    if members := names.members(subject):
+        return _kind(members[0], names)
+    if subject in names.robots:
+        return "robot"
+    if subject in names.objects or names.problem("body", subject) is None:
+        return "object"
+    if subject in names.sites or names.problem("frame", subject) is None:
+        return "frame"
+    return "camera" if subject in names.cameras else None
+
+
+def _own_quantities(kind: str, subject: str, names: SceneNames) -> tuple[str, ...]:
+    """The library's own quantities of a subject, and the joints of an object."""
     if subject in names.handless:
         return tuple(each for each in ROBOT_QUANTITIES if each not in GRIPPER_QUANTITIES)
-    if subject in names.robots:
-        return ROBOT_QUANTITIES
-    if subject in names.objects:
-        return (*OBJECT_QUANTITIES, *names.objects[subject].joints)
-    if names.problem("body", subject) is None:
-        return OBJECT_QUANTITIES
-    if subject in names.sites or names.problem("frame", subject) is None:
-        return POSE_QUANTITIES
-    return CAMERA_QUANTITIES if subject in names.cameras else None
+    if kind == "object":
+        joints = names.objects[subject].joints if subject in names.objects else ()
+        return (*OBJECT_QUANTITIES, *joints)
+    return {"robot": ROBOT_QUANTITIES, "frame": POSE_QUANTITIES, "camera": CAMERA_QUANTITIES}[kind]
 
 
 def _maybe_joint(subject: str, names: SceneNames) -> bool:

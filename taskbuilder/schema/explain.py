@@ -37,7 +37,7 @@ _BOUNDS = {
     "less_than_equal": ("le", "at most"),
 }
 _CUSTOM = {"choice": "TB106", "length": "TB106", "order": "TB106", "timing": "TB106"}
-_OWN = {**_CUSTOM, "mass": "TB101", "name": "TB107", "color": "TB108"}
+_OWN = {**_CUSTOM, "declared_twice": "TB105", "mass": "TB101", "name": "TB107", "color": "TB108"}
 
 
 def parse(model: type[Spec], source: Source) -> tuple[Spec | None, tuple[Finding, ...]]:
@@ -112,8 +112,8 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         advice = getattr(parent, "INSTEAD", {}).get(path[-1])
         help_ = advice.format(_spelt(value)) if advice else suggestion(str(path[-1]), _keys(parent))
         return "TB102", f"unknown key; {help_}", True
-    if kind == "literal_error":
-        choices = [_plain(choice) for choice in get_args(_type_at(model, path))]
+    if kind in ("literal_error", "no_choice"):
+        choices = [_plain(c) for c in context.get("choices") or get_args(_type_at(model, path))]
         help_ = suggestion(str(value), choices, what="choices")
         if "mean" in help_:
             help_ += f" (one of {', '.join(choices)})"

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.agents import RobotEntry
 from taskbuilder.schema.choices import GraspChoice
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robot import GraspRule, GraspSpec
 from taskbuilder.schema.robots import RobotModel
-from taskbuilder.schema.scene import RobotEntry, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.wording import suggestion
 

@@ -17,8 +17,11 @@ from taskbuilder.geometry import Box, bounding_box, norm
 from taskbuilder.schema.arrangement import MAX_COUNT, Outline
 from taskbuilder.schema.expert import Repeat, Together
 from taskbuilder.schema.names import SceneNames
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.order import Order
-from taskbuilder.schema.scene import ObjectSpec, PartSpec, SceneSpec, Shape, SiteSpec
+from taskbuilder.schema.scene import SceneSpec
+from taskbuilder.schema.shapes import PartSpec, Shape
+from taskbuilder.schema.sites import SiteSpec
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import RpyDeg, frozen

@@ -25,9 +25,10 @@ from taskbuilder.schema.groups import (
 )
 from taskbuilder.schema.instructions import fill
 from taskbuilder.schema.names import ObjectNames, SceneNames
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.references import check_names, read_names
 from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
-from taskbuilder.schema.scene import ObjectSpec, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.variants import check_randomize, read_variations

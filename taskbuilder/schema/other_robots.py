@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.errors import UsageError
+from taskbuilder.schema.agents import RobotEntry
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.expert import each_order
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.robots import RobotModel, load_robot
-from taskbuilder.schema.scene import RobotEntry, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.values import frozen
 from taskbuilder.wording import suggestion
 

@@ -21,6 +21,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
+from taskbuilder.extensions import Door
 from taskbuilder.schema.names import Refers
 
 Key = TypeVar("Key")
@@ -102,6 +103,39 @@ class OrNumber:
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         return {"anyOf": [{"type": "number"}, handler(schema)]}
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """In an annotation of text: one of the library's own names, or of those that packages add.
+
+    Attributes:
+        own: The library's own names.
+        door: The parts that packages add.
+    """
+
+    own: tuple[str, ...]
+    door: Door
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        del source, handler
+        return core_schema.no_info_plain_validator_function(self._checked)
+
+    def _checked(self, value: Any) -> Any:
+        known = self.door.names(self.own)
+        if not isinstance(value, str) or value not in known:
+            raise PydanticCustomError("no_choice", "no choice", {"choices": known})
+        if wrong := self.door.problem(value, self.own):
+            raise PydanticCustomError("declared_twice", "{wrong}", {"wrong": wrong})
+        return value
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        del schema, handler  # editors complete the library's own names, and take others
+        return {"anyOf": [{"enum": [*self.own]}, {"type": "string"}]}
 
 
 RESERVED = {

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import cv2
 import numpy as np
@@ -20,10 +22,15 @@ from taskbuilder.cameras import (
     pinhole,
 )
 from taskbuilder.errors import SimulationError
+from taskbuilder.extensions import RENDERERS, Part
 from taskbuilder.geometry import scale, unit
 from taskbuilder.sim.bullet import p
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.renderers import Renderer
+
+if TYPE_CHECKING:  # loads Numba
+    from taskbuilder import raster
+    from taskbuilder.sim.raster import RasterWorld
 
 NO_BODY = -1
 
@@ -66,6 +73,53 @@ UNNAMED = Segments()
 """Everything counts as background."""
 
 
+@dataclass(frozen=True)
+class Shot:
+    """A picture to be drawn.
+
+    Attributes:
+        client: The world.
+        view: The camera; its size is the size to draw.
+        light: The lamp.
+        behind: (height, 3) uint8, the colour of each row where nothing is.
+        shadow: Whether things cast shadows.
+    """
+
+    client: Client
+    view: CameraView
+    light: Light
+    behind: NDArray[np.uint8]
+    shadow: bool
+
+
+class Drawing(NamedTuple):
+    """What a renderer draws of a `Shot`.
+
+    Attributes:
+        rgb: (height, width, 3) uint8.
+        depth: (height, width) float32, metres along the camera's z; the far plane where nothing is.
+        bodies: (height, width) int32, Bullet's number of the body; -1 where nothing is.
+        links: (height, width) int32, index of the link; -1 for a body's base, and where nothing is.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    bodies: NDArray[np.int32]
+    links: NDArray[np.int32]
+
+
+class ForeignRenderer(Protocol):
+    """The interface of renderers that other packages add."""
+
+    ray_in_pixel: tuple[float, float]
+    """Where the ray of a pixel passes it, as fractions of its width and height from its upper left
+    corner; (0.5, 0.5) is the centre."""
+
+    def draw(self, shot: Shot) -> Drawing:
+        """Draw a picture."""
+        ...
+
+
 def capture(
     client: Client,
     view: CameraView,
@@ -94,14 +148,14 @@ def capture(
         raise SimulationError(f"supersample must be 1 or more, not {supersample}")
     width, height = view.width * supersample, view.height * supersample
     check_size(width, height)
-    taken = _rasterised if client.renderer == "raster" else _by_bullet
-    behind = _behind(backdrop, height)
-    rgb, depth, mask = taken(client, view, (width, height), segments, light, behind, shadow)
+    larger = replace(view, width=width, height=height)
+    shot = Shot(client, larger, light, _behind(backdrop, height), shadow)
+    rgb, depth, mask = _taken(shot, segments)
     if supersample > 1:
         size = (view.width, view.height)
         rgb = cv2.resize(rgb, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
     # Of the pixels drawn for one, depth and masks take that whose ray the pixel itself would have.
-    across, down = _RAY_IN_PIXEL[client.renderer]
+    across, down = _ray_in_pixel(client.renderer)
     column, row = (min(int(share * supersample), supersample - 1) for share in (across, down))
     chosen = (slice(row, None, supersample), slice(column, None, supersample))
     return Image(
@@ -113,47 +167,98 @@ def capture(
     )
 
 
-_Drawn = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int16]]
-"""Colours, depths in metres, and the mask."""
+def _taken(
+    shot: Shot, segments: Segments
+) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int16]]:
+    """Colours, depths in metres, and the mask."""
+    if shot.client.renderer == "raster":  # names its shapes once, and not each pixel
+        world, drawing = _raster_drawing(shot)
+        numbers = segments.of(world.bodies, world.links)
+        return drawing.rgb, drawing.depth, numbers.take(drawing.shapes, mode="wrap")
+    rgb, depth, bodies, links = draw_with(shot.client.renderer, shot)
+    return rgb, depth, segments.of(bodies, links)
 
 
-def _rasterised(
-    client: Client,
-    view: CameraView,
-    size: tuple[int, int],
-    segments: Segments,
-    light: Light,
-    behind: NDArray[np.uint8],
-    shadow: bool,
-) -> _Drawn:
+def draw_with(renderer: str, shot: Shot) -> Drawing:
+    """Draw by one of the library's own renderers, or by one that another package adds.
+
+    Args:
+        renderer: Its name.
+        shot: What is drawn.
+
+    Raises:
+        ExtensionError: It is of another package, and cannot be used.
+    """
+    if renderer in _RAY_IN_PIXEL:
+        return _rasterised(shot) if renderer == "raster" else _by_bullet(shot)
+    part, foreign = _foreign(renderer)
+    with part.at_work():
+        drawing = Drawing(*foreign.draw(shot))
+    size = (shot.view.height, shot.view.width)
+    kinds = {"rgb": ((*size, 3), "uint8"), "depth": (size, "float32")}
+    kinds |= dict.fromkeys(("bodies", "links"), (size, "int32"))
+    for name, (shape, kind) in kinds.items():
+        array = np.asarray(getattr(drawing, name))
+        if array.shape != shape or array.dtype != kind:
+            given = f"{array.shape} {array.dtype}"
+            raise part.error(f"draws {name} of {given}, where {shape} {kind} is needed")
+    return drawing
+
+
+def _ray_in_pixel(renderer: str) -> tuple[float, float]:
+    return _RAY_IN_PIXEL.get(renderer) or _foreign(renderer)[1].ray_in_pixel
+
+
+def _foreign(renderer: str) -> tuple[Part, ForeignRenderer]:
+    """A renderer of another package.
+
+    Raises:
+        UnknownNameError: There is none of this name.
+        ExtensionError: It cannot be used.
+    """
+    part = RENDERERS.part(renderer)
+    if part is None:
+        raise ValueError(f"{renderer} is no other package's")
+    return part, part.load(_no_renderer)
+
+
+def _no_renderer(found: object) -> str | None:
+    if isinstance(found, type) or not callable(getattr(found, "draw", None)):
+        return "is no object with a method `draw`"
+    ray = getattr(found, "ray_in_pixel", None)
+    if not (isinstance(ray, tuple) and len(ray) == 2 and all(0.0 <= share <= 1.0 for share in ray)):
+        return "has no `ray_in_pixel`, a pair of numbers from 0 to 1"
+    return None
+
+
+def _rasterised(shot: Shot) -> Drawing:
+    world, drawing = _raster_drawing(shot)
+    shapes = drawing.shapes
+    bodies, links = (numbers.take(shapes, mode="wrap") for numbers in (world.bodies, world.links))
+    return Drawing(drawing.rgb, drawing.depth, bodies, links)
+
+
+def _raster_drawing(shot: Shot) -> tuple[RasterWorld, raster.Drawing]:
     from taskbuilder.raster import Lamp, PinholeCamera  # loads Numba
     from taskbuilder.sim.raster import raster_world
 
-    width, height = size
+    view, light = shot.view, shot.light
+    width, height = view.width, view.height
     focal = height / 2 / math.tan(math.radians(view.fov_deg) / 2)
-    world = raster_world(client)
+    world = raster_world(shot.client)
     world.refresh()
     drawing = world.scene.draw(
         PinholeCamera(view.extrinsics[:3], focal, width, height, view.near, view.far),
         Lamp(light.direction, light.color, light.ambient, light.diffuse),
-        backdrop=behind,
-        shadow=shadow,
+        backdrop=shot.behind,
+        shadow=shot.shadow,
     )
-    numbers = segments.of(world.bodies, world.links)
-    return drawing.rgb, drawing.depth, numbers.take(drawing.shapes, mode="wrap")
+    return world, drawing
 
 
-def _by_bullet(
-    client: Client,
-    view: CameraView,
-    size: tuple[int, int],
-    segments: Segments,
-    light: Light,
-    behind: NDArray[np.uint8],
-    shadow: bool,
-) -> _Drawn:
-    bullet = client.bullet
-    width, height = size
+def _by_bullet(shot: Shot) -> Drawing:
+    bullet, view, light = shot.client.bullet, shot.view, shot.light
+    width, height = view.width, view.height
     _, _, colors, buffer, mask = bullet.getCameraImage(
         width,
         height,
@@ -162,7 +267,7 @@ def _by_bullet(
             view.fov_deg, width / height, view.near, view.far
         ),
         flags=p.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
-        shadow=int(shadow),
+        shadow=int(shot.shadow),
         lightDirection=scale(unit(light.direction), light.distance),
         lightColor=light.color,
         lightDistance=light.distance,
@@ -175,14 +280,14 @@ def _by_bullet(
     mask = np.asarray(mask, dtype=np.int32).reshape(height, width)
     buffer = np.asarray(buffer, dtype=np.float32).reshape(height, width)
     nothing = mask < 0
-    rgb = np.where(nothing[:, :, None], behind[:, None], rgb)
+    rgb = np.where(nothing[:, :, None], shot.behind[:, None], rgb)
     depth = np.where(nothing, np.float32(view.far), _metres(buffer, view))
-    return rgb, depth, segments.of(*_decoded(mask))
+    return Drawing(rgb, depth, *_decoded(mask))
 
 
 def intrinsics(view: CameraView, renderer: Renderer) -> NDArray[np.float64]:
     """The (3, 3) matrix of the pictures that a renderer draws; see `Image`."""
-    return pinhole(view, *_RAY_IN_PIXEL[renderer])
+    return pinhole(view, *_ray_in_pixel(renderer))
 
 
 def _behind(backdrop: Backdrop | None, height: int) -> NDArray[np.uint8]:

@@ -12,15 +12,21 @@ import subprocess
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
-from typing import Literal
 
-from taskbuilder.errors import SimulationError
+from taskbuilder.errors import SimulationError, UnknownNameError
+from taskbuilder.extensions import RENDERERS
 from taskbuilder.interpreters import interpreter
 from taskbuilder.quiet import HINTS, captured
 from taskbuilder.sim.bullet import Calls
 
-Renderer = Literal["raster", "tiny", "egl"]
-Request = Literal["auto", "raster", "tiny", "egl"]
+Renderer = str
+"""What draws: ``raster``, ``tiny`` or ``egl``, or a renderer that another package adds."""
+
+Request = str
+"""The same, or ``auto``."""
+
+OWN = ("auto", "raster", "tiny", "egl")
+"""The names that need no other package of renderers."""
 
 RASTER_PACKAGES = ("numba", "fast_simplification")
 HOW_TO_GET_RASTER = 'pip install "taskbuilder[render]"'
@@ -96,6 +102,7 @@ def choose(requested: Request) -> Renderer:
     Raises:
         SimulationError: The renderer that was asked for does not work here, or there is none of
             this name.
+        ExtensionError: It is of another package, and cannot be used.
     """
     if requested == "tiny":
         return "tiny"
@@ -106,9 +113,11 @@ def choose(requested: Request) -> Renderer:
             raise SimulationError(f"the renderer raster is not installed; {HOW_TO_GET_RASTER}")
         return "raster"
     if requested != "egl":
-        raise SimulationError(
-            f"there is no renderer {requested!r}; it is auto, raster, tiny or egl"
-        )
+        try:
+            RENDERERS.part(requested, OWN)  # imported when it first draws
+        except UnknownNameError as error:
+            raise SimulationError(str(error)) from None
+        return requested
     probe = probe_egl()
     if not probe.works:
         raise SimulationError(

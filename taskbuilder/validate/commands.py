@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from taskbuilder.env.actions import ARM_MODES, HYSTERESIS
+from taskbuilder.env.actions import HYSTERESIS, make_mode
 from taskbuilder.env.arm_modes import Arm, ArmMode
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
 
@@ -104,7 +104,7 @@ class Commands:
                 for name, robot in self._file.scenes[self._env.episode.variation].robots.items()
             }
             self._modes = {
-                name: ARM_MODES[spec.arm](Arm.of(world, world.robots[name], spec, self._dt))
+                name: make_mode(Arm.of(world, world.robots[name], spec, self._dt))
                 for name, spec in self._specs.items()
             }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
@@ -42,6 +42,7 @@ from taskbuilder.validate.apart import (
 )
 from taskbuilder.validate.broken import broken_family
 from taskbuilder.validate.checks.static import static_failure, static_family
+from taskbuilder.validate.foreign_checks import foreign_families
 from taskbuilder.validate.losses import finding_of_loss, lost_family
 from taskbuilder.validate.making import Stopwatch
 from taskbuilder.validate.report import Check, FamilyResult, Progress, TaskReport
@@ -53,6 +54,12 @@ if TYPE_CHECKING:  # a static validation loads no physics
 
 SEEDS = 40
 QUICK_SEEDS = 5
+
+OWN_FAMILIES = (
+    *("static", "build", "reset", "repeat", "reach", "contract", "solvable"),
+    *("needs its robots", "pays for success", "cost"),
+)
+"""Names of the library's own families of checks."""
 
 _RUNS = count()
 
@@ -237,9 +244,9 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
         place = Location(config.catalogue.task(config.reference).file, 1, 1)
         failure = _timed(broken_family("static", error, place), started)
         return TaskReport(config.reference, config.reference, (failure,))
-    static = _timed(static_family(task), started)
+    static = (_timed(static_family(task), started), *_foreign_static(task))
     if config.level == "static":
-        return TaskReport(task.name, headline(task, config.robots), (static,))
+        return TaskReport(task.name, headline(task, config.robots), static)
     limit_s = config.limits.piece(task.file.spec.timing.episode_steps)
     with workers(
         config.jobs if config.level == "full" else 1,
@@ -249,6 +256,20 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
     ) as spread:
         families = families_of(config.level, config.only)
         return _play(task, config, static, families, listener, spread, limit_s)
+
+
+def _foreign_static(task: Task) -> Iterator[FamilyResult]:
+    """The results of the checks without physics that other packages add."""
+    for family in foreign_families(OWN_FAMILIES):
+        if family.level != "static":
+            continue
+        started = time.perf_counter()
+        try:
+            result = family.check(task)
+        except Exception as error:  # the other checks are made all the same
+            place = task.file.source.locate(("task",), key=True)
+            result = broken_family(family.name, error, place)
+        yield _timed(result, started)
 
 
 def _loaded(config: ValidationConfig, listener: Listener) -> Task:
@@ -263,13 +284,22 @@ def _loaded(config: ValidationConfig, listener: Listener) -> Task:
     return config.load()
 
 
+def _foreign() -> Iterator[Family]:
+    """The families with physics that other packages add."""
+    after = {"build": ("build",), "full": ("reset",)}
+    for family in foreign_families(OWN_FAMILIES):
+        if family.level != "static":
+            yield Family(family.name, family.level, family.check, after[family.level])
+
+
 def families_of(level: Level, only: Collection[str] | None) -> tuple[Family, ...]:
     """The families of a level, or some of them.
 
     Raises:
         UsageError: The level has no family of this name.
     """
-    known = {family.name: family for family in _families() if level in ("full", family.level)}
+    families = (*_families(), *_foreign())
+    known = {family.name: family for family in families if level in ("full", family.level)}
     for name in only or ():
         if name not in known:
             where = "" if level == "full" else f" at level {level}"
@@ -282,7 +312,7 @@ def families_of(level: Level, only: Collection[str] | None) -> tuple[Family, ...
 def _play(
     task: Task,
     config: ValidationConfig,
-    static: FamilyResult,
+    static: tuple[FamilyResult, ...],
     families: tuple[Family, ...],
     listener: Listener,
     spread: Map,
@@ -296,7 +326,7 @@ def _play(
     context = Context(
         task, source, config.seeds, listener.progress, spread, limit_s, listener.alive
     )
-    report = TaskReport(task.name, headline(task, config.robots), (static,), context.measures)
+    report = TaskReport(task.name, headline(task, config.robots), static, context.measures)
     if config.kept:
         report = config.kept.report
         context.take_over(config.kept.state)

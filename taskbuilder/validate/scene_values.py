@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.env.episode import Episode
+from taskbuilder.env.foreign_channels import ForeignChannel
 from taskbuilder.env.naming import channel_names, with_matrix
 from taskbuilder.env.observations import POSITIONS
 from taskbuilder.env.parallel import TaskEnv
@@ -71,6 +72,8 @@ class SceneValues:
         return np.array([by_name.get(name, UNKNOWN) for name in names])
 
     def _names(self, channel: Channel) -> tuple[str, ...]:
+        if channel.added:
+            return ForeignChannel.of(channel, self._env.episode.world).names
         acts = channel.quantity == "previous_action"
         action = self._env.action_names[channel.subject] if acts else ()
         short = [name.rpartition(".")[2] for name in action]
@@ -124,6 +127,8 @@ def _is_noisy(env: TaskEnv, agent: str | None, text: str, channel: Channel) -> b
 
 def _values(channel: Channel, episode: Episode, previous: Previous) -> Sequence[float]:
     world, subject = episode.world, channel.subject
+    if channel.added:  # which only its package can tell
+        return (UNKNOWN,) * len(ForeignChannel.of(channel, world).names)
     if channel.quantity == "time_left":
         return (max(0.0, 1.0 - episode.steps / episode.horizon),)
     if subject in world.robots:

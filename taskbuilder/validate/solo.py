@@ -20,8 +20,9 @@ from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import ExpertStage, Repeat, Together, listed, orders_of
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.order import Order
-from taskbuilder.schema.scene import ObjectSpec, SceneSpec
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.playing import DropAll, UntilDecided, is_decided
 from taskbuilder.world.world import World

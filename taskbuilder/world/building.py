@@ -13,11 +13,13 @@ from taskbuilder.errors import FileError
 from taskbuilder.geometry import Pose
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.kinematics.inverse import solve
+from taskbuilder.schema.agents import RobotEntry
 from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.robots import RobotModel, joint_values
-from taskbuilder.schema.scene import ObjectSpec, RobotEntry, SiteSpec
+from taskbuilder.schema.sites import SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.shapes import RGBA, BoxShape, Part, bounds
 from taskbuilder.sim.bodies import create_body

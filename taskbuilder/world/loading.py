@@ -18,7 +18,7 @@ from taskbuilder.errors import FileError, Finding, SimulationError
 from taskbuilder.geometry import Pose
 from taskbuilder.quiet import captured
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.scene import ObjectSpec
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.shapes import MeshShape, Part
 from taskbuilder.sim.bodies import create_body, load_urdf
 from taskbuilder.sim.body import Body

@@ -17,7 +17,8 @@ import numpy as np
 from taskbuilder.errors import Finding, PlacementError
 from taskbuilder.geometry import ORIGIN, Box, Pose, Quat, bounding_box, from_rpy_deg, multiply
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.schema.scene import Place, SceneSpec
+from taskbuilder.schema.placing import Place
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import closest_distance
 from taskbuilder.world.robot import Robot

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from taskbuilder.geometry import Box, Pose
-from taskbuilder.schema.scene import ObjectSpec, SiteSpec
+from taskbuilder.schema.objects import ObjectSpec
+from taskbuilder.schema.sites import SiteSpec
 from taskbuilder.sim.body import BASE, Body
 from taskbuilder.sim.passive_joints import PassiveJoint
 

@@ -7,8 +7,10 @@ import math
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfShape
 from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, scale
-from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec
-from taskbuilder.schema.scene import Shape as ShapeSpec
+from taskbuilder.schema.objects import ObjectSpec
+from taskbuilder.schema.shapes import PartSpec
+from taskbuilder.schema.shapes import Shape as ShapeSpec
+from taskbuilder.schema.sites import Marker
 from taskbuilder.schema.values import rgb
 from taskbuilder.shapes import (
     RGBA,

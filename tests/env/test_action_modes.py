@@ -28,7 +28,7 @@ from taskbuilder.geometry import (
     subtract,
     turn_between,
 )
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 
 MODELS = ("ur5e", "xarm6", "panda")
 DOF = {"ur5e": 6, "xarm6": 6, "panda": 7}

@@ -11,8 +11,8 @@ from written_pages import written
 
 import taskbuilder
 from taskbuilder.env.options import Options
+from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.schema.channels import CAMERA_QUANTITIES, OBJECT_QUANTITIES, ROBOT_QUANTITIES
-from taskbuilder.schema.scene import ActionSpec
 
 PAGE = written("environments.md")
 BLOCKS = re.findall(r"^## ([^\n]+)$(?:(?!^## ).)*?^```python\n(.*?)^```$", PAGE, re.M | re.S)

@@ -13,7 +13,7 @@ from taskbuilder.env.actions import ARM_MODES, can_be_planned
 from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.planner import Move, PlanningError, Trajectory
 from taskbuilder.geometry import Pose, from_rpy_deg, norm, subtract, turn_between
-from taskbuilder.schema.scene import ActionSpec
+from taskbuilder.schema.agents import ActionSpec
 
 BEYOND = (0.45, 0.25, 0.3)
 """On the other side of the wall."""

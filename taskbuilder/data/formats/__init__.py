@@ -14,7 +14,8 @@ from taskbuilder.data.dataset import Dataset
 from taskbuilder.data.formats.lerobot import write_lerobot
 from taskbuilder.data.formats.robomimic import write_robomimic
 from taskbuilder.data.layout import CARD
-from taskbuilder.errors import UsageError, display_path
+from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.extensions import DATA_FORMATS
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,30 @@ FORMATS: Mapping[str, Callable[[Dataset, Path, ExportOptions], None]] = {
 """What writes the episodes of one task to an empty folder, by the name of the format."""
 
 
+def _find(form: str) -> Callable[[Dataset, Path, ExportOptions], None]:
+    """What writes a format; also one that another package adds.
+
+    Raises:
+        UsageError: There is no such format.
+        ExtensionError: It is of another package, and cannot be used.
+    """
+    try:
+        part = DATA_FORMATS.part(form, FORMATS)
+    except UnknownNameError as error:
+        raise UsageError(str(error)) from None
+    if part is None:
+        return FORMATS[form]
+    write = part.load(lambda found: None if callable(found) else "cannot be called")
+
+    def write_foreign(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
+        with part.at_work():
+            write(dataset, folder, options)
+        if not any(folder.iterdir()):
+            raise part.error("has written nothing")
+
+    return write_foreign
+
+
 def export_dataset(
     dataset: Dataset,
     form: str,
@@ -59,7 +84,7 @@ def export_dataset(
 
     Args:
         dataset: The data set.
-        form: One of `FORMATS`.
+        form: One of `FORMATS`, or a format that an installed package adds.
         out: Folder to write to; it must not exist, or be empty.
         options: How it is exported.
 
@@ -67,10 +92,13 @@ def export_dataset(
         The folder.
 
     Raises:
-        UsageError: Something is in the way, there are no episodes, or a package is not installed.
+        UsageError: Something is in the way, there are no episodes, there is no such format, or a
+            package is not installed.
+        ExtensionError: The format is of another package, and cannot be used.
         StoreError: The data set is damaged.
         OSError: It cannot be written.
     """
+    write = _find(form)
     place, source = out.resolve(), dataset.folder.resolve()
     if place.is_relative_to(source) or source.is_relative_to(place):
         raise UsageError(
@@ -95,7 +123,7 @@ def export_dataset(
                 options.warn(f"episodes of {task} that end before their first step are left out")
             if not len(episodes):
                 raise UsageError(f"{display_path(dataset.folder)} has no control step of {task}")
-            FORMATS[form](episodes, part, options)
+            write(episodes, part, options)
             card = export_card_text(episodes.about, episodes.contents, form)
             (part / CARD).write_text(card, encoding="utf-8")
         if out.exists():

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Self
 
-from taskbuilder.env.actions import ARM_MODES
+from taskbuilder.env.actions import make_mode
 from taskbuilder.env.arm_modes import Arm, ArmMode
 from taskbuilder.geometry import (
     Pose,
@@ -52,7 +52,7 @@ class Reach:
         built = world.robots[robot]
         dt = 1.0 / world.spec.timing.control_hz
         arm = Arm.of(world, built, world.scene.robots[robot].action, dt)
-        return cls(ARM_MODES[arm.spec.arm](arm), arm.base_from_world.inverse())
+        return cls(make_mode(arm), arm.base_from_world.inverse())
 
     @property
     def arm(self) -> Arm:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from taskbuilder.assets.model import Urdf
 from taskbuilder.expert.planning.moves import Move
-from taskbuilder.expert.script.contact_orders import tip_boxes
+from taskbuilder.expert.script.fingers import tip_boxes
 from taskbuilder.expert.script.joints import Joint, joints_above
 from taskbuilder.expert.script.situation import Foreseen, Go, Grip, Situation
 from taskbuilder.geometry import (

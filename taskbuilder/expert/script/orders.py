@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 
 from taskbuilder.expert.planning.planner import Move
-from taskbuilder.expert.script.contact_orders import press_phases, push_phases
-from taskbuilder.expert.script.joint_orders import move_joint
+from taskbuilder.expert.script.handles import move_joint
+from taskbuilder.expert.script.pressing import press_phases
+from taskbuilder.expert.script.pushing import push_phases
 from taskbuilder.expert.script.situation import (
     DOWN,
     LOAD_TOLERANCE_M,
@@ -41,9 +42,9 @@ from taskbuilder.geometry import (
     unit,
 )
 from taskbuilder.schema.expert import Together
+from taskbuilder.schema.objects import Grasp
 from taskbuilder.schema.order import NOTHING, Order
 from taskbuilder.schema.robots import joint_values
-from taskbuilder.schema.scene import Grasp
 
 APPROACH_M = 0.08
 """Default length of the straight path to a grasp point, in metres."""

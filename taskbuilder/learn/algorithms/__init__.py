@@ -6,12 +6,14 @@ training needs torch, and the command's help needs none of them.
 
 from __future__ import annotations
 
+from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from taskbuilder.errors import UsageError
-from taskbuilder.wording import suggestion
+from taskbuilder.errors import UnknownNameError, UsageError
+from taskbuilder.extensions import ALGORITHMS as DOOR
+from taskbuilder.extensions import Part
 
 if TYPE_CHECKING:
     from taskbuilder.learn.learner import Algorithm
@@ -19,16 +21,20 @@ if TYPE_CHECKING:
 ALGORITHMS = tuple(
     sorted(file.stem for file in Path(__file__).parent.glob("*.py") if file.stem[0] != "_")
 )
-"""The names of all algorithms: those of the modules beside this one."""
+"""The names of the library's algorithms: those of the modules beside this one."""
 
 
 def find_algorithm(name: str) -> Algorithm:
-    """The algorithm with a given name.
+    """The algorithm with a given name; also one that another package adds.
 
     Raises:
         UsageError: There is no such algorithm.
+        ExtensionError: It is of another package, and cannot be used.
     """
-    check_name(name)
+    part = _part(name)
+    if part is not None:
+        foreign: Algorithm = part.load(_no_algorithm)
+        return foreign
     algorithm: Algorithm = import_module(f"{__name__}.{name}").ALGORITHM
     return algorithm
 
@@ -38,6 +44,23 @@ def check_name(name: str) -> None:
 
     Raises:
         UsageError: There is no algorithm with this name.
+        ExtensionError: Two packages have an algorithm with this name.
     """
-    if name not in ALGORITHMS:
-        raise UsageError(f'no algorithm "{name}"; {suggestion(name, ALGORITHMS, what="one of")}')
+    _part(name)
+
+
+def _part(name: str) -> Part | None:
+    try:
+        return DOOR.part(name, ALGORITHMS)
+    except UnknownNameError as error:
+        raise UsageError(str(error)) from None
+
+
+def _no_algorithm(found: object) -> str | None:
+    from taskbuilder.learn.learner import Algorithm
+
+    if not isinstance(found, Algorithm):
+        return "is no object of taskbuilder.learn.learner.Algorithm"
+    if not is_dataclass(found.settings):
+        return "has settings that are no dataclass"
+    return None

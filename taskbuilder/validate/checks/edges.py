@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from taskbuilder.geometry import ORIGIN, Pose, Vec3, dot
-from taskbuilder.schema.scene import Place
+from taskbuilder.schema.placing import Place
 from taskbuilder.world.world import World
 
 OVER_M = 0.001

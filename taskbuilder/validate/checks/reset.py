@@ -12,7 +12,8 @@ from taskbuilder.description.description import Referee
 from taskbuilder.description.load import is_interrupt
 from taskbuilder.errors import ExplosionError, Finding, PlacementError
 from taskbuilder.geometry import Pose, Vec3
-from taskbuilder.schema.scene import Place, SceneSpec
+from taskbuilder.schema.placing import Place
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.checks.edges import Overhang, fell, overhang
 from taskbuilder.validate.context import Context

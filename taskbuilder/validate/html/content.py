@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from taskbuilder.assets.codes import CODES as ASSET_CODES
 from taskbuilder.diagnostics import CODES
+from taskbuilder.diagnostics.foreign import foreign_codes
 from taskbuilder.errors import Finding
 from taskbuilder.schema.expert import ExpertStage, Repeat, Wait, orders_of
 from taskbuilder.validate.formats.words import counted, measured, number, severities
@@ -50,7 +51,11 @@ def _meaning(code: str) -> tuple[str, str]:
     """The title of a code, and its meaning; both "" for an unknown one."""
     if code in CODES:
         return CODES[code].title, CODES[code].meaning
-    return ASSET_CODES.get(code, ("", ""))
+    if code in ASSET_CODES:
+        return ASSET_CODES[code]
+    foreign = (about for other, about, _ in foreign_codes() if other == code)
+    about = next(foreign, None)
+    return (about.title, about.meaning) if about else ("", "")
 
 
 def found_wrong(report: TaskReport) -> str:

@@ -1,4 +1,4 @@
-"""Orders that move a joint of an articulated object by its handle."""
+"""Moving a joint of an articulated object by its handle."""
 
 from __future__ import annotations
 
