@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from taskbuilder.learn.policy import Network, TrainedPolicy
 
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.learner import Algorithm, Preset
 from taskbuilder.learn.recordings import Demonstrations
+from taskbuilder.policies.trained import Network, TrainedPolicy
 
 
 @dataclass(frozen=True)
