@@ -18,6 +18,7 @@ from taskbuilder.env.course import Actions, Course
 from taskbuilder.env.episode_state import EpisodeState, fingerprint, snapshot_of
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
+from taskbuilder.geometry import total
 from taskbuilder.schema.instructions import fill, longest_instruction
 from taskbuilder.sim.single import Single
 from taskbuilder.task import Task
@@ -252,7 +253,7 @@ class Episode(Single):
         world = self.world
         pressed = [world.grip_forces(name, robot) for name in world.holdable]
         tips = len(world.robots[robot].gripper.tips)
-        return max(pressed, key=sum, default=()) or (0.0,) * tips
+        return max(pressed, key=total, default=()) or (0.0,) * tips
 
     def previous_action(self, robot: str) -> Sequence[float]:
         """The last action, from -1 to 1; zeros after reset."""

@@ -24,7 +24,8 @@ def check_pose(name: str, pose: Pose) -> None:
     # A comparison with nan is false, so these also catch what is not a number.
     if not (-REACH_M < x < REACH_M and -REACH_M < y < REACH_M and -REACH_M < z < REACH_M):
         raise _explosion(name, f"is at ({x:.4g}, {y:.4g}, {z:.4g}) m")
-    if not math.isfinite(sum(pose.quaternion)):
+    a, b, c, d = pose.quaternion
+    if not math.isfinite(a + b + c + d):
         raise _explosion(name, "has an orientation that is not finite")
 
 

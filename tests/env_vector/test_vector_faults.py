@@ -70,11 +70,14 @@ def test_a_lost_episode_ends_as_it_was_last_seen(vec):
     env = vec(2, 1)
     env.reset(seed=1)
     first, second = random_actions(env, 2)
-    seen, _, _, _, before = env.step(first)
+    seen, earned, _, _, before = env.step(first)
+    assert earned["right"].all()
     state = env.state()
     os.kill(env.worker_pids[0], signal.SIGKILL)
-    _, _, _, truncations, infos = env.step(second)
+    _, rewards, _, truncations, infos = env.step(second)
     assert truncations.all()
+    assert not rewards["left"].any()
+    assert not rewards["right"].any()
     assert infos["_final_obs"].all()
     np.testing.assert_array_equal(infos["final_obs"][1]["right"], seen["right"][1])
     np.testing.assert_array_equal(infos["final_state"], state)
@@ -101,6 +104,22 @@ def test_lost_environments_go_on_with_their_next_seed(vec, task_file, mode):
         observations, rewards, _, truncations, infos = env.step(third)
         assert not truncations.any()
         assert rewards["left"].tolist() == infos["lost"].tolist() == [0.0, 0.0]
+    np.testing.assert_array_equal(observations["left"][1], expected["left"])
+
+
+def test_episodes_that_are_lost_before_they_begin_keep_their_seed(vec, task_file):
+    env = vec(2, 1, autoreset="NextStep")
+    first, second, third, fourth = random_actions(env, 4)
+    single = parallel_env(task_file)
+    single.reset(seed=6)
+    expected, _ = single.reset()
+    single.close()
+    env.reset(seed=5)
+    env.step(first)
+    for actions in (second, third):  # the episode is lost, and then the beginning of the next one
+        os.kill(env.worker_pids[0], signal.SIGKILL)
+        assert env.step(actions)[3].all()
+    observations, *_ = env.step(fourth)
     np.testing.assert_array_equal(observations["left"][1], expected["left"])
 
 

@@ -75,28 +75,51 @@ def test_a_copy_has_arms_where_they_are_commanded_and_the_rest_where_it_is(
         assert copied_pose.quaternion == pytest.approx(pose.quaternion, abs=1e-12)
 
 
-@pytest.mark.parametrize("gap_mm", [8.6, 9.4])
-def test_a_motion_may_sag_a_little_from_where_it_begins(both: Scene, collision_world, gap_mm):
-    """On either side of the clearance, the distance at the start has the same tolerance."""
+def left_at(both: Scene, height: float, aside: float = 0.0) -> Posture:
+    """The left arm with its tool at a height, and so far aside, in metres."""
     left = both.world.robots["left"]
-    start = left.arm.command.values
+    tool = Pose((-0.2, -0.15 + aside, height), both.commanded("left").quaternion)
+    goal = left.body.pose().inverse() @ tool
+    start, rng = left.arm.command.values, np.random.default_rng(0)
+    found = solve(left.chain, goal, start=start, rng=rng)
+    assert found.ok
+    return Posture({"left": found.joints}, {"left": tool})
 
-    def tool_at(height: float) -> Posture:
-        tool = Pose((-0.2, -0.15, height), both.commanded("left").quaternion)
-        goal = left.body.pose().inverse() @ tool
-        found = solve(left.chain, goal, start=start, rng=np.random.default_rng(0))
-        assert found.ok
-        return Posture({"left": found.joints}, {"left": tool})
 
-    def gap(height: float) -> float:
-        collision_world.pose_arm("left", tool_at(height).joints["left"])
-        found = closest_distance(collision_world.world.robots["left"].body, there, within=0.1)
+def height_above_table(both: Scene, collision_world: CollisionWorld, gap: float) -> float:
+    """The height of the left tool at which the arm is so far above the table, in metres."""
+    table = collision_world.world.objects["table"].body
+
+    def gap_at(height: float) -> float:
+        collision_world.pose_arm("left", left_at(both, height).joints["left"])
+        arm = collision_world.world.robots["left"].body
+        found = closest_distance(arm, table, within=0.1)
         assert found is not None
         return found
 
-    there = collision_world.world.objects["table"].body
-    low = 0.15 - gap(0.15) + gap_mm * 1e-3
-    assert gap(low) == pytest.approx(gap_mm * 1e-3, abs=1e-4)
+    height = 0.15 - gap_at(0.15) + gap
+    assert gap_at(height) == pytest.approx(gap, abs=1e-4)
+    return height
+
+
+def test_what_is_near_at_one_end_has_to_part_on_the_way_from_there(both: Scene, collision_world):
+    """Within a finger's length of the end it may stay as near; farther on, it must part."""
+    low = height_above_table(both, collision_world, 3e-3)
+    clearance = Clearance(collision_world, ["left"], [], {}, {})
+    for ends in ((low, 0.3), (0.3, low)):
+        clearance.between(*(left_at(both, height) for height in ends))
+        assert clearance.trouble(left_at(both, low, aside=0.05)) is None
+        assert clearance.trouble(left_at(both, low, aside=0.15)) is not None
+
+
+@pytest.mark.parametrize("gap_mm", [8.6, 9.4])
+def test_a_motion_may_sag_a_little_from_where_it_begins(both: Scene, collision_world, gap_mm):
+    """On either side of the clearance, the distance at the start has the same tolerance."""
+
+    def tool_at(height: float) -> Posture:
+        return left_at(both, height)
+
+    low = height_above_table(both, collision_world, gap_mm * 1e-3)
     clearance = Clearance(collision_world, ["left"], [], {}, {})
     clearance.between(tool_at(low), tool_at(0.3))
     assert clearance.trouble(tool_at(low - 8e-4)) is None

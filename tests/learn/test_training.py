@@ -232,6 +232,19 @@ def test_training_stops_once_success_is_sure(tmp_path):
     assert [row.split(",")[0] for row in rows] == ["step", "10", "20"]
 
 
+def test_a_rate_that_falls_again_in_between_is_not_sure(tmp_path):
+    rates = iter([0.9, 0.3, 0.9, 0.8, 0.9])
+    plan = replace(PLAN, steps=100, evaluate_every=20, stop_at=0.8)
+
+    def judge(policy):
+        rate = next(rates)
+        return Evaluation(rate, {"success_rate": rate})
+
+    train(plan, load_task("handover"), tmp_path, judge, {})
+    rows = (tmp_path / "evaluations.csv").read_text().splitlines()
+    assert [row.split(",")[0] for row in rows] == ["step", "20", "40", "60", "80"]
+
+
 def test_the_policy_that_is_kept_is_the_best_one_and_the_latest_of_these(tmp_path):
     rates = iter([0.5, 0.7, 0.7, 0.2])
     plan = replace(PLAN, steps=80, evaluate_every=20)

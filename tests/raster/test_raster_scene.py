@@ -103,6 +103,14 @@ def test_light_falls_off_where_a_surface_turns_away():
     assert 102 <= edge < 230
 
 
+def test_surfaces_that_face_away_from_the_lamp_have_its_ambient_light_alone():
+    wall = [MeshInstance(box((3.0, 3.0, 0.1)), 0, IN_LINK, RED)]
+    behind = Lamp((0.0, 0.0, 1.0), (1.0, 1.0, 1.0), 0.4, 0.6)
+    assert drawn(wall, [at(0, 0, 2)], behind).rgb[30, 40].tolist() == [102, 0, 0]
+    aslant = Lamp((1.0, 0.0, 0.5), (1.0, 1.0, 1.0), 0.4, 0.6)
+    assert drawn(wall, [at(0, 0, 2)], aslant).rgb[30, 40].tolist() == [102, 0, 0]
+
+
 def test_translucent_shapes_are_painted_over_the_rest_and_leave_depth_and_segmentation():
     glass = MeshInstance(box((0.2, 0.2, 0.1)), 0, IN_LINK, (0.0, 0.0, 1.0, 0.25))
     wall = MeshInstance(box((3.0, 3.0, 0.1)), 1, IN_LINK, RED)
