@@ -12,7 +12,7 @@ from contextlib import closing
 import pytest
 
 from taskbuilder.env.parallel import parallel_env
-from taskbuilder.expert.named import policy_named
+from taskbuilder.expert import Expert
 from taskbuilder.rollout import play
 from taskbuilder.rollout.coordination import CoordinationMeter
 
@@ -38,7 +38,7 @@ def float_sums(monkeypatch):
 
 @pytest.mark.parametrize("task", ["handover", "suction_sort"])
 def test_no_sum_of_floats_is_left_to_python(task, float_sums):
-    with closing(parallel_env(task)) as env, closing(policy_named("expert")(env)) as expert:
+    with closing(parallel_env(task)) as env, closing(Expert(env)) as expert:
         meter, felt = CoordinationMeter(), []
 
         def watch(env):
