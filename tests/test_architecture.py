@@ -71,12 +71,12 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *SIMULATED,
     ),
     "evaluation": (
-        *("policies", "expert", "rollout", "env", "sources", "jobs", "processes", "machine"),
-        *("digests", "files", "untrusted", *SIMULATED),
+        *("policies", "visual", "expert", "rollout", "env", "sources", "jobs", "processes"),
+        *("machine", "digests", "files", "untrusted", *SIMULATED),
     ),
     "data": (
-        *("policies", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
-        *("arrays", "files", "untrusted", *SIMULATED),
+        *("policies", "rollout", "env", "carried", "sources", "jobs", "processes", "machine"),
+        *("digests", "arrays", "files", "untrusted", *SIMULATED),
     ),
     "policies": (*("expert", "rollout", "env", "arrays", "digests", "untrusted", *SIMULATED),),
     "visual": ("rollout", "env", "files", *SIMULATED),
