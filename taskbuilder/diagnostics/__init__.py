@@ -20,9 +20,8 @@ from taskbuilder.diagnostics import (
     yaml,
 )
 from taskbuilder.diagnostics.entry import Code, Example, Where
-from taskbuilder.diagnostics.foreign import CheckFamily
 
-__all__ = ["CODES", "CheckFamily", "Code", "Example", "Where"]
+__all__ = ["CODES", "Code", "Example", "Where"]
 
 CODES: Mapping[str, Code] = MappingProxyType(
     dict(

@@ -43,7 +43,7 @@ def load_family(part: Part) -> CheckFamily:
 
 def _no_family(found: object) -> str | None:
     if not isinstance(found, CheckFamily):
-        return "is no object of taskbuilder.diagnostics.CheckFamily"
+        return "is no object of taskbuilder.diagnostics.foreign.CheckFamily"
     if found.level not in ("static", "build", "full"):
         return f"has the level {found.level!r}; it is static, build or full"
     if not found.codes or not all(isinstance(code, Code) for code in found.codes.values()):

@@ -6,8 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from taskbuilder.diagnostics import CheckFamily
-from taskbuilder.diagnostics.foreign import load_family
+from taskbuilder.diagnostics.foreign import CheckFamily, load_family
 from taskbuilder.errors import ExtensionError, Finding
 from taskbuilder.extensions import CHECKS, Part
 from taskbuilder.validate.report import Check, FamilyResult

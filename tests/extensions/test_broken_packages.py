@@ -50,7 +50,8 @@ class Reader(ChannelReader):
 """
 
 CHECKS = """\
-from taskbuilder.diagnostics import CheckFamily, Code
+from taskbuilder.diagnostics import Code
+from taskbuilder.diagnostics.foreign import CheckFamily
 from taskbuilder.errors import Finding
 from taskbuilder.validate.report import Check
 CODES = {"LAB101": Code("Wrong", "It is wrong.")}
@@ -308,7 +309,7 @@ def test_an_unknown_renderer_is_told_with_the_names_of_packages(install, own_tas
             "reports LAB999, which is none of its codes",
         ),
         (CHECKS.replace("LAB101", "TB101"), "write two to five capital letters, not TB"),
-        ("FAMILY = 3", "is no object of taskbuilder.diagnostics.CheckFamily"),
+        ("FAMILY = 3", "is no object of taskbuilder.diagnostics.foreign.CheckFamily"),
     ],
 )
 def test_a_broken_check_is_a_failed_family_of_its_own(install, own_task, code, wrong):

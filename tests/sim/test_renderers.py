@@ -55,7 +55,7 @@ def test_egl_that_does_not_work_is_refused_with_the_way_out(monkeypatch, fresh_p
 
 
 def test_an_unknown_renderer_is_refused():
-    with pytest.raises(SimulationError, match="auto, raster, tiny or egl"):
+    with pytest.raises(SimulationError, match="one of: auto, raster, tiny, egl"):
         choose("vulkan")
 
 

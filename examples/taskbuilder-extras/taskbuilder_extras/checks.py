@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from taskbuilder.diagnostics import CheckFamily, Code, Example
+from taskbuilder.diagnostics import Code, Example
+from taskbuilder.diagnostics.foreign import CheckFamily
 from taskbuilder.errors import Finding
 from taskbuilder.schema.values import rgb
 from taskbuilder.task import Task
