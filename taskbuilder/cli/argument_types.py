@@ -60,6 +60,12 @@ def whole(least: int, most: int) -> Any:
     return convert
 
 
+def count_or_folder(text: str) -> int | str:
+    """A converter for a number of episodes, or the folder of a data set."""
+    number: int | str = whole(0, 100_000)(text) if re.fullmatch(r"[+-]?\d+", text) else text
+    return number
+
+
 def variation(text: str) -> int | str:
     """A converter for the number of a variation, or "random"."""
     number: int | str = text if text == "random" else whole(0, 10_000)(text)

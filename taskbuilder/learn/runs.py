@@ -13,6 +13,7 @@ from taskbuilder._version import __version__
 from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.files import claim
+from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record, reference_of
 from taskbuilder.learn.plan import (
@@ -136,10 +137,15 @@ def set_up(
     """
     check_torch()
     catalogue = catalogue or Catalogue.discover()
-    dataset = data = given.get("data")
-    if data is not None:
-        check_source(given)
-        given["data"] = dataset = data if isinstance(data, Dataset) else load_dataset(data)
+    from_data = find_algorithm(given.get("algorithm") or Plan.algorithm).from_data
+    if from_data and not given.get("data") and isinstance(given.get("demos"), str | Path | Dataset):
+        given["data"] = given.pop("demos")
+    dataset: Dataset | None = None
+    for name in ("data", "demos"):
+        found = given.get(name)
+        if isinstance(found, str | Path | Dataset):
+            check_source(given)
+            given[name] = dataset = found if isinstance(found, Dataset) else load_dataset(found)
     if task is None:
         if dataset is None:
             raise UsageError("which task? give a name or a path, or --resume RUN to go on")
@@ -166,16 +172,17 @@ def checked(plan: Plan, task: Task, dataset: Dataset | None = None) -> RunSetup:
             grasping, its robots observe pictures that the run does not learn from, or the data set
             is not of this task.
     """
-    if (plan.demos or plan.starts) and not task.file.spec.expert:
+    if dataset is None and (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
-    if dataset is not None:
-        return RunSetup(plan, task, dataset, check_recorded(dataset, task, plan.env))
+    names = check_recorded(dataset, task, plan.env) if dataset is not None else {}
+    if plan.data:
+        return RunSetup(plan, task, dataset, names)
     check_pictures(task, plan.env)
     if plan.reward in ("shaped", "ratchet") and task.description.progress is None:
         raise UsageError(
             f"{task.name} has no progress; write it into its description, or choose --reward team"
         )
-    return RunSetup(plan, task)
+    return RunSetup(plan, task, dataset)
 
 
 def default_folder(run: RunSetup) -> Path:
@@ -230,7 +237,8 @@ def create(
     from taskbuilder.learn.training import INIT_FILE
 
     plan, task = run.plan, run.task
-    count = max(plan.demos, START_EPISODES if plan.starts else 0)
+    asked = plan.demos if isinstance(plan.demos, int) else 0
+    count = 0 if run.dataset else max(asked, START_EPISODES if plan.starts else 0)
     if count:
         episodes = list(track(record(plan.task, count, plan.env, catalogue=catalogue), count))
         save_rollouts(folder / DEMONSTRATIONS_FILE, episodes)
@@ -270,7 +278,8 @@ def find(folder: Path, catalogue: Catalogue | None = None, *, trust: bool = Fals
         raise UsageError(
             f"{task.name} has changed since this run began; train anew, or put its files back"
         )
-    dataset = load_dataset(plan.data) if plan.data else None
+    folders = [each for each in (plan.data, plan.demos) if each and isinstance(each, str)]
+    dataset = load_dataset(folders[0]) if folders else None
     if dataset is None:
         return RunSetup(plan, task)
     if about.get("data_seal") != identity(dataset):
@@ -356,7 +365,7 @@ def go_on(folder: Path, run: RunSetup, watch: Watch = lambda _: None) -> None:
         "algorithm": plan.algorithm,
         "reward": plan.reward,
         "track": plan.track,
-        "demos": plan.demos,
+        "demos": plan.demos if isinstance(plan.demos, int) else Path(plan.demos).name,
         "starts": plan.starts,
         **({"data": Path(plan.data).name} if plan.data else {}),
         **({"teachers": list(plan.teachers)} if plan.teachers else {}),
