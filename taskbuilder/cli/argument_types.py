@@ -82,6 +82,12 @@ def listed_choices(names: Sequence[str]) -> str:
     return f"{{{','.join(names)}}}"
 
 
+def count_or_folder(text: str) -> int | str:
+    """A converter for a number of episodes, or the folder of a data set."""
+    number: int | str = whole(0, 100_000)(text) if re.fullmatch(r"[+-]?\d+", text) else text
+    return number
+
+
 def variation(text: str) -> int | str:
     """A converter for the number of a variation, or "random"."""
     number: int | str = text if text == "random" else whole(0, 10_000)(text)

@@ -6,7 +6,14 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
-from taskbuilder.cli.argument_types import Extend, any_variation, listed, share, whole
+from taskbuilder.cli.argument_types import (
+    Extend,
+    any_variation,
+    count_or_folder,
+    listed,
+    share,
+    whole,
+)
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.shared_options import (
     add_jobs,
@@ -99,7 +106,11 @@ def add_train(adder: CommandAdder) -> None:
         "runs them (default 0)",
     )
     parser.add_argument(
-        "--demos", type=whole(0, 100_000), metavar="N", help="also learn from N expert episodes"
+        "--demos",
+        type=count_or_folder,
+        metavar="N|DIR",
+        help="also learn from N expert episodes, or from a data set; bc learns from a data set "
+        "alone",
     )
     parser.add_argument(
         "--starts",

@@ -118,6 +118,12 @@ class RecordedEpisode:
         return bool(self.about["success"])
 
     @property
+    def first_success(self) -> int | None:
+        """The first control step with success; None if there is none, or none is recorded."""
+        step = self.about.get("first_success")
+        return step if isinstance(step, int) else None
+
+    @property
     def steps(self) -> int:
         """Length of the episode in control steps."""
         return int(self.about["steps"])

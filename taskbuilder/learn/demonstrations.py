@@ -21,6 +21,7 @@ from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.jobs import workers
 from taskbuilder.learn.collector import Collector
+from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.shapes import Shapes
 from taskbuilder.learn.training_rewards import TrainingReward
@@ -117,18 +118,19 @@ def explicit_gripper(actions: NDArray[np.float32]) -> NDArray[np.float32]:
     return explicit
 
 
-def load_demonstrations(folder: Path) -> tuple[Rollout, ...]:
+def load_demonstrations(folder: Path) -> tuple[Demonstration, ...]:
     """Read the demonstrations of a run; empty if it has no such file.
 
     Raises:
         StoreError: The file is damaged.
     """
     file = folder / DEMONSTRATIONS_FILE
-    return load_rollouts(file) if file.exists() else ()
+    rollouts = load_rollouts(file) if file.exists() else ()
+    return tuple(Demonstration(r.seed, r.actions, r.first_success) for r in rollouts)
 
 
 def transitions(
-    episodes: Sequence[Rollout],
+    episodes: Sequence[Demonstration],
     env: TaskVectorEnv,
     reward: TrainingReward,
     shapes: Shapes,

@@ -64,7 +64,7 @@ class Plan:
         seed: Seed of everything random in the run.
         envs: Number of parallel environments.
         workers: Processes for the environments; 0 for this one. Results do not depend on it.
-        demos: Expert episodes to learn from.
+        demos: Number of expert episodes to learn from, or the data set that has them.
         starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.
@@ -88,7 +88,7 @@ class Plan:
     seed: int = field(default=0, metadata=_PACES)
     envs: int = field(default=4, metadata=_PRACTICE)
     workers: int = field(default=0, metadata=_PACES)
-    demos: int = field(default=0, metadata=_PRACTICE)
+    demos: int | str = field(default=0, metadata=_PRACTICE)
     starts: float = field(default=0.0, metadata=_PRACTICE)
     init: str = ""
     data: str = ""
@@ -164,7 +164,7 @@ class Plan:
         for name in ("evaluate_every", "checkpoint_every"):
             if getattr(self, name) < self.envs:
                 raise UsageError(f"{name} is less than the {self.envs} environments' step at once")
-        if min(self.demos, self.seed, self.film_every) < 0:
+        if min(self.demos if isinstance(self.demos, int) else 0, self.seed, self.film_every) < 0:
             raise UsageError("demos, seed and film_every are at least 0")
         for name in ("starts", "stop_at"):
             value = getattr(self, name)
@@ -216,12 +216,17 @@ def make_plan(
         preset = algorithm.presets[chosen["preset"]]
     check_source(chosen)
     trained = _env_of(init) if init else {}
-    if algorithm.from_data:
-        opened = chosen["data"]
+    for name in ("data", "demos"):
+        opened = chosen.get(name, 0)
+        if isinstance(opened, int):
+            continue
         dataset = opened if isinstance(opened, Dataset) else load_dataset(opened)
-        trained = {**recorded_options(dataset, chosen), "envs": 1}
-        folder = str(Path(dataset.folder).resolve())
-        chosen |= {"data": folder, "cameras": tuple(chosen.get("cameras", ()))}
+        trained = recorded_options(dataset, chosen) | ({"envs": 1} if name == "data" else {})
+        if name == "demos":
+            del trained["teachers"]
+        chosen[name] = str(Path(dataset.folder).resolve())
+    if algorithm.from_data:
+        chosen["cameras"] = tuple(chosen.get("cameras", ()))
     plan = plan_of({"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():

@@ -18,6 +18,7 @@ from taskbuilder.env.options import Options, make_options, option_infos, options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
+from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.replayed import Replayer, joined
 from taskbuilder.policies.grammar import is_word
@@ -105,6 +106,31 @@ def read_demonstrations(
         np.repeat(ends, [episode.steps for episode in episodes]),
         {agent: _own(agent, observed[agent]) for agent in agents},
         {c: np.concatenate([e.images(c)[:-1] for e in episodes]) for c in cameras},
+    )
+
+
+def recorded_demonstrations(
+    dataset: Dataset, task: str, variation: int
+) -> tuple[Demonstration, ...]:
+    """The episodes of a variation in which success holds at the last control step.
+
+    Raises:
+        UsageError: There are none.
+        StoreError: The data set is damaged.
+    """
+    robots = dataset.about["tasks"][task]["robots"]
+    binary = {agent for agent, robot in robots.items() if _has_binary_gripper(robot)}
+    found = [each for each in successes(dataset, task) if each.variation == variation]
+    if not found:
+        where = display_path(dataset.folder)
+        raise UsageError(f"{where} has no successful episode of variation {variation} of {task}")
+    return tuple(
+        Demonstration(
+            each.seed,
+            {a: explicit_gripper(v) if a in binary else v for a, v in each.actions.items()},
+            each.first_success,
+        )
+        for each in found
     )
 
 

@@ -147,7 +147,11 @@ form in which robots observe."""
 _WORDS: Mapping[str, Callable[[Any], str]] = {
     "algorithm": str,
     "reward": lambda name: f"{name} reward",
-    "demos": lambda count: f"{count or 'no'} demonstrations",
+    "demos": lambda demos: (
+        f"demonstrations of {display_path(Path(demos))}"
+        if isinstance(demos, str)
+        else f"{demos or 'no'} demonstrations"
+    ),
     "starts": lambda share: f"{share:.0%} expert starts" if share else "the task's own starts",
     "data": lambda folder: f"data {display_path(Path(folder))}" if folder else "no data set",
     "observe": lambda seen: "whole scene" if seen == "scene" else "own observations",

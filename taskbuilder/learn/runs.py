@@ -15,6 +15,7 @@ from taskbuilder.env.factory import with_choices
 from taskbuilder.env.options import TrainingOptions
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim
+from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
 from taskbuilder.learn.plan import Plan, check_source, digest, load_plan, make_plan, save_plan
@@ -68,7 +69,7 @@ def train(
     seed: int | None = None,
     envs: int | None = None,
     workers: int | None = None,
-    demos: int | None = None,
+    demos: int | str | Path | None = None,
     starts: float | None = None,
     init: str | None = None,
     data: str | Path | None = None,
@@ -96,7 +97,7 @@ def train(
         seed: Seed of everything random in the run.
         envs: Number of parallel environments.
         workers: Processes for the environments; 0 for this one. Results do not depend on it.
-        demos: Expert episodes to learn from.
+        demos: Expert episodes to learn from: their number, or the folder of a data set.
         starts: Fraction of the training episodes that begin in a state of an expert episode.
         init: The trained policy to start from, by name.
         data: The data set to learn from, for algorithms that learn from one.
@@ -186,10 +187,15 @@ def set_up(
     """
     check_torch()
     catalogue = catalogue or Catalogue.discover()
-    dataset = data = given.get("data")
-    if data is not None:
-        check_source(given)
-        given["data"] = dataset = data if isinstance(data, Dataset) else load_dataset(data)
+    from_data = find_algorithm(given.get("algorithm") or Plan.algorithm).from_data
+    if from_data and not given.get("data") and isinstance(given.get("demos"), str | Path | Dataset):
+        given["data"] = given.pop("demos")
+    dataset: Dataset | None = None
+    for name in ("data", "demos"):
+        found = given.get(name)
+        if isinstance(found, str | Path | Dataset):
+            check_source(given)
+            given[name] = dataset = found if isinstance(found, Dataset) else load_dataset(found)
     if task is None:
         if dataset is None:
             raise UsageError("which task? give a name or a path, or --resume RUN to go on")
@@ -217,16 +223,17 @@ def checked(plan: Plan, task: Task, dataset: Dataset | None = None) -> RunSetup:
             grasping, its robots observe pictures that the run does not learn from, or the data set
             is not of this task.
     """
-    if (plan.demos or plan.starts) and not task.file.spec.expert:
+    if dataset is None and (plan.demos or plan.starts) and not task.file.spec.expert:
         raise UsageError(f"{task.name} has no expert; --demos and --starts need its episodes")
-    if dataset is not None:
-        return RunSetup(plan, task, dataset, check_recorded(dataset, task, plan.env))
+    names = check_recorded(dataset, task, plan.env) if dataset is not None else {}
+    if plan.data:
+        return RunSetup(plan, task, dataset, names)
     check_pictures(task, plan.env)
     if plan.reward in ("shaped", "ratchet") and task.description.progress is None:
         raise UsageError(
             f"{task.name} has no progress; write it into its description, or choose --reward team"
         )
-    return RunSetup(plan, task)
+    return RunSetup(plan, task, dataset)
 
 
 def default_folder(run: RunSetup) -> Path:
@@ -281,7 +288,8 @@ def create(
     from taskbuilder.learn.training import INIT_FILE
 
     plan, task = run.plan, run.task
-    count = max(plan.demos, START_EPISODES if plan.starts else 0)
+    asked = plan.demos if isinstance(plan.demos, int) else 0
+    count = 0 if run.dataset else max(asked, START_EPISODES if plan.starts else 0)
     if count:
         episodes = list(track(record(plan.task, count, plan.env, catalogue=catalogue), count))
         save_rollouts(folder / DEMONSTRATIONS_FILE, episodes)
@@ -321,7 +329,8 @@ def find(folder: Path, catalogue: Catalogue | None = None, *, trust: bool = Fals
         raise UsageError(
             f"{task.name} has changed since this run began; train anew, or put its files back"
         )
-    dataset = load_dataset(plan.data) if plan.data else None
+    folders = [each for each in (plan.data, plan.demos) if each and isinstance(each, str)]
+    dataset = load_dataset(folders[0]) if folders else None
     if dataset is None:
         return RunSetup(plan, task)
     if about.get("data_seal") != identity(dataset):
@@ -340,7 +349,7 @@ def go_on(folder: Path, run: RunSetup, watch: Watch = lambda _: None) -> None:
         "algorithm": plan.algorithm,
         "reward": plan.reward,
         "track": plan.track,
-        "demos": plan.demos,
+        "demos": plan.demos if isinstance(plan.demos, int) else Path(plan.demos).name,
         "starts": plan.starts,
         **({"data": Path(plan.data).name} if plan.data else {}),
         **({"teachers": list(plan.teachers)} if plan.teachers else {}),

@@ -25,13 +25,14 @@ from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import Evaluation
 from taskbuilder.learn.checkpoints import Checkpoint, Checkpoints
 from taskbuilder.learn.collector import Collector, Finished
+from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.learn.demonstrations import load_demonstrations, transitions
 from taskbuilder.learn.learner import Trainable
 from taskbuilder.learn.logger import RunLogger
 from taskbuilder.learn.n_step import NStepTransitions
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.practice import Batches, Interaction, Practice
-from taskbuilder.learn.recordings import read_demonstrations
+from taskbuilder.learn.recordings import read_demonstrations, recorded_demonstrations
 from taskbuilder.learn.replayed import Replayer
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.learn.settings import make_settings
@@ -40,7 +41,6 @@ from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import POLICY_FILE, load_policy, save_policy
-from taskbuilder.task import Task
 
 INIT_FILE = "init.npz"
 """File of the policy that a run starts from, in its folder."""
@@ -158,10 +158,10 @@ class Trainer:
         """
         if run.plan.device == "cuda" and not torch.cuda.is_available():
             raise UsageError("PyTorch finds no CUDA device here; leave --device cuda out")
-        if run.dataset is not None:
+        if run.plan.data and run.dataset is not None:
             learner, practice = _data_set(run, run.dataset)
         else:
-            learner, practice = _environments(run.plan, run.task, folder, stack)
+            learner, practice = _environments(run, folder, stack)
         trainer = cls(run.plan, folder, learner, practice)
         stack.callback(trainer.close)
         return trainer
@@ -268,15 +268,14 @@ class Trainer:
         self.logger.close()
 
 
-def _environments(
-    plan: Plan, task: Task, folder: Path, stack: ExitStack
-) -> tuple[Trainable, Practice]:
+def _environments(run: RunSetup, folder: Path, stack: ExitStack) -> tuple[Trainable, Practice]:
     """The learner of a run in environments, and its practice in them."""
+    plan, task = run.plan, run.task
     algorithm = find_algorithm(plan.algorithm)
     settings = make_settings(algorithm.settings, plan.settings)
     reward = TRAINING_REWARDS[plan.reward]
     options: dict[str, Any] = {**plan.env, "reward": reward.sharing}
-    demonstrations = load_demonstrations(folder)
+    demonstrations = _demonstrations(run, folder)
     ends = TrainingWrappers(reward.end_on_setback, reward.no_progress_timeout_s)
     prefixes = tuple(map(StartPrefix.before_success, demonstrations)) if plan.starts else ()
     wrap = replace(ends, start_prefixes=prefixes, start_share=plan.starts)
@@ -292,13 +291,23 @@ def _environments(
     )
     shown = None
     if plan.demos:
+        count = plan.demos if isinstance(plan.demos, int) else None
         with closing(make_vec(task, 1, wrap=ends, **options)) as env:
             own = reward(1, settings.discount)
             joined = NStepTransitions(shapes.layout, 1, settings.n_step, settings.discount)
-            shown = transitions(demonstrations[: plan.demos], env, own, shapes, joined)
+            shown = transitions(demonstrations[:count], env, own, shapes, joined)
     collection = algorithm.collection(learner, shapes.layout, plan.envs, shown)
     collector = Collector(envs, reward(plan.envs, settings.discount), shapes)
     return learner, Interaction(learner, collector, collection, plan.steps, plan.envs)
+
+
+def _demonstrations(run: RunSetup, folder: Path) -> Sequence[Demonstration]:
+    """The episodes to learn from: those of the data set, or those that the run recorded."""
+    if run.dataset is None:
+        return load_demonstrations(folder)
+    variation = run.plan.options.variation
+    number = variation if isinstance(variation, int) else 0
+    return recorded_demonstrations(run.dataset, run.task.name, number)
 
 
 def _data_set(run: RunSetup, dataset: Dataset) -> tuple[Trainable, Practice]:

@@ -19,6 +19,7 @@ from pettingzoo.utils.wrappers import BaseParallelWrapper
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError
+from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.world.randomness import EpisodeRandomness
 
@@ -158,11 +159,11 @@ class StartPrefix:
         return min(len(actions) for actions in self.actions.values())
 
     @classmethod
-    def before_success(cls, rollout: Rollout) -> StartPrefix:
+    def before_success(cls, episode: Rollout | Demonstration) -> StartPrefix:
         """The part of an episode before its success."""
-        first = rollout.first_success or 0
+        first = episode.first_success or 0
         end = first - 1 if first > 1 else None
-        return cls(rollout.seed, {agent: done[:end] for agent, done in rollout.actions.items()})
+        return cls(episode.seed, {agent: done[:end] for agent, done in episode.actions.items()})
 
 
 class StartPrefixes(EpisodeWrapper):

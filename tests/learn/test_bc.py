@@ -495,3 +495,24 @@ def test_pictures_that_a_task_lists_are_learned_from_or_refused(tmp_path):
         train(task, observe="task", out=tmp_path / "other", steps=10)
     run = train(task, cameras=("front",), **options)
     assert run.plan.options.observe == "task"
+
+
+# --- demonstrations of other algorithms
+
+
+def test_demonstrations_are_a_number_or_a_data_set_for_every_algorithm(recorded, tmp_path):
+    short = {"steps": 40, "evaluate_every": 40, "checkpoint_every": 40, "evaluate_episodes": 1}
+    few = {"hidden": [8], "batch": 16, "warm_up": 10, "bc_updates": 2, "critic_warmup_updates": 2}
+    out = tmp_path / "run"
+    run = train(demos=recorded, algorithm="maddpg", settings=few, out=out, envs=1, **short)
+    assert (run.plan.demos, run.plan.track, run.plan.preset) == (str(recorded), "demos", "demos")
+    assert (run.plan.options.observe, run.plan.options.frame) == ("scene", "task")
+    assert run.policy.about["demos"] == "handover"
+    assert not (out / "expert.npz").exists()
+    told = json.loads((out / "run.json").read_text())
+    assert told["data_seal"] == json.loads((recorded / "manifest.json").read_text())["seal"]
+    assert resume(out).plan.demos == str(recorded)
+    cloned = train(demos=recorded, out=tmp_path / "cloned", **BC)
+    assert (cloned.plan.data, cloned.plan.demos) == (str(recorded), 0)
+    with pytest.raises(UsageError, match="was recorded with frame task, not base"):
+        train(demos=recorded, frame="base", out=tmp_path / "never")
