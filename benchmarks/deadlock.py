@@ -8,7 +8,7 @@ the same options.
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
 that training has not seen, and writes
 
-- benchmarks/results/deadlock/WAY-SEED/: plan, tables and result of a run, and
+- benchmarks/results/deadlock.tar.xz: plan, tables and result of each run; see kept_runs.py, and
 - benchmarks/results/deadlock.json: what came of each, with the command that makes it again.
 
 All runs have the same learner (`maddpg`) and at most 150,000 control steps, which take half an hour
@@ -27,10 +27,10 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
+from kept_runs import RESULTS, unpacked
 from machine import describe_machine
 from training_runs import EPISODES, summary, trained
 
-RESULTS = Path(__file__).parent / "results"
 SEEDS = (1, 2)
 WRONG_ORDER = "tests/tasks/variants/handover_kept.yaml"
 
@@ -69,7 +69,7 @@ def main() -> int:
 def run(wanted: tuple[int, str], folder: Path) -> str:
     """Train, evaluate and keep one run; say what came of it."""
     seed, way = wanted
-    result = trained(command(way, seed, folder), RESULTS / "deadlock")
+    result = trained(command(way, seed, folder), "deadlock")
     write_summary()
     return f"{way}-{seed}: {result['success_rate']:.1%} of {EPISODES} episodes"
 
@@ -84,11 +84,12 @@ def command(way: str, seed: int, folder: Path) -> list[str]:
 
 def write_summary() -> None:
     """Write what came of all runs that are kept."""
-    data = {
-        "command": "python benchmarks/deadlock.py",
-        "machine": describe_machine(),
-        "runs": [summary(folder) for folder in sorted((RESULTS / "deadlock").glob("*/"))],
-    }
+    with unpacked("deadlock") as kept:
+        data = {
+            "command": "python benchmarks/deadlock.py",
+            "machine": describe_machine(),
+            "runs": [summary(folder) for folder in sorted(kept.glob("*/"))],
+        }
     (RESULTS / "deadlock.json").write_text(json.dumps(data, indent=2) + "\n")
 
 

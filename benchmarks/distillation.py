@@ -10,7 +10,8 @@ its teacher. It then plays 300 episodes that neither training nor the choice of 
 
 Collects, trains and evaluates what is not done yet, goes on with what was stopped, and writes
 
-- benchmarks/results/distillation/TASK-OBSERVED-SEED/: plan, tables and result of a student, and
+- benchmarks/results/distillation.tar.xz: plan, tables and result of each student; see
+  kept_runs.py, and
 - benchmarks/results/distillation.json: what came of each, with the commands that make it again.
 
 A student takes about a quarter of an hour on one core, half of it for the teacher's episodes.
@@ -28,11 +29,13 @@ from itertools import product
 from pathlib import Path
 
 from cloning import ZOO, taskbuilder
-from learning import RESULTS, TASKS, publish
+from kept_runs import RESULTS, unpacked
+from learning import TASKS, publish
 from machine import describe_machine
 from training_runs import EPISODES, summary, trained
 
-KEPT = RESULTS / "distillation"
+KEPT = "distillation"
+"""The group of the runs that are kept."""
 NOISE = {"task": "0.03", "scene": "0.1"}
 """On standardised observations. The scene has the grasp points as seen from the tools. Without
 them, more noise blurs the grasps."""
@@ -64,15 +67,13 @@ def run(name: str, seed: int, folder: Path) -> str:
     """Collect, train, evaluate and keep one student; say what came of it."""
     lesson, train = collect_words(name, seed, folder), train_words(name, seed, folder)
     taskbuilder(*lesson)
-    result = trained(train, KEPT)
     info = json.loads(taskbuilder("dataset", "info", lesson[-1], "--json"))
     about = {
         "commands": [" ".join(["taskbuilder", *words]) for words in (lesson, train)],
         "teacher": next(iter(info["tasks"].values()))["policies"],
     }
-    kept = KEPT / Path(train[-1]).name
-    (kept / LESSON).write_text(json.dumps(about, indent=1) + "\n")
-    return f"{kept.name}: {result['success_rate']:.1%} of {EPISODES} episodes"
+    result = trained(train, KEPT, {LESSON: json.dumps(about, indent=1) + "\n"})
+    return f"{Path(train[-1]).name}: {result['success_rate']:.1%} of {EPISODES} episodes"
 
 
 def collect_words(name: str, seed: int, folder: Path) -> list[str]:
@@ -96,10 +97,11 @@ def train_words(name: str, seed: int, folder: Path) -> list[str]:
 
 def write_summary() -> None:
     """Write what came of all students that are kept."""
-    runs = [
-        {**summary(file.parent), **json.loads(file.read_text())}
-        for file in sorted(KEPT.glob(f"*/{LESSON}"))
-    ]
+    with unpacked(KEPT) as kept:
+        runs = [
+            {**summary(file.parent), **json.loads(file.read_text())}
+            for file in sorted(kept.glob(f"*/{LESSON}"))
+        ]
     data = {"command": "python benchmarks/distillation.py", "machine": describe_machine()}
     text = json.dumps({**data, "runs": runs}, indent=2)
     (RESULTS / "distillation.json").write_text(text + "\n")

@@ -8,7 +8,7 @@ with a centralised critic and independent PPO, for as many control steps and als
 Trains what is not trained yet, goes on with what was stopped, plays each policy in 300 episodes
 that neither training nor the choice of a policy has seen, and writes
 
-- benchmarks/results/learning/TASK-TRACK-SEED/: plan, tables and result of a run,
+- benchmarks/results/learning.tar.xz: plan, tables and result of each run; see kept_runs.py,
 - benchmarks/results/learning.json: what came of each, with the command that makes it again, and
 - with `--publish`, taskbuilder/policies/models/TASK/NAME.npz: the policy of the median seed, with
   its plan and its curve beside it, if it succeeds in 95 % of the episodes.
@@ -27,10 +27,10 @@ from functools import partial
 from pathlib import Path
 
 from cloning import ZOO, keep
+from kept_runs import RESULTS, unpacked
 from machine import describe_machine
 from training_runs import EPISODES, summary, trained
 
-RESULTS = Path(__file__).parent / "results"
 TASKS = ("handover", "pick_push_place", "collaborative_lift")
 LIBRARY = ("two_buttons", "lift_pot", "open_lid", "stack_together", "lift_triangle")
 """Other tasks of the library, chosen before anything was trained on them."""
@@ -96,7 +96,7 @@ def command(name: str, seed: int, folder: Path) -> list[str]:
 def run(wanted: tuple[str, int], folder: Path) -> str:
     """Train, evaluate and keep one run; say what came of it."""
     words = command(*wanted, folder)
-    result = trained(words, RESULTS / "learning")
+    result = trained(words, "learning")
     return f"{Path(words[-1]).name}: {result['success_rate']:.1%} of {EPISODES} episodes"
 
 
@@ -123,8 +123,8 @@ def write_summary() -> None:
     """Write what came of all runs that are kept, and of the trials that were evaluated."""
     made_by = {"learning": {"command": "python benchmarks/learning.py"}, "learning_trials": {}}
     for name, about in made_by.items():
-        found = sorted((RESULTS / name).glob("*/evaluation.json"))
-        runs = [summary(file.parent) for file in found]
+        with unpacked(name) as kept:
+            runs = [summary(file.parent) for file in sorted(kept.glob("*/evaluation.json"))]
         data = {**about, "machine": describe_machine(), "runs": runs}
         (RESULTS / f"{name}.json").write_text(json.dumps(data, indent=2) + "\n")
 

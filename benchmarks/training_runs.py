@@ -9,7 +9,11 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from threading import Lock
+from types import MappingProxyType
 from typing import Any
+
+from kept_runs import changed
 
 TASKBUILDER = (sys.executable, "-m", "taskbuilder")
 EPISODES, FIRST_EPISODE = 300, 2_000_000
@@ -21,12 +25,19 @@ KEPT = ("episodes.csv", "evaluations.csv", "updates.csv", "evaluation.json")
 """Tables of a run; runs on a data set have no episodes.csv."""
 
 
-def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
+_KEEPING = Lock()
+"""Runs that end at the same time are kept one after the other."""
+
+
+def trained(
+    words: Sequence[str], group: str, beside: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, Any]:
     """Train, or go on with what was stopped; evaluate, keep, and return the evaluation.
 
     Args:
         words: Arguments of ``taskbuilder``; the last is the folder of the run.
-        results: Where a folder with the tables of the run is kept.
+        group: The group of runs in which its tables are kept; see `kept_runs`.
+        beside: Texts that are kept with the tables, by the name of their file.
     """
     out = Path(words[-1])
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -38,11 +49,14 @@ def trained(words: Sequence[str], results: Path) -> dict[str, Any]:
         evaluate = ["evaluate", str(out), "--seed", str(FIRST_EPISODE), "--controls", "0"]
         command = [*TASKBUILDER, *evaluate, "--episodes", str(EPISODES), "--jobs", "1", "--json"]
         found.write_text(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-    kept = results / out.name
-    kept.mkdir(parents=True, exist_ok=True)
-    for name in (name for name in KEPT if (out / name).exists()):
-        shutil.copyfile(out / name, kept / name)
-    copy_plan(out, kept / "run.json")
+    with _KEEPING, changed(group) as runs:
+        kept = runs / out.name
+        kept.mkdir(parents=True, exist_ok=True)
+        for name in (name for name in KEPT if (out / name).exists()):
+            shutil.copyfile(out / name, kept / name)
+        for name, text in beside.items():
+            (kept / name).write_text(text)
+        copy_plan(out, kept / "run.json")
     result: dict[str, Any] = json.loads(found.read_text())
     return result
 

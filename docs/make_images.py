@@ -24,6 +24,7 @@ import cv2
 import numpy as np
 from generators.results import read
 from generators.training import LONGER, WAYS, ablation
+from PIL import Image
 from stage_bars import stage_bars
 
 from taskbuilder import load_task, parallel_env
@@ -38,11 +39,18 @@ from taskbuilder.visual.film import save_film
 from taskbuilder.visual.still import Pixels, save_image
 from taskbuilder.visual.video import GIF_COLORS
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+
+from kept_runs import unpack
+
 CURVES = "curves"
+COLORS = 256
+"""Colours of a still: a fifth of the size, and no difference to be seen."""
+
 IMAGES = Path(__file__).parent / "images"
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
-RUNS = {"": RESULTS / "learning", "-earlier": RESULTS / "learning_earlier"}
-"""Folders of training runs, by what the names of their curves have."""
+RUNS = {"": "learning", "-earlier": "learning_earlier"}
+"""Groups of training runs, by what the names of their curves have."""
 PAPER = {
     "pick_push_place-1": "Pick-Push-Place, the paper's learner",
     "collaborative_lift-1": "Collaborative Lift, the paper's learner",
@@ -139,26 +147,35 @@ def make_all() -> None:
             if entry.module:
                 _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
                 _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
-    save_image(IMAGES / "tasks.png", _side_by_side())
+        save_image(Path(folder, "tasks.png"), _side_by_side())
+        _keep(Path(folder, "tasks.png"), "tasks.png")
 
 
 def make_curves() -> None:
     """Draw the learning curves of all runs that the pages show."""
+    with tempfile.TemporaryDirectory() as folder:
+        _make_curves(Path(folder))
+
+
+def _make_curves(folder: Path) -> None:
     trained = sorted({run["task"] for run in read("learning.json")["runs"]})
     named = {
         f"{task}-{track}{when}": sorted(kept.glob(f"{task}-{track}-*"))
-        for task, track, (when, kept) in product(trained, TRACKS, RUNS.items())
+        for when, kept in ((when, unpack(group, folder)) for when, group in RUNS.items())
+        for task, track in product(trained, TRACKS)
     }
-    trials = RESULTS / "learning_trials"
+    trials, deadlock = unpack("learning_trials", folder), unpack("deadlock", folder)
     for task, trial in product(SHOWN, TRIALS):
         named[f"{task}-{trial}"] = sorted(trials.glob(f"{task}-*-{trial}"))
-    named["handover-longer"] = [RESULTS / "deadlock" / f"{way}-1" for way in LONGER]
+    named["handover-longer"] = [deadlock / f"{way}-1" for way in LONGER]
     for name, runs in named.items():
         if runs:
-            _call("plot", *map(str, runs), "--out", str(IMAGES / f"{name}-curves.png"))
+            _call("plot", *map(str, runs), "--out", str(folder / "curves.png"))
+            _keep(folder / "curves.png", f"{name}-curves.png")
     for run, title in PAPER.items():
-        curves = IMAGES / f"paper-{run.rpartition('-')[0]}-curves.png"
+        curves = folder / "curves.png"
         _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))
+        _keep(curves, f"paper-{run.rpartition('-')[0]}-curves.png")
 
 
 def make_ablation() -> None:
@@ -169,7 +186,10 @@ def make_ablation() -> None:
     }
     title = "What is learned of Handover"
     chart = stage_bars(title, "furthest stage in 300 new episodes of each run", groups)
-    (IMAGES / "handover-ablation.png").write_bytes(chart)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "ablation.png")
+        file.write_bytes(chart)
+        _keep(file, "handover-ablation.png")
 
 
 def _drawn() -> tuple[str, ...]:
@@ -185,7 +205,13 @@ def _call(*words: str) -> None:
 
 
 def _keep(file: Path, name: str) -> None:
-    (IMAGES / name).write_bytes(file.read_bytes())
+    """Put a picture among those of the pages, a still with as many colours as a film may have."""
+    if file.suffix == ".png":
+        with Image.open(file) as picture:
+            small = picture.convert("RGB").quantize(COLORS, method=Image.Quantize.FASTOCTREE)
+        small.save(IMAGES / name, optimize=True)
+    else:
+        (IMAGES / name).write_bytes(file.read_bytes())
 
 
 def _read(name: str) -> Pixels:

@@ -8,9 +8,6 @@ import signal
 import pytest
 from hypothesis import HealthCheck, settings
 
-from taskbuilder.validate.html.page import make_page
-from taskbuilder.validate.runner import validate_task
-
 # Tests are shared out over the cores already; with threads besides, they would wait for each other.
 for library in ("OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -24,9 +21,8 @@ settings.load_profile("untimed")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Validations play in the process of the test, which may have broken something on purpose there, and
-# which need not wait for another to start; what other processes are for is tested where it says so.
-validate_task.__kwdefaults__["apart"] = make_page.__kwdefaults__["apart"] = False
+WITHOUT_ENGINE = ("schema",)
+"""Folders of tests that need no physics engine, which validating imports."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -45,6 +41,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     slow = [item for item in items if item.get_closest_marker("slow")]
     config.hook.pytest_deselected(items=slow)
     items[:] = [item for item in items if not item.get_closest_marker("slow")]
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Validations play in the process of the test.
+
+    The test may have broken something on purpose there, and need not wait for another process to
+    start; what other processes are for is tested where it says so.
+    """
+    if item.path.parent.name in WITHOUT_ENGINE:
+        return
+    from taskbuilder.validate.html.page import make_page
+    from taskbuilder.validate.runner import validate_task
+
+    validate_task.__kwdefaults__["apart"] = make_page.__kwdefaults__["apart"] = False
 
 
 @pytest.fixture

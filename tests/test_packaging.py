@@ -16,6 +16,9 @@ import yaml
 from taskbuilder._version import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
+MOST_SDIST_BYTES = 10e6
+MOST_TREE_BYTES = 63e6
+"""What a clone has to hold beside its history."""
 BUILD = "import sys; from setuptools import build_meta; build_meta.build_{}(sys.argv[1])"
 PAGES = [file.name for file in (ROOT / "taskbuilder/validate/html").glob("*.*")]
 """Code, templates and style sheet of reports."""
@@ -45,9 +48,15 @@ def built(kind: str, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The archive of sources."""
+    return built("sdist", tmp_path_factory.mktemp("built"))
+
+
+@pytest.fixture(scope="module")
+def sources(archive: Path) -> dict[str, bytes]:
     """The files of the archive of sources, by their paths in it."""
-    with tarfile.open(built("sdist", tmp_path_factory.mktemp("built"))) as file:
+    with tarfile.open(archive) as file:
         members = [member for member in file.getmembers() if member.isfile()]
         return {
             member.name.partition("/")[2]: file.extractfile(member).read()  # type: ignore[union-attr]
@@ -58,7 +67,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 def test_the_archive_of_sources_is_whole(sources):
     needed = {
         *("constraints.txt", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE"),
-        *("Makefile", "docs/conf.py", "docs/quickstart.md", "docs/images/handover.gif"),
+        *("Makefile", "docs/conf.py", "docs/quickstart.md", "benchmarks/results/zoo.json"),
         *("tests/conftest.py", "tests/made_runs.py", "tests/learn/test_maddpg.py"),
         *("tests/interop/run.sh", "tasks/handover.yaml"),
         *("robots/ur5e/robot.yaml", "taskbuilder/py.typed"),
@@ -66,6 +75,12 @@ def test_the_archive_of_sources_is_whole(sources):
     }
     assert needed <= set(sources)
     assert not [name for name in sources if "__pycache__" in name or "_build/" in name]
+
+
+def test_the_repository_and_the_archive_of_sources_are_light(archive):
+    assert archive.stat().st_size <= MOST_SDIST_BYTES
+    files = [ROOT / name for name in own_files()]
+    assert sum(file.stat().st_size for file in files if file.is_file()) <= MOST_TREE_BYTES
 
 
 def test_a_wheel_has_all_that_is_read_as_data(tmp_path):
