@@ -3,7 +3,8 @@
     python benchmarks/experts.py
 
 plays every task and variation over 200 seeds that nothing was tuned on, each episode to its end,
-writes a line an episode to benchmarks/results/experts.csv, where an interrupted run goes on, and a
+writes a line an episode to benchmarks/results/experts.csv, where an interrupted run goes on and
+which is compressed at the end, and a
 summary to benchmarks/results/experts.json.
 """
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import gzip
 import json
 from collections.abc import Iterable
 from pathlib import Path
@@ -115,9 +117,11 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=cores())
     parser.add_argument("--anew", action="store_true", help="forget the episodes played so far")
     arguments = parser.parse_args()
-    file = RESULTS / "experts.csv"
+    file, packed = RESULTS / "experts.csv", RESULTS / "experts.csv.gz"
     if arguments.anew:
         file.unlink(missing_ok=True)
+    elif packed.exists() and not file.exists():
+        file.write_bytes(gzip.decompress(packed.read_bytes()))
     known = {(row["task"], int(row["variation"]), int(row["seed"])) for row in rows_of(file)}
     seeds = range(FIRST_SEED, FIRST_SEED + arguments.seeds)
     scenes = [(n, k) for n in catalogue().tasks for k in range(len(load_task(n).file.scenes))]
@@ -131,6 +135,8 @@ def main() -> None:
                 writer.writerow(row)
                 lines.flush()
     found = summary(rows_of(file))
+    packed.write_bytes(gzip.compress(file.read_bytes(), mtime=0))
+    file.unlink()
     text = json.dumps({"machine": describe_machine(), "scenes": found}, indent=2)
     (RESULTS / "experts.json").write_text(text + "\n", encoding="utf-8")
     for name, figures in found.items():
