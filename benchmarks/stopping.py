@@ -36,12 +36,12 @@ from taskbuilder.validate.checks import incentives, necessity
 from taskbuilder.validate.checks.rivals import LEAST_PAIRS
 from taskbuilder.validate.report import Probe
 from taskbuilder.validate.runner import validate_task
-from taskbuilder.validate.sequential import ENOUGH, ERROR, Look, Looks, looks
+from taskbuilder.validate.sequential import ENOUGH, ERROR, InterimLook, Looks, looks
 
 RESULTS = Path(__file__).parent / "results" / "stopping.json"
 REPLAYED = RESULTS.with_name("stopping_replayed.json")
 FAMILIES = ("needs its robots", "pays for success")
-AT_ONCE = Looks((Look(ENOUGH, ERROR),), both_ways=True)
+AT_ONCE = Looks((InterimLook(ENOUGH, ERROR),), both_ways=True)
 SEED = 7_400_000
 LEADS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Mean leads, in standard deviations of the differences."""

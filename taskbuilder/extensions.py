@@ -20,7 +20,7 @@ from taskbuilder.wording import suggestion
 
 
 @dataclass(frozen=True)
-class Part:
+class ForeignPart:
     """A part of the library that another package declares.
 
     Attributes:
@@ -89,7 +89,7 @@ class Door:
     group: str
     noun: str
 
-    def declared(self) -> Mapping[str, tuple[Part, ...]]:
+    def declared(self) -> Mapping[str, tuple[ForeignPart, ...]]:
         """All parts that packages declare, by name; several only where a name is there twice."""
         return _declared(self, tuple(sys.path))
 
@@ -115,7 +115,7 @@ class Door:
         packages = " and ".join(f"{part.package} ({part.value})" for part in parts)
         return f'the {self.noun} "{name}" is declared twice, by {packages}; remove one of them'
 
-    def part(self, name: str, own: Collection[str] = ()) -> Part | None:
+    def part(self, name: str, own: Collection[str] = ()) -> ForeignPart | None:
         """The part of a name; None for the library's own.
 
         Raises:
@@ -174,22 +174,22 @@ def _entry_points(path: tuple[str, ...]) -> tuple[bytes, ...]:
 
 
 @cache
-def _declared(door: Door, path: tuple[str, ...]) -> Mapping[str, tuple[Part, ...]]:
+def _declared(door: Door, path: tuple[str, ...]) -> Mapping[str, tuple[ForeignPart, ...]]:
     del path  # the finders of Python read it
     if not declares(door.group):
         return {}
     from importlib.metadata import entry_points  # slow to import, and reads every package
 
-    parts: dict[str, dict[Part, None]] = {}
+    parts: dict[str, dict[ForeignPart, None]] = {}
     for point in sorted(entry_points(group=door.group)):
         package = f"{point.dist.name} {point.dist.version}" if point.dist else "an unknown package"
-        part = Part(door.noun, point.name, point.value, package)
+        part = ForeignPart(door.noun, point.name, point.value, package)
         parts.setdefault(point.name, {})[part] = None
     return {name: tuple(same) for name, same in parts.items()}
 
 
 @cache
-def _tell_of_own_name(part: Part) -> None:
+def _tell_of_own_name(part: ForeignPart) -> None:
     import logging  # `--help` does without
 
     from taskbuilder.quiet import HINTS

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def run(arguments: argparse.Namespace) -> int:
     """Show a task on a page in the browser, until Ctrl-C; or write an episode as a page."""
-    from taskbuilder.view.page import Page
+    from taskbuilder.view.page import LivePage
     from taskbuilder.view.server import PageServer
     from taskbuilder.view.stage import Choice, Stage
 
@@ -27,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _export(stage, choice, arguments.export)
     with ExitStack() as opened:
         server = opened.enter_context(closing(PageServer(arguments.port)))
-        page = opened.enter_context(closing(Page(stage, server, choice)))
+        page = opened.enter_context(closing(LivePage(stage, server, choice)))
         print(f"{server.address} shows {arguments.task}; Ctrl-C ends it", flush=True)
         if arguments.open:
             webbrowser.open(server.address)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from taskbuilder.diagnostics.entry import Code
 from taskbuilder.errors import ExtensionError
-from taskbuilder.extensions import CHECKS, Part
+from taskbuilder.extensions import CHECKS, ForeignPart
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class CheckFamily:
     level: Literal["static", "build", "full"] = "static"
 
 
-def load_family(part: Part) -> CheckFamily:
+def load_family(part: ForeignPart) -> CheckFamily:
     """The family of checks that a package declares.
 
     Raises:
@@ -54,7 +54,7 @@ def _no_family(found: object) -> str | None:
     return None
 
 
-def foreign_codes() -> Iterator[tuple[str, Code, Part]]:
+def foreign_codes() -> Iterator[tuple[str, Code, ForeignPart]]:
     """The codes of all families of checks of other packages that can be used."""
     for parts in CHECKS.declared().values():
         for part in parts:

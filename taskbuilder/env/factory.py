@@ -66,9 +66,9 @@ def with_choices(task: Task, options: Mapping[str, Any]) -> dict[str, Any]:
 
     Args:
         task: The task.
-        options: Options by name; what they say themselves goes before.
+        options: Options by name; what they say themselves goes before, unless it is None.
     """
-    chosen = dict(options)
+    chosen = {name: value for name, value in options.items() if value is not None}
     robots = {**dict(task.robots), **dict(other_robots(chosen.get("robots", ())))}
     if robots:
         chosen["robots"] = other_robots(robots)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from inspect import isabstract
 from typing import TYPE_CHECKING, ClassVar
 
-from taskbuilder.extensions import CHANNELS, Part
+from taskbuilder.extensions import CHANNELS, ForeignPart
 from taskbuilder.schema.channels import Channel
 from taskbuilder.world.world import World
 
@@ -59,7 +59,7 @@ class ForeignChannel:
 
     names: tuple[str, ...]
     bounds: tuple[tuple[float, float], ...]
-    _part: Part
+    _part: ForeignPart
     _reader: ChannelReader
 
     @classmethod
@@ -97,7 +97,7 @@ class ForeignChannel:
         return values
 
 
-def find_reader(name: str) -> tuple[Part, type[ChannelReader]]:
+def find_reader(name: str) -> tuple[ForeignPart, type[ChannelReader]]:
     """The reader that a package declares under a name such as ``robot.manipulability``.
 
     Raises:

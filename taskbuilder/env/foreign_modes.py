@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from taskbuilder.env.arm_modes import Arm, ArmMode, Targets
-from taskbuilder.extensions import Part
+from taskbuilder.extensions import ForeignPart
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,11 @@ class ForeignMode(ArmMode):
         mode: The mode itself.
     """
 
-    part: Part
+    part: ForeignPart
     mode: ArmMode
 
     @classmethod
-    def of(cls, part: Part, mode: type[ArmMode], arm: Arm) -> Self:
+    def of(cls, part: ForeignPart, mode: type[ArmMode], arm: Arm) -> Self:
         """Make the mode for an arm.
 
         Raises:

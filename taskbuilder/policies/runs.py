@@ -34,11 +34,12 @@ def read_run(folder: Path) -> dict[str, Any]:
         raise UsageError(f"{name} is no training run; it has no {RUN_FILE}")
     try:
         about = parse_json(read_within(folder, RUN_FILE, _LARGEST))
-        found, task = about["format"], about["task"]
+        found = about["format"]
     except (ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{display_path(file)} is damaged: {excerpt(error)}") from None
     if found != FORMAT:
         raise UsageError(f"{name} is a run of format {excerpt(found)}; this version reads {FORMAT}")
+    task = about.get("task")
     if not isinstance(task, str):
         raise UsageError(f"{display_path(file)} is damaged: its task is {excerpt(task)}")
     read: dict[str, Any] = about

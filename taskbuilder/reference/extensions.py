@@ -9,20 +9,20 @@ from typing import Any
 from taskbuilder.description import Condition, Measure, Term
 from taskbuilder.diagnostics.foreign import CheckFamily, foreign_codes, load_family
 from taskbuilder.errors import ExtensionError
-from taskbuilder.extensions import CHECKS, CONDITIONS, DOORS, Part
+from taskbuilder.extensions import CHECKS, CONDITIONS, DOORS, ForeignPart
 from taskbuilder.reference.codes import entry_of
 from taskbuilder.reference.markdown import first_sentences
 from taskbuilder.reference.python import prose, signature
 
 
-def declared() -> Iterator[Part]:
+def declared() -> Iterator[ForeignPart]:
     """All parts that packages declare, whether they can be used or not."""
     for door in DOORS:
         for parts in door.declared().values():
             yield from parts
 
 
-def described(part: Part) -> str:
+def described(part: ForeignPart) -> str:
     """What a part is, in Markdown, or why it cannot be used.
 
     A part is imported for this, so this may take as long as its package takes.
@@ -48,7 +48,7 @@ def _checks(family: CheckFamily) -> str:
     return f"Checks at level {family.level}, with these codes:\n\n{lines}"
 
 
-def _condition(part: Part) -> str:
+def _condition(part: ForeignPart) -> str:
     found = part.load(_no_node)
     call = f"{found.__name__}{' '.join(signature(found).split())}"
     module, _, attribute = part.value.partition(":")

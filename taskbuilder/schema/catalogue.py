@@ -37,7 +37,7 @@ class CatalogueEntry:
         name: Its name: ``handover``, or ``namespace/name`` from another package.
         file: Absolute path of the YAML file.
         module: Dotted name of the Python module beside a packaged task file, or "".
-        trusted: Part of an installed package, so its assets need no probe.
+        trusted: ForeignPart of an installed package, so its assets need no probe.
     """
 
     name: str

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from taskbuilder.diagnostics.foreign import CheckFamily, load_family
 from taskbuilder.errors import ExtensionError, Finding
-from taskbuilder.extensions import CHECKS, Part
+from taskbuilder.extensions import CHECKS, ForeignPart
 from taskbuilder.validate.report import Check, FamilyResult
 
 
@@ -25,7 +25,7 @@ class ForeignFamily:
 
     name: str
     level: Literal["static", "build", "full"]
-    part: Part
+    part: ForeignPart
     family: CheckFamily | ExtensionError
 
     def check(self, subject: Any) -> FamilyResult:
@@ -62,7 +62,7 @@ def foreign_families(own: Collection[str]) -> tuple[ForeignFamily, ...]:
         own: Names of the library's own families.
     """
     families: list[ForeignFamily] = []
-    homes: dict[str, Part] = {}
+    homes: dict[str, ForeignPart] = {}
     for name, parts in CHECKS.declared().items():
         clear = len(parts) == 1 and name not in own
         for part in parts:
@@ -76,7 +76,7 @@ def foreign_families(own: Collection[str]) -> tuple[ForeignFamily, ...]:
     return tuple(families)
 
 
-def _family(part: Part, own: Collection[str], homes: dict[str, Part]) -> CheckFamily:
+def _family(part: ForeignPart, own: Collection[str], homes: dict[str, ForeignPart]) -> CheckFamily:
     """The family of a part.
 
     Args:

@@ -47,7 +47,7 @@ IN_EACH_VARIATION = 2
 
 
 @dataclass(frozen=True)
-class Look:
+class InterimLook:
     """A look at all undecided comparisons.
 
     Attributes:
@@ -69,7 +69,7 @@ class Looks:
             last look.
     """
 
-    listed: tuple[Look, ...]
+    listed: tuple[InterimLook, ...]
     both_ways: bool
 
     @property
@@ -92,12 +92,12 @@ def looks(seeds: int, variations: int = 1) -> Looks:
         variations: Number of variations, which take turns.
     """
     if seeds < ENOUGH:
-        return Looks(tuple(Look(n, ERROR) for n in _doubled(seeds, ENOUGH)), both_ways=False)
+        return Looks(tuple(InterimLook(n, ERROR) for n in _doubled(seeds, ENOUGH)), both_ways=False)
     first = min(max(FIRST, IN_EACH_VARIATION * variations), seeds)
     spent, listed = 0.0, []
     for n in _doubled(first, seeds):
         up_to_now = ERROR * (n / seeds) ** POWER
-        listed.append(Look(n, up_to_now - spent))
+        listed.append(InterimLook(n, up_to_now - spent))
         spent = up_to_now
     return Looks(tuple(listed), both_ways=True)
 

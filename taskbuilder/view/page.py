@@ -1,6 +1,7 @@
 """The page: what is shown, what can be switched and played, and the loop that keeps it alive.
 
-All physics run in the thread of `Page.run`. What a browser sends only puts a request into a queue.
+All physics run in the thread of `LivePage.run`. What a browser sends only puts a request into a
+queue.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.errors import TaskbuilderError
-from taskbuilder.view.recording import Moment, Recording
+from taskbuilder.view.recording import RecordedState, Recording
 from taskbuilder.view.scene import BrowserScene, camera_pictures, look_from, switches
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice, Stage
@@ -34,7 +35,7 @@ MOST_REQUESTS = 100
 Request = Callable[[], None]
 
 
-class Page:
+class LivePage:
     """A task on a page that follows its files.
 
     Args:
@@ -219,7 +220,7 @@ class Page:
         self._draw_charts(self._recording)
         self._go_to(0, pause=False)
 
-    def _show_moment(self, moment: Moment) -> None:
+    def _show_moment(self, moment: RecordedState) -> None:
         self._scene.place(moment.poses)
         self._lamps.content = conditions(moment.lamps)
 
@@ -295,9 +296,9 @@ class Page:
         )
 
 
-MOVES: Mapping[str, Callable[[Page], None]] = {
+MOVES: Mapping[str, Callable[[LivePage], None]] = {
     "◀": lambda page: page._step_by(-1),
-    "play / pause": Page._play_or_pause,
+    "play / pause": LivePage._play_or_pause,
     "▶": lambda page: page._step_by(1),
 }
 """The buttons below the slider, and what they do."""

@@ -21,7 +21,7 @@ MOST_FIGURES = 3
 """Of a condition that holds, so many of its parts are told."""
 
 
-class Lamp(NamedTuple):
+class ConditionState(NamedTuple):
     """A named condition at one step.
 
     Attributes:
@@ -36,7 +36,7 @@ class Lamp(NamedTuple):
     figure: str
 
 
-class Moment(NamedTuple):
+class RecordedState(NamedTuple):
     """The state of an episode after a reset or a control step.
 
     Attributes:
@@ -45,7 +45,7 @@ class Moment(NamedTuple):
     """
 
     poses: NDArray[np.float32]
-    lamps: tuple[Lamp, ...]
+    lamps: tuple[ConditionState, ...]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Recording:
 
     player: str
     rollout: Rollout
-    moments: tuple[Moment, ...]
+    moments: tuple[RecordedState, ...]
     instruction: str
 
     @property
@@ -81,15 +81,15 @@ class Recording:
         return f"no success: {why}" if why else "no success"
 
 
-class Recorder:
+class EpisodeRecorder:
     """Notes the state of an episode; called after the reset and after each control step.
 
     Args:
         shown: Called with each new state while the episode is played.
     """
 
-    def __init__(self, shown: Callable[[Moment], None]) -> None:
-        self.moments: list[Moment] = []
+    def __init__(self, shown: Callable[[RecordedState], None]) -> None:
+        self.moments: list[RecordedState] = []
         self._shown = shown
         self._history: list[Sequence[Any]] = []
         self._poses: LinkPoses | None = None
@@ -101,12 +101,12 @@ class Recorder:
         else:
             self._poses = self._poses or LinkPoses(env.episode.world)
             self._history.append(env.episode.referee.values)
-            moment = Moment(self._poses.now(), lamps(env, self._history))
+            moment = RecordedState(self._poses.now(), lamps(env, self._history))
         self.moments.append(moment)
         self._shown(moment)
 
 
-def lamps(env: TaskEnv, history: Sequence[Sequence[Any]]) -> tuple[Lamp, ...]:
+def lamps(env: TaskEnv, history: Sequence[Sequence[Any]]) -> tuple[ConditionState, ...]:
     """The named conditions of a task as they stand, each with what decides it; stages are not.
 
     Args:
@@ -117,7 +117,7 @@ def lamps(env: TaskEnv, history: Sequence[Sequence[Any]]) -> tuple[Lamp, ...]:
     evaluated = episode.referee.moment(episode.world, history)
     named = description.conditions().items()
     return tuple(
-        Lamp(name, bool(evaluated.value(condition)), _figure(condition, evaluated, name))
+        ConditionState(name, bool(evaluated.value(condition)), _figure(condition, evaluated, name))
         for name, condition in named
         if name not in description.stages
     )
@@ -153,7 +153,7 @@ def record(
     player: str,
     policy: Policy,
     seed: int,
-    shown: Callable[[Moment], None] = lambda _: None,
+    shown: Callable[[RecordedState], None] = lambda _: None,
 ) -> Recording:
     """Play an episode and record it.
 
@@ -164,7 +164,7 @@ def record(
         seed: Seed of the episode.
         shown: Called with each state as soon as it is reached.
     """
-    recorder = Recorder(shown)
+    recorder = EpisodeRecorder(shown)
     rollout = play(
         env, policy, seed, forces=len(env.possible_agents) > 1, explain=True, watch=recorder
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.view.marks import WORDS, marks_of, segments
 from taskbuilder.world.pictures import capture
-from taskbuilder.world.visible import Link, visible_links
+from taskbuilder.world.visible import VisibleLink, visible_links
 from taskbuilder.world.world import World
 
 LINE_PX = 2.0
@@ -48,7 +48,7 @@ class BrowserScene:
             for link in visible_links(world):
                 self._add(link)
 
-    def _add(self, link: Link) -> None:
+    def _add(self, link: VisibleLink) -> None:
         path = f"/scene/{link.name.replace('.', '/')}"
         frame = self._server.scene.add_frame(path, show_axes=False)
         self._frames.setdefault(link.row, []).append(frame)

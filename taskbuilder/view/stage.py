@@ -14,7 +14,7 @@ from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.used_files import used_files
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.polling import Polled
-from taskbuilder.view.recording import Moment, Recording, record
+from taskbuilder.view.recording import RecordedState, Recording, record
 
 SCRIPTED = ("expert", "hold", "random")
 
@@ -90,7 +90,7 @@ class Stage:
         options = dict(parse_policy(choice.player).options)
         return parallel_env(self.task, **{**options, "variation": choice.variation})
 
-    def play(self, choice: Choice, shown: Callable[[Moment], None]) -> Recording:
+    def play(self, choice: Choice, shown: Callable[[RecordedState], None]) -> Recording:
         """Play and record an episode.
 
         Args:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from taskbuilder.errors import Finding, display_path
 from taskbuilder.geometry import Pose, to_rpy_deg
 from taskbuilder.task import Task
-from taskbuilder.view.recording import Lamp, Recording
+from taskbuilder.view.recording import ConditionState, Recording
 
 ON, OFF, WRONG = "●", "○", "✗"
 
@@ -31,7 +31,7 @@ def stages(names: Sequence[str], reached: int) -> str:
     return " → ".join(listed)
 
 
-def conditions(lamps: Iterable[Lamp]) -> str:
+def conditions(lamps: Iterable[ConditionState]) -> str:
     """The named conditions, each with its figure."""
     rows = (
         f"- {ON if lamp.on else OFF} **{plain(lamp.name)}**  \n  {plain(lamp.figure)}"

@@ -61,7 +61,7 @@ def mp4(path: Path, *, fps: int) -> Iterator[Callable[[Pixels], None]]:
             reel.stop()
 
 
-class _Writer(Protocol):
+class _FilmWriter(Protocol):
     """Writes frames of one size to a file."""
 
     def write(self, frame: Pixels) -> None:
@@ -76,7 +76,7 @@ class _Reel:
 
     def __init__(self, path: Path, fps: int) -> None:
         self._path, self._fps = path, fps
-        self._writer: _Writer | None = None
+        self._writer: _FilmWriter | None = None
         self._shape: tuple[int, ...] = ()
         self._count = 0
 
@@ -103,7 +103,7 @@ class _Reel:
             raise OSError(f"{self._path.name}: {found} of {self._count} frames could be read back")
 
 
-def _open(path: Path, fps: int, frame: Pixels) -> _Writer:
+def _open(path: Path, fps: int, frame: Pixels) -> _FilmWriter:
     try:
         import av
 

@@ -15,7 +15,7 @@ from taskbuilder.world.world import World
 Color = tuple[int, int, int]
 
 
-class Mesh(NamedTuple):
+class VisibleMesh(NamedTuple):
     """Triangles of one colour in the frame of a link.
 
     Attributes:
@@ -32,7 +32,7 @@ class Mesh(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Link:
+class VisibleLink:
     """A link that can be seen.
 
     Attributes:
@@ -43,10 +43,10 @@ class Link:
 
     name: str
     row: int
-    meshes: tuple[Mesh, ...]
+    meshes: tuple[VisibleMesh, ...]
 
 
-def visible_links(world: World) -> tuple[Link, ...]:
+def visible_links(world: World) -> tuple[VisibleLink, ...]:
     """The links of a world that can be seen, in the order of the files.
 
     A texture shows as the mean of its two colours.
@@ -58,10 +58,10 @@ def visible_links(world: World) -> tuple[Link, ...]:
         name = names[number] if number else "distractors"
         if shape.color[3] > 0.0:
             groups.setdefault((shape.link, name), []).append(shape)
-    return tuple(Link(name, row, _meshes(shapes)) for (row, name), shapes in groups.items())
+    return tuple(VisibleLink(name, row, _meshes(shapes)) for (row, name), shapes in groups.items())
 
 
-def _meshes(shapes: list[MeshInstance]) -> tuple[Mesh, ...]:
+def _meshes(shapes: list[MeshInstance]) -> tuple[VisibleMesh, ...]:
     """Shapes of the same colour are one mesh."""
     by_color: dict[tuple[Color, float], list[MeshInstance]] = {}
     for shape in shapes:
@@ -73,7 +73,7 @@ def _meshes(shapes: list[MeshInstance]) -> tuple[Mesh, ...]:
     return tuple(_joined(own, color, opacity) for (color, opacity), own in by_color.items())
 
 
-def _joined(shapes: list[MeshInstance], color: Color, opacity: float) -> Mesh:
+def _joined(shapes: list[MeshInstance], color: Color, opacity: float) -> VisibleMesh:
     vertices, triangles, count = [], [], 0
     for shape in shapes:
         turn, at = shape.pose[:, :3], shape.pose[:, 3]
@@ -81,7 +81,7 @@ def _joined(shapes: list[MeshInstance], color: Color, opacity: float) -> Mesh:
         triangles.append(shape.mesh.triangles + count)
         count += len(shape.mesh.vertices)
     points = np.concatenate(vertices).astype(np.float32)
-    return Mesh(points, np.concatenate(triangles).astype(np.int32), color, opacity)
+    return VisibleMesh(points, np.concatenate(triangles).astype(np.int32), color, opacity)
 
 
 class LinkPoses:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.view.page import Page
+from taskbuilder.view.page import LivePage
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice, Stage
 
@@ -59,13 +59,13 @@ def server() -> Iterator[PageServer]:
 
 
 @pytest.fixture
-def page_of(server: PageServer) -> Iterator[Callable[[Path], Page]]:
+def page_of(server: PageServer) -> Iterator[Callable[[Path], LivePage]]:
     """Makes the page of a task; its loop is turned by `turn`."""
     pages = []
 
-    def make(file: Path) -> Page:
+    def make(file: Path) -> LivePage:
         stage = Stage(str(file), Catalogue.discover())
-        pages.append(Page(stage, server, Choice(stage.players[0])))
+        pages.append(LivePage(stage, server, Choice(stage.players[0])))
         return pages[-1]
 
     yield make

@@ -36,10 +36,9 @@ def tip_boxes(robot: Robot, *, closed: bool) -> Iterator[Box]:
     Fingers that are closed meet in the middle, wherever they are now.
     """
     into_tool = robot.tcp.inverse()
-    names = {index: name for name, index in robot.body.links.items()}
-    for index in (link for tip in robot.gripper.tips for link in tip):
-        box = link_box(robot.model.urdf.link(names[index]).collisions, 1.0)
-        box = box.seen_from(into_tool @ robot.body.link_pose(index))
+    for link in robot.tip_links:
+        box = link_box(robot.model.urdf.link(link).collisions, 1.0)
+        box = box.seen_from(into_tool @ robot.body.pose_of(link))
         inner = min(box.low[1], box.high[1], key=abs)
         if closed and box.low[1] * box.high[1] > 0.0:
             box = Box(add(box.center, (0.0, -inner, 0.0)), box.half)

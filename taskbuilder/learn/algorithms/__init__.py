@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.extensions import ALGORITHMS as DOOR
-from taskbuilder.extensions import Part
+from taskbuilder.extensions import ForeignPart
 
 if TYPE_CHECKING:
     from taskbuilder.learn.learner import Algorithm
@@ -49,7 +49,7 @@ def check_name(name: str) -> None:
     _part(name)
 
 
-def _part(name: str) -> Part | None:
+def _part(name: str) -> ForeignPart | None:
     try:
         return DOOR.part(name, ALGORITHMS)
     except UnknownNameError as error:

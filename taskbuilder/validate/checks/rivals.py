@@ -11,7 +11,7 @@ from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.env_cache import Start
 from taskbuilder.validate.playing import DISCOUNT
-from taskbuilder.validate.sequential import Look, Looks
+from taskbuilder.validate.sequential import InterimLook, Looks
 
 LEAST_PAIRS = 3
 """Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
@@ -87,8 +87,8 @@ class Comparisons:
         self._short: set[Way] = set()
         self._asked: set[Way] | None = None  # all, at the first look
 
-    def look(self, plays: Plays, look: Look) -> None:
-        """Look at all comparisons that are undecided so far.
+    def look(self, plays: Plays, look: InterimLook) -> None:
+        """InterimLook at all comparisons that are undecided so far.
 
         Args:
             plays: The episodes up to this look.
@@ -156,7 +156,7 @@ def closeness(rival: Rival) -> tuple[bool, float]:
 
 
 def _beside_expert(
-    way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout], look: Look
+    way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout], look: InterimLook
 ) -> Iterator[Rival]:
     """Compare a probe with the expert, undiscounted and discounted.
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from taskbuilder.extensions import REPORT_FORMATS, Part
+from taskbuilder.extensions import REPORT_FORMATS, ForeignPart
 
 if TYPE_CHECKING:
     from taskbuilder.validate.report import TaskReport
@@ -38,7 +38,7 @@ def document_writer(form: str) -> Writer | None:
     return write
 
 
-def _foreign_writer(part: Part) -> Writer:
+def _foreign_writer(part: ForeignPart) -> Writer:
     write = part.load(lambda found: None if callable(found) else "cannot be called")
 
     def document(reports: Sequence[TaskReport]) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Pose
-from taskbuilder.view.recording import Lamp
+from taskbuilder.view.recording import ConditionState
 from taskbuilder.view.words import conditions, findings, plain, pose_yaml, stages
 
 ATTACKS = (
@@ -32,7 +32,7 @@ def test_no_character_of_markup_is_left(text):
 @pytest.mark.parametrize("text", ATTACKS)
 def test_names_in_lists_are_plain(text):
     made = (
-        conditions([Lamp(text, False, text)]),
+        conditions([ConditionState(text, False, text)]),
         stages([text], 0),
         findings([Finding("TB102", text, text)]),
     )
