@@ -14,9 +14,10 @@ from generators.stages import numbered
 from taskbuilder import load_suite
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
 from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
+from taskbuilder.schema.bodies import PartSpec, Shape
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import fill
-from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec, Place, Shape, SiteSpec
+from taskbuilder.schema.scene import Marker, ObjectSpec, Place, SiteSpec
 from taskbuilder.task import Task, load_task
 
 DOCS = Path(__file__).parents[1]

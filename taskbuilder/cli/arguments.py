@@ -13,7 +13,13 @@ from typing import Any, NoReturn
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import Extend, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
-from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
+from taskbuilder.cli.inspection_arguments import (
+    add_bench,
+    add_explain,
+    add_objects,
+    add_robots,
+    add_schema,
+)
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_grasp,
@@ -45,6 +51,7 @@ _COMMANDS = (
     "plot",
     "bench",
     "robots",
+    "objects",
     "explain",
     "schema",
 )
@@ -128,7 +135,7 @@ def make_parser() -> Parser:
         action="append",
         default=[],
         metavar="DIR",
-        help="also look for tasks and robots in this folder (may be repeated)",
+        help="also look for tasks, robots and objects in this folder (may be repeated)",
     )
     commands = parser.add_subparsers(
         prog=parser.prog,  # or argparse formats a usage to find it, which takes its time
@@ -385,6 +392,7 @@ _ADDERS = {
     "plot": add_plot,
     "bench": add_bench,
     "robots": add_robots,
+    "objects": add_objects,
     "explain": add_explain,
     "schema": add_schema,
 }

@@ -15,8 +15,10 @@ from taskbuilder.reference.markdown import table as as_table
 from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.schema import (
     arrangement,
+    bodies,
     expert,
     joints,
+    objects,
     order,
     postures,
     robot,
@@ -30,7 +32,18 @@ from taskbuilder.schema.values import PALETTE, Shorthand, rgb
 
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
-    for module in (scene, postures, arrangement, joints, task, robot, expert, order)
+    for module in (
+        scene,
+        bodies,
+        objects,
+        postures,
+        arrangement,
+        joints,
+        task,
+        robot,
+        expert,
+        order,
+    )
     for name, model in vars(module).items()
     if isinstance(model, type) and issubclass(model, BaseModel) and name in MEANINGS
 }

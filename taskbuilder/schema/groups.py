@@ -8,22 +8,24 @@ comes after the task file was read has to do with ordinary objects and sites.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Box, bounding_box, norm
 from taskbuilder.schema.arrangement import MAX_COUNT, Outline
+from taskbuilder.schema.bodies import PartSpec, Shape
 from taskbuilder.schema.expert import Repeat, Together
 from taskbuilder.schema.names import SceneNames
 from taskbuilder.schema.order import Order
-from taskbuilder.schema.scene import ObjectSpec, PartSpec, SceneSpec, Shape, SiteSpec
+from taskbuilder.schema.scene import ObjectSpec, SceneSpec, SiteSpec
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import RpyDeg, frozen
 
 Assets = Mapping[str, Mesh | Urdf]
+Thing = TypeVar("Thing")
 
 
 def member_names(name: str, count: Any) -> tuple[str, ...]:
@@ -41,9 +43,9 @@ def entries_of(names: SceneNames) -> dict[Path_, Path_]:
     return entries
 
 
-def of_members(names: SceneNames, assets: Assets) -> dict[str, Mesh | Urdf]:
-    """The mesh or URDF of every object, from those of the file's entries."""
-    given = dict(assets)
+def of_members(names: SceneNames, entries: Mapping[str, Thing]) -> dict[str, Thing]:
+    """What belongs to every object, such as its mesh, from what belongs to the file's entries."""
+    given = dict(entries)
     for group, members in names.groups.items():
         if group in given:
             given |= dict.fromkeys(members, given.pop(group))

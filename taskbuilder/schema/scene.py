@@ -7,15 +7,15 @@ full edge lengths. Orientations are roll, pitch and yaw about fixed x, y, z, as 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.arrangement import ARRANGEMENTS, MAX_COUNT, Arrangement
+from taskbuilder.schema.bodies import BodySpec, Cylinder
 from taskbuilder.schema.camera import CameraSpec
-from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.names import Refers
 from taskbuilder.schema.postures import Base, Home, NamedPosture
 from taskbuilder.schema.robot import GraspSpec
@@ -26,106 +26,16 @@ from taskbuilder.schema.values import (
     Edges,
     Extent,
     FrameOrWorld,
-    Friction,
     Length,
-    Mass,
     Model,
     Name,
-    OrNumber,
     Position,
-    Positive,
     Reference,
     RpyDeg,
     Text,
     exactly_one,
     frozen,
 )
-
-
-class Cylinder(Model):
-    """A cylinder or capsule along z; a capsule's length is that of its straight part."""
-
-    radius: Length
-    length: Length
-
-
-class Shape(Model):
-    """One shape, chosen by its key."""
-
-    box: Edges | None = Field(None, description="Full edge lengths of a box.")
-    sphere: Length | None = Field(None, description="Radius of a sphere.")
-    cylinder: Cylinder | None = None
-    capsule: Cylinder | None = None
-    mesh: Text | None = Field(None, description="Path of an OBJ or binary STL file.")
-    urdf: Text | None = Field(None, description="Path of a URDF file.")
-    scale: Positive | None = Field(None, description="Factor of all lengths of a mesh or URDF.")
-
-    @property
-    def kind(self) -> str:
-        """The key that chose the shape."""
-        return next(name for name in SHAPES if getattr(self, name) is not None)
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Shape:
-        exactly_one("a shape", self, *SHAPES)
-        if self.scale is not None and self.mesh is None and self.urdf is None:
-            raise PydanticCustomError("choice", "scale goes with mesh or urdf only")
-        return self
-
-
-SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh", "urdf")
-
-
-class PartSpec(Model):
-    """One primitive of a compound body, placed in the body's frame."""
-
-    box: Edges | None = Field(None, description="Full edge lengths of a box.")
-    sphere: Length | None = Field(None, description="Radius of a sphere.")
-    cylinder: Cylinder | None = None
-    capsule: Cylinder | None = None
-    at: Position = (0.0, 0.0, 0.0)
-    rpy_deg: RpyDeg = (0.0, 0.0, 0.0)
-    color: Color | None = Field(
-        None, description="Colour of the part; by default the colour of the object."
-    )
-
-    @property
-    def kind(self) -> str:
-        """The key that chose the shape."""
-        return next(name for name in PRIMITIVES if getattr(self, name) is not None)
-
-    @property
-    def pose(self) -> Pose:
-        """The part's frame in the body's."""
-        return Pose.from_rpy_deg(self.at, self.rpy_deg)
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> PartSpec:
-        exactly_one("a part", self, *PRIMITIVES)
-        return self
-
-
-PRIMITIVES = SHAPES[:4]
-
-
-class Grasp(Model):
-    """Where and how a gripper can take a body."""
-
-    at: Position = Field(
-        (0.0, 0.0, 0.0), description="Position of the point, in the frame of the object or `link`."
-    )
-    link: Reference | None = Field(
-        None, description="Link of the URDF to which the point is fixed; by default the base link."
-    )
-    approach: Literal["down", "+x", "-x", "+y", "-y", "+z", "-z"] = Field(
-        "down",
-        description="Direction in which the tool approaches: `down` in the world, or along an axis "
-        "of the frame in which `at` is given.",
-    )
-    across: Literal["x", "y", "z"] = Field(
-        "y",
-        description="Axis along which the fingers close, in the frame in which `at` is given.",
-    )
 
 
 class Place(Model):
@@ -193,60 +103,31 @@ class _Placed(Model):
         return Pose.from_rpy_deg(self.position or (0.0, 0.0, 0.0), self.rpy_deg)
 
 
-class ObjectSpec(_Placed):
-    """A body: one shape, or a compound of named parts."""
+class ObjectSpec(_Placed, BodySpec):
+    """An object of a scene: a body of its own, or one of the catalogue."""
 
-    INSTEAD: ClassVar = {
-        **{kind: f"it is a shape; write shape: {{{{{kind}: {{}}}}}}" for kind in SHAPES},
-        "scale": "it goes with a mesh or urdf, inside shape: {{mesh: part.obj, scale: {}}}",
-    }
-
+    object: Text | None = Field(
+        None,
+        description="An object of the catalogue, or the path of an object.yaml, given instead of "
+        "`shape` and `parts`.",
+    )
     count: Annotated[int, Field(ge=1, le=MAX_COUNT)] | None = Field(
         None, description="Number of objects; an entry with this key is a group of objects."
     )
     arrange: Arrangement | None = Field(None, description="Arrangement of the objects of a group.")
-    shape: Shape | None = None
-    parts: Annotated[Mapping[Name, PartSpec], AfterValidator(frozen)] | None = None
     fixed: bool = Field(False, description="Whether the object is fixed to the world.")
-    mass: Mass | None = Field(
-        None,
-        description="Mass of the object; not given for a URDF, which contains the masses of its "
-        "links.",
-    )
-    friction: Friction = 0.8
-    rolling_friction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
-    restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
-    color: Color = "gray"
-    grasps: Annotated[Mapping[Name, Grasp], AfterValidator(frozen)] = Field(
-        default_factory=lambda: frozen({})
-    )
-    joints: Annotated[
-        Mapping[Reference, Annotated[JointSpec | float, OrNumber()]], AfterValidator(frozen)
-    ] = Field(
-        default_factory=lambda: frozen({}),
-        description="Initial position, limits, spring, damping, friction and lock of URDF joints.",
-    )
-
-    def joint(self, name: str, *, turns: bool) -> JointSpec:
-        """What the file says of a joint, or what holds where it says nothing."""
-        return JointSpec.of(self.joints.get(name, JointSpec()), turns=turns)
-
-    @property
-    def urdf(self) -> str | None:
-        """The URDF file, for an articulated object."""
-        return self.shape.urdf if self.shape else None
 
     @model_validator(mode="after")
     def _whole(self) -> ObjectSpec:
-        exactly_one("an object", self, "shape", "parts")
-        if self.parts is not None and not self.parts:
-            raise PydanticCustomError("choice", "parts is empty; name at least one")
-        if self.urdf is not None and self.mass is not None:
-            raise PydanticCustomError("choice", "mass does not go with urdf; the URDF has masses")
-        if self.urdf is None and self.joints:
+        exactly_one("an object", self, "object", "shape", "parts")
+        own = self.object is None
+        if own and self.urdf is None and self.joints:
             raise PydanticCustomError("choice", "joints goes with urdf only")
-        if self.urdf is None and not self.fixed and self.mass is None:
+        unweighed = self.mass is None and self.density is None
+        if own and self.urdf is None and not self.fixed and unweighed:
             raise PydanticCustomError("mass", "mass is missing; give kilograms, or fixed: true")
+        if not self.fixed and self.shape is not None and self.shape.collide == "exact":
+            raise PydanticCustomError("choice", _NOT_EXACT)
         self._grouped()
         return self
 
@@ -263,6 +144,12 @@ class ObjectSpec(_Placed):
         if self.arrange.pile is not None and (self.fixed or self.urdf is not None):
             what = "fixed objects" if self.fixed else "URDFs"
             raise PydanticCustomError("choice", f"{what} make no pile; choose another arrangement")
+
+
+_NOT_EXACT = (
+    "collide: exact is for fixed objects, because the physics engine lets other surfaces through; "
+    "write pieces, hull or boxes"
+)
 
 
 class Marker(Model):

@@ -10,7 +10,8 @@ import numpy as np
 
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3
-from taskbuilder.schema.scene import Grasp, Place
+from taskbuilder.schema.bodies import Grasp
+from taskbuilder.schema.scene import Place
 from taskbuilder.sim.cameras import CameraView
 from taskbuilder.sim.kinematics import Chain
 from taskbuilder.visual.ink import Lens, Marks, Patch, Points, Rgb, Stroke, Tag, drawn_over

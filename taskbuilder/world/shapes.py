@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfShape
 from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, scale
-from taskbuilder.schema.scene import Marker, ObjectSpec, PartSpec
-from taskbuilder.schema.scene import Shape as ShapeSpec
+from taskbuilder.schema.bodies import PartSpec
+from taskbuilder.schema.bodies import Shape as ShapeSpec
+from taskbuilder.schema.scene import Marker, ObjectSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.sim.mesh_colors import WHITE, has_colors
 from taskbuilder.sim.shapes import (
@@ -25,8 +27,16 @@ from taskbuilder.sim.shapes import (
 )
 
 
-def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:
-    """The named parts of an object that is not a URDF; a single shape is a part too."""
+def parts_of(
+    spec: ObjectSpec, asset: Mesh | Urdf | None, collision: Mesh | None = None
+) -> dict[str, Part]:
+    """The named parts of an object that is not a URDF; a single shape is a part too.
+
+    Args:
+        spec: What is said of it.
+        asset: Its mesh, if it has one.
+        collision: The mesh by which it collides, if that is another one.
+    """
     color: RGBA = (*rgb(spec.color), 1.0)
     if spec.parts is not None:
         return {
@@ -37,7 +47,10 @@ def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:
         size = (spec.shape.scale if spec.shape else None) or 1.0
         if "color" not in spec.model_fields_set and has_colors(asset):
             color = (*WHITE, 1.0)  # it has colours of its own
-        return {"mesh": Part(MeshShape(asset.path, (size, size, size)), Pose(), color)}
+        look = MeshShape(asset.path, (size, size, size))
+        path = collision.path if collision else asset.path
+        shape = replace(look, path=path, collide=spec.shape.collide if spec.shape else None)
+        return {"mesh": Part(shape, Pose(), color, look if collision else None)}
     if spec.shape is None:
         raise ValueError("an object has a shape or parts")
     return {spec.shape.kind: Part(shape_of(spec.shape), Pose(), color)}

@@ -40,10 +40,10 @@ from taskbuilder.geometry import (
     turn_between,
     unit,
 )
+from taskbuilder.schema.bodies import Grasp
 from taskbuilder.schema.expert import Together
 from taskbuilder.schema.order import NOTHING, Order
 from taskbuilder.schema.robots import joint_values
-from taskbuilder.schema.scene import Grasp
 
 APPROACH_M = 0.08
 """Default length of the straight path to a grasp point, in metres."""

@@ -9,7 +9,8 @@ from typing import Protocol
 from taskbuilder.expert.planning.planner import Move
 from taskbuilder.expert.script.joints import Joint
 from taskbuilder.geometry import Pose, Vec3
-from taskbuilder.schema.scene import Grasp, SceneSpec
+from taskbuilder.schema.bodies import Grasp
+from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.world.world import World
 
 TOOL_TOLERANCE_M = 0.01
