@@ -229,9 +229,9 @@ def bowl() -> Thing:
         "A bowl, 140 mm wide.",
         0.3,
         {
-            "grasp": "at: [0, 0.0665, 0.048], across: y",
-            "rim": "at: [0.0665, 0, 0.048], across: x",
-            "left": "at: [-0.0665, 0, 0.048], across: x",
+            "grasp": "at: [0, 0.067, 0.06], across: y",
+            "rim": "at: [0.067, 0, 0.06], across: x",
+            "left": "at: [-0.067, 0, 0.06], across: x",
             "inside": "at: [0, 0, 0.02], across: y",
         },
     )
@@ -303,8 +303,8 @@ def bottle() -> Thing:
         "A full bottle with a label and a cap, 230 mm high.",
         0.5,
         {
-            "grasp": "at: [0, 0, 0.195], across: y",
-            "neck": "at: [0, 0, 0.195], across: x",
+            "grasp": "at: [0, 0, 0.212], across: y",
+            "neck": "at: [0, 0, 0.212], across: x",
             "side": "at: [0, 0, 0.1], approach: +x, across: y",
             "cap": "at: [0, 0, 0.226], across: y",
         },
@@ -544,7 +544,7 @@ def basket() -> Thing:
         0.3,
         {
             "grasp": "at: [0, 0, 0.19], across: y",
-            "rim": "at: [0, -0.075, 0.09], across: y",
+            "rim": "at: [0, -0.0755, 0.104], across: y",
             "inside": "at: [0, 0, 0.04], across: y",
         },
         friction=0.7,
@@ -697,7 +697,7 @@ def spoon() -> Thing:
         0.09,
         {
             "grasp": "at: [0.005, 0, 0.026], across: y",
-            "handle": "at: [0.07, 0, 0.022], across: y",
+            "handle": "at: [0.045, 0, 0.025], across: y",
             "head": "at: [-0.08, 0, 0.008], across: y",
         },
     )
@@ -833,7 +833,7 @@ def hammer() -> Thing:
     body.pieces.box((0.028, 0.064, 0.031), (-0.12, -0.017, 0.0155))
     body.pieces.box((0.016, 0.05, 0.022), (-0.116, 0.036, 0.0155))
     body.pieces.box((0.145, 0.023, 0.02), (-0.035, 0, 0.0155))
-    body.pieces.box((0.125, 0.031, 0.027), (0.096, 0, 0.0155))
+    body.pieces.box((0.125, 0.031, 0.031), (0.096, 0, 0.0155))
     return thing
 
 
@@ -899,8 +899,8 @@ def dustpan() -> Thing:
     ]
     look.tube(path, (0.013, 0.009), lambda _, i: blue if i == 0 else gray, count=12)
     body.pieces.loft(
-        [moved(p, (0, 0, 0.0004)) for p in floor_low],
-        [moved(p, (0, 0, 0.0012 if p[0] < 0 else 0.003)) for p in floor_low],
+        [moved(p, (0, 0, 0.001)) for p in floor_low],
+        [moved(p, (0, 0, 0.0014 if p[0] < 0 else 0.003)) for p in floor_low],
     )
     body.pieces.box((0.007, 0.2, 0.055), (0.089, 0, 0.0275))
     body.pieces.bar([path[0], path[2], path[4]], (0.013, 0.009))
