@@ -971,8 +971,7 @@ def laptop() -> Thing:
     screen.look.loft(lid, silver)
     screen.look.face(lid[0][::-1], key)
     screen.look.face(lid[-1], silver)
-    # Seen from below when closed, so that it faces the keys: mirrored along x.
-    screen.look.sheet((0.14, -0.012, -0.0003), (-0.28, 0, 0), (0, -0.186, 0), shown_)
+    screen.look.sheet((-0.14, -0.012, -0.0003), (0.28, 0, 0), (0, -0.186, 0), shown_)
     mark = rounded(0.016, 0.016, 0.0088, 0.014, (0, -0.105), 5)
     screen.look.face(mark, dark)
     screen.pieces.box((0.3, 0.21, 0.0105), (0, -0.105, 0.00425))

@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from generators import api, commands, leaderboard, results, robots, tasks, training
+from generators import api, commands, leaderboard, objects, results, robots, tasks, training
 from taskbuilder.reference import codes, keys, vocabulary
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -38,12 +38,14 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "gallery": tasks.gallery,
     "holding": results.holding,
     "keys": keys.table,
+    "household": objects.household,
     "kinds": vocabulary.kinds,
     "lasting": training.lasting,
     "leaderboard": leaderboard.rows,
     "learning": training.learning,
     "manners": keys.manners,
     "nodes": vocabulary.nodes,
+    "objects": objects.library,
     "phases": training.phases,
     "probes": results.probes,
     "robots": robots.library,
