@@ -126,9 +126,9 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
     scenes: list[SceneSpec] = []
     written = spec
     if spec is not None:
+        scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
         spec = spec.model_copy(update={"scene": with_objects(spec.scene, loading.models)})
         _check_whole(loading, spec)
-        scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
         scenes = [with_objects(scene, loading.models) for scene in scenes]
         loading.findings += wrong_variations
         if not wrong_variations:
