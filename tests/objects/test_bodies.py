@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 
 import pytest
+import yaml
 from shelf import TABLE_M, trial
 
 from taskbuilder.errors import FileError
+from taskbuilder.schema.dump import as_yaml
+from taskbuilder.schema.used_files import used_files
+from taskbuilder.sources import files_to_carry
 from taskbuilder.world.building import build_world
 
 BOX_FACES = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
@@ -197,3 +201,34 @@ def test_an_object_of_a_folder_of_the_task(tmp_path):
         assert world.objects["thing"].body.mass == pytest.approx(700 * 0.06 * 0.1 * 0.04)
     finally:
         world.close()
+
+
+def test_an_object_of_ones_own_travels_with_its_task(tmp_path):
+    folder = tmp_path / "wedge"
+    folder.mkdir()
+    for name in ("look.obj", "pieces.obj"):
+        folder.joinpath(name).write_text(boxes((-0.03, 0.03)), encoding="utf-8")
+    folder.joinpath("object.yaml").write_text(
+        "object: wedge\nsummary: A block.\nmass: 1\n"
+        f"shape: {{mesh: look.obj, collision: pieces.obj}}\n{GRASP}\n",
+        encoding="utf-8",
+    )
+    mug = "mug: {object: mug, position: [0.3, 0, 0.4]}"
+    task = trial(tmp_path, "object: wedge/object.yaml", others=mug)
+    carried = {file.relative_to(tmp_path.resolve()).as_posix() for file in files_to_carry(task)}
+    own = {"wedge/object.yaml", "wedge/look.obj", "wedge/pieces.obj"}
+    assert carried == own | {"trial.yaml", "trial.py"}
+    assert own <= {file.relative_to(tmp_path.resolve()).as_posix() for file in used(task)}
+
+
+def used(task):
+    """The files that `validate --watch` would look at."""
+    files = used_files(task.file.entry, task.file.catalogue)
+    return [file for file in files if "wedge" in file.parts]
+
+
+def test_a_task_written_out_leaves_to_its_objects_what_they_say(tmp_path):
+    task = trial(tmp_path, "object: mug, mass: 0.5")
+    thing = yaml.safe_load(as_yaml(task.file))["scene"]["objects"]["thing"]
+    assert (thing["object"], thing["mass"]) == ("mug", 0.5)
+    assert not thing.keys() & {"shape", "friction", "grasps", "color"}

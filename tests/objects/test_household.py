@@ -137,3 +137,30 @@ def test_an_object_is_grasped_lifted_and_held(name, tmp_path):
     finally:
         expert.close()
         env.close()
+
+
+def test_the_lid_of_the_jar_rises_as_it_turns(tmp_path):
+    heights = []
+    for turned in (0, 360):
+        thing = f"object: jar, joints: {{screw: {{start_deg: {turned}}}}}"
+        world = build_world(trial(tmp_path, thing).file)
+        try:
+            world.reset(0)
+            heights.append(world.pose("thing.lid").position[2])
+        finally:
+            world.close()
+    assert heights[1] - heights[0] == pytest.approx(0.008 / 1.5, abs=3e-4)
+
+
+def test_objects_of_the_shelf_come_in_groups(tmp_path):
+    cups = "cups: {object: cup, count: 3, arrange: {line: 0.1}, position: [0.4, 0, 0.4]}"
+    task = trial(tmp_path, "object: mug", others=cups)
+    world = build_world(task.file)
+    try:
+        world.reset(0)
+        assert world.pose("cups_3").position[0] - world.pose("cups_1").position[0] == (
+            pytest.approx(0.2, abs=1e-3)
+        )
+        assert world.pose("cups_2.rim").position[2] > TABLE_M + 0.08
+    finally:
+        world.close()
