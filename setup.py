@@ -1,7 +1,7 @@
 """What setup.cfg cannot say: where the library goes in a wheel, and what package indexes show.
 
-In a checkout the tasks and robots are two folders beside the package. Were they mapped there by
-``package_dir``, an editable install would find the package through an import hook, which type
+In a checkout the tasks, robots and objects are folders beside the package. Were they mapped there
+by ``package_dir``, an editable install would find the package through an import hook, which type
 checkers do not follow. Without a mapping it is one line in a .pth file, which they do.
 
 Package indexes show the README. They have no pictures and no files of this repository, so pictures
@@ -25,6 +25,11 @@ LIBRARY = (
     "robots/*/*.urdf",
     "robots/*/meshes/*.obj",
     "robots/*/LICENSE",
+    "objects/*/object.yaml",
+    "objects/*/*.urdf",
+    "objects/*/*.obj",
+    "objects/*/*.mtl",
+    "objects/*/*.png",
 )
 
 

@@ -1,13 +1,14 @@
 """Make the pictures of the documentation.
 
-    python docs/make_images.py [TASK | POLICY | curves ...]
+    python docs/make_images.py [TASK | POLICY | curves | objects ...]
 
 Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
 strip and the chart of its reward, all from the first camera of the task file; the film of each
 policy of the zoo; the curves of each task's training; the stages reached in the ablation of
-Handover; a picture of each robot; and tasks.png, the three tasks of the README side by side. Given
-tasks or policies of the zoo, such as zoo:handover/demos, it makes theirs only, and given `curves`
-the curves and the chart of the ablation only.
+Handover; a picture of each robot; objects.png, all objects of the shelf; and tasks.png, the three
+tasks of the README side by side. Given tasks or policies of the zoo, such as zoo:handover/demos, it
+makes theirs only, given `curves` the curves and the chart of the ablation only, and given `objects`
+those only.
 """
 
 from __future__ import annotations
@@ -35,7 +36,9 @@ from taskbuilder.policies.fitting import options_of
 from taskbuilder.policies.zoo import load_policy, zoo_names
 from taskbuilder.rollout import Rollout, play
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.object_files import load_object
 from taskbuilder.visual.film import save_film
+from taskbuilder.visual.object_picture import take_object_picture
 from taskbuilder.visual.still import Pixels, save_image
 from taskbuilder.visual.video import GIF_COLORS
 
@@ -43,10 +46,13 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
 from kept_runs import unpack
 
-CURVES = "curves"
+CURVES, OBJECTS = "curves", "objects"
 COLORS = 256
 """Colours of a still: a fifth of the size, and no difference to be seen."""
 
+TILE, ABREAST = 170, 6
+"""Edge of the picture of an object in pixels, and how many are in a row."""
+INK = (60, 60, 64)
 IMAGES = Path(__file__).parent / "images"
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
 RUNS = {"": "learning", "-earlier": "learning_earlier"}
@@ -149,6 +155,20 @@ def make_all() -> None:
                 _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
         save_image(Path(folder, "tasks.png"), _side_by_side())
         _keep(Path(folder, "tasks.png"), "tasks.png")
+    make_objects()
+
+
+def make_objects() -> None:
+    """Draw all objects of the shelf, side by side."""
+    tiles = []
+    for name, entry in Catalogue().objects.items():
+        picture, _, _ = take_object_picture(load_object(entry))
+        tile = cv2.resize(picture, (TILE, TILE), interpolation=cv2.INTER_AREA)
+        cv2.putText(tile, name, (8, TILE - 10), cv2.FONT_HERSHEY_SIMPLEX, 0.5, INK, 1, cv2.LINE_AA)
+        tiles.append(tile)
+    tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % ABREAST)
+    rows = [np.hstack(tiles[i : i + ABREAST]) for i in range(0, len(tiles), ABREAST)]
+    save_image(IMAGES / "objects.png", np.vstack(rows))
 
 
 def make_curves() -> None:
@@ -243,6 +263,8 @@ if __name__ == "__main__":
         if name == CURVES:
             make_curves()
             make_ablation()
+        elif name == OBJECTS:
+            make_objects()
         elif name.startswith("zoo:"):
             make_policy(name)
         else:

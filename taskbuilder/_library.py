@@ -8,7 +8,7 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def folder(name: str) -> Path:
-    """The folder of the library's ``tasks`` or ``robots``."""
+    """The folder of the library's ``tasks``, ``robots`` or ``objects``."""
     inside = _PACKAGE / name
     packed = next(inside.glob("[a-z]*"), None) if inside.is_dir() else None
     return inside if packed else _PACKAGE.parent / name

@@ -19,7 +19,7 @@ from pathlib import Path
 from taskbuilder.digests import digest, digest_of
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.sources import files_to_carry
+from taskbuilder.sources import files_to_carry, folders_of_models
 from taskbuilder.task import Task, load_task
 
 LARGEST = 64 << 20
@@ -104,7 +104,7 @@ def _bases(task: Task, paths: Sequence[Path]) -> Mapping[Path, str]:
     base = Path(os.path.commonpath([root, *(path.parent for path in paths)]))
     if len(root.relative_to(base).parts) <= _HIGHEST:
         return {base: ""}
-    models = [model.entry.root for model in task.file.robots.values()]
+    models = [folder for _, folder, _ in folders_of_models(task)]
     roots = [root, *task.file.catalogue.folders, *models]
     outermost = [one for one in roots if not any(one != o and one.is_relative_to(o) for o in roots)]
     return {one: f"{number}/" for number, one in enumerate(dict.fromkeys(outermost))}

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.assets.mesh import read_mesh
+from taskbuilder.assets.mesh import Mesh, read_mesh
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import ORIGIN, Ball, Box, Pose, Vec3, bounding_box, from_axes
@@ -51,10 +52,19 @@ class CapsuleShape:
 
 @dataclass(frozen=True)
 class MeshShape:
-    """A mesh file. On a body that moves it collides as its convex hull."""
+    """A mesh file.
+
+    Attributes:
+        path: The file.
+        scale: Factors of its coordinates.
+        collide: How it collides: as the convex hull of each of its groups (``pieces``), as that of
+            all of it (``hull``), as a box around each group (``boxes``), or as its surface
+            (``exact``). By default ``exact`` on a body that never moves, and otherwise ``pieces``.
+    """
 
     path: Path
     scale: Vec3 = (1.0, 1.0, 1.0)
+    collide: Literal["pieces", "hull", "boxes", "exact"] | None = None
 
 
 Shape = BoxShape | SphereShape | CylinderShape | CapsuleShape | MeshShape
@@ -105,7 +115,7 @@ def check_shape(shape: Shape) -> None:
             lengths = (radius,)
         case CylinderShape(radius, length) | CapsuleShape(radius, length):
             lengths = (radius, length)
-        case MeshShape(_, scale):
+        case MeshShape(_, scale, _):
             lengths = scale
     if not all(math.isfinite(length) and length > 0.0 for length in lengths):
         raise SimulationError(f"{shape}: every length must be a finite number above 0")
@@ -170,11 +180,28 @@ def mesh_corners(shape: MeshShape) -> NDArray[np.float64]:
     Raises:
         SimulationError: The file cannot be read, or the physics engine would misread it.
     """
+    return _corners(_mesh(shape), shape.scale)
+
+
+def mesh_groups(shape: MeshShape) -> list[NDArray[np.float64]]:
+    """The (triangles, 3, 3) corner positions of each group of a mesh, m; one group for an STL.
+
+    Raises:
+        SimulationError: The file cannot be read, or the physics engine would misread it.
+    """
+    mesh = _mesh(shape)
+    return np.split(_corners(mesh, shape.scale), mesh.groups[1:])
+
+
+def _mesh(shape: MeshShape) -> Mesh:
     try:
-        mesh = read_mesh(shape.path)
+        return read_mesh(shape.path)
     except AssetError as error:
         raise SimulationError(str(error)) from error
-    points = np.asarray(mesh.points, dtype=np.float64).reshape(-1, 3) * np.asarray(shape.scale)
+
+
+def _corners(mesh: Mesh, scale: Vec3) -> NDArray[np.float64]:
+    points = np.asarray(mesh.points, dtype=np.float64).reshape(-1, 3) * np.asarray(scale)
     corners: NDArray[np.float64] = points[np.asarray(mesh.corners, dtype=np.intp).reshape(-1, 3)]
     return corners
 

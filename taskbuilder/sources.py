@@ -14,8 +14,8 @@ from taskbuilder.task import Task
 LIBRARY = Path(__file__).resolve().parent
 """The folder of taskbuilder itself."""
 
-NOT_LIBRARY = ("tasks", "robots")
-"""Folders of tasks and robots in it; these have digests of their own."""
+NOT_LIBRARY = ("tasks", "robots", "objects")
+"""Folders of tasks, robots and objects in it; these have digests of their own."""
 
 
 def digests_of_library() -> Digests:
@@ -26,8 +26,7 @@ def digests_of_library() -> Digests:
 def digests_of_task(task: Task) -> Digests:
     """Digests of a task's files: its own, those beside it that it imports, robots and meshes."""
     bases = [(task.file.entry.root, "")]
-    models = task.file.robots.values()
-    bases += [(model.entry.root, f"{model.name}/") for model in models]
+    bases += [(folder, f"{name}/") for name, folder, _ in folders_of_models(task)]
     data = pybullet_data_folder()
     if data is not None:
         bases.append((data, f"{data.name}/"))
@@ -39,10 +38,17 @@ def files_to_carry(task: Task) -> frozenset[Path]:
     if task.file.entry.trusted:
         return frozenset()
     data = pybullet_data_folder()
-    packaged = [model.entry.root for model in task.file.robots.values() if model.entry.trusted]
+    packaged = [folder for _, folder, trusted in folders_of_models(task) if trusted]
     folders = [*packaged, *([data] if data is not None else [])]
     files = {file.resolve() for file in _files(task)}
     return frozenset(f for f in files if not any(f.is_relative_to(folder) for folder in folders))
+
+
+def folders_of_models(task: Task) -> list[tuple[str, Path, bool]]:
+    """Name and folder of each robot and object of the catalogue, and whether it is packaged."""
+    robots = [(robot.name, robot.entry) for robot in task.file.robots.values()]
+    objects = [(thing.spec.object, thing.entry) for thing in task.file.models.values()]
+    return [(name, entry.root, entry.trusted) for name, entry in (*robots, *objects)]
 
 
 def _files(task: Task) -> Iterator[Path]:
@@ -55,7 +61,9 @@ def _files(task: Task) -> Iterator[Path]:
     for model in task.file.robots.values():
         yield model.entry.file
         yield from _files_of(model.urdf)
-    for asset in task.file.assets.values():
+    for thing in task.file.models.values():
+        yield thing.entry.file
+    for asset in (*task.file.assets.values(), *task.file.collisions.values()):
         yield from _files_of(asset)
 
 

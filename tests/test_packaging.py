@@ -30,7 +30,7 @@ def own_files() -> list[str]:
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if listed.returncode == 0:
         return listed.stdout.splitlines()
-    parts = ("taskbuilder", "tasks", "robots", "tests", "docs", "examples", "benchmarks")
+    parts = ("taskbuilder", "tasks", "robots", "objects", "tests", "docs", "examples", "benchmarks")
     files = [file for part in parts for file in (ROOT / part).rglob("*")]
     return [str(file.relative_to(ROOT)) for file in (*ROOT.glob("*"), *files)]
 
@@ -70,7 +70,7 @@ def test_the_archive_of_sources_is_whole(sources):
         *("Makefile", "docs/conf.py", "docs/quickstart.md", "benchmarks/results/zoo.json"),
         *("tests/conftest.py", "tests/made_runs.py", "tests/learn/test_maddpg.py"),
         *("tests/interop/run.sh", "tasks/handover.yaml"),
-        *("robots/ur5e/robot.yaml", "taskbuilder/py.typed"),
+        *("robots/ur5e/robot.yaml", "objects/mug/mug.png", "taskbuilder/py.typed"),
         *(f"taskbuilder/validate/html/{name}" for name in PAGES),
     }
     assert needed <= set(sources)

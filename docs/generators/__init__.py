@@ -16,7 +16,17 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from generators import api, commands, leaderboard, options, results, robots, tasks, training
+from generators import (
+    api,
+    commands,
+    leaderboard,
+    objects,
+    options,
+    results,
+    robots,
+    tasks,
+    training,
+)
 from taskbuilder.reference import codes, keys, vocabulary
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -38,6 +48,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "gallery": tasks.gallery,
     "holding": results.holding,
     "keys": keys.table,
+    "household": objects.household,
     "kinds": vocabulary.kinds,
     "lasting": training.lasting,
     "leaderboard": leaderboard.rows,
@@ -45,6 +56,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "manners": keys.manners,
     "options": options.options,
     "nodes": vocabulary.nodes,
+    "objects": objects.library,
     "phases": training.phases,
     "probes": results.probes,
     "robots": robots.library,

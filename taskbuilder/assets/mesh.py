@@ -50,6 +50,7 @@ class Mesh:
         materials: Names of the materials of faces; the first, "", is that of faces without one.
             Empty for an STL.
         face_materials: Number of each triangle's material among these. Empty for an STL.
+        groups: Number of the first triangle of each group of faces; (0,) for an STL.
         warnings: What is odd about the file without forbidding its use.
     """
 
@@ -62,6 +63,7 @@ class Mesh:
     material_files: tuple[str, ...] = ()
     materials: tuple[str, ...] = ()
     face_materials: array[int] = field(default_factory=lambda: array("I"), repr=False)
+    groups: tuple[int, ...] = (0,)
     warnings: tuple[str, ...] = ()
 
     @property
@@ -183,6 +185,7 @@ def _read_obj(path: Path, data: bytes) -> Mesh:
         material_files=tuple(obj.material_files),
         materials=tuple(obj.materials),
         face_materials=obj.face_materials,
+        groups=tuple(obj.groups),
     )
 
 

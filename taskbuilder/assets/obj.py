@@ -79,6 +79,8 @@ class Obj:
         material_files: The material files that it names.
         materials: Names of the materials of faces; the first, "", is that of faces without one.
         face_materials: Number of each triangle's material among these.
+        groups: Number of the first triangle of each group of faces: what stands below a line ``o``
+            or ``g``. The physics engine makes a convex hull of each.
     """
 
     def __init__(self) -> None:
@@ -91,6 +93,8 @@ class Obj:
         self.material_files: list[str] = []
         self.materials = [""]
         self.face_materials = array("I")
+        self.groups: list[int] = []
+        self._in_group = False
 
     def read(self, data: bytes) -> None:
         """Read all lines; unknown kinds are ignored, as the physics engine does.
@@ -106,7 +110,12 @@ class Obj:
                     self.texture_points.extend(_numbers(block, at_least=2, kept=2))
                 case b"vn":
                     self._normals += len(_numbers(block, at_least=3, kept=3)) // 3
+                case b"o" | b"g":
+                    self._in_group = False
                 case b"f":
+                    if not self._in_group:
+                        self.groups.append(len(self.face_materials))
+                        self._in_group = True
                     self._faces(block)
                     added = len(self.corners) // 3 - len(self.face_materials)
                     self.face_materials.extend([self._material] * added)

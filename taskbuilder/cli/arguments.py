@@ -17,6 +17,7 @@ from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
     add_bench,
     add_explain,
+    add_objects,
     add_robots,
     add_schema,
     add_view,
@@ -50,6 +51,7 @@ _COMMANDS = (
     "plot",
     "bench",
     "robots",
+    "objects",
     "explain",
     "schema",
 )
@@ -138,7 +140,7 @@ def make_parser() -> Parser:
         action="append",
         default=[],
         metavar="DIR",
-        help="also look for tasks and robots in this folder (may be repeated)",
+        help="also look for tasks, robots and objects in this folder (may be repeated)",
     )
     commands = parser.add_subparsers(
         prog=parser.prog,  # or argparse formats a usage to find it, which takes its time
@@ -402,6 +404,7 @@ _ADDERS = {
     "plot": add_plot,
     "bench": add_bench,
     "robots": add_robots,
+    "objects": add_objects,
     "explain": add_explain,
     "schema": add_schema,
 }

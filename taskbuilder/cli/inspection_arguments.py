@@ -1,4 +1,4 @@
-"""Arguments of the commands `robots`, `bench`, `explain`, `schema` and `view`."""
+"""Arguments of the commands `robots`, `objects`, `bench`, `explain`, `schema` and `view`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from pathlib import Path
 from taskbuilder.cli.argument_types import whole
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import add_json
+
+OBJECT_ACTIONS = ("list", "check")
+"""What `taskbuilder objects` does."""
 
 
 def add_robots(adder: CommandAdder) -> None:
@@ -34,6 +37,34 @@ def add_robots(adder: CommandAdder) -> None:
         metavar="FILE",
         help="file of the picture (default renders/ROBOT.png); a picture of the area that the arm "
         "reaches is written beside it, with -reach added to the file name",
+    )
+    add_json(parser)
+
+
+def add_objects(adder: CommandAdder) -> None:
+    """`taskbuilder objects`."""
+    parser = adder.command(
+        "list the objects of the catalogue, or check the files of one object and render it",
+        "check mug",
+    )
+    parser.add_argument(
+        "action",
+        nargs="?",
+        choices=OBJECT_ACTIONS,
+        metavar="ACTION",
+        help=f"one of {', '.join(OBJECT_ACTIONS)} (default list)",
+    )
+    parser.add_argument(
+        "object",
+        nargs="?",
+        metavar="OBJECT",
+        help="check: name of the object, or path of an object.yaml",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="check: file of the picture (default renders/OBJECT.png)",
     )
     add_json(parser)
 
@@ -77,10 +108,14 @@ def add_explain(adder: CommandAdder) -> None:
 def add_schema(adder: CommandAdder) -> None:
     """`taskbuilder schema`."""
     parser = adder.command(
-        "print the JSON Schema of task or robot files, for editors", "task > task.schema.json"
+        "print the JSON Schema of task, robot or object files, for editors",
+        "task > task.schema.json",
     )
     parser.add_argument(
-        "sort", choices=("task", "robot"), metavar="KIND", help="kind of file: task or robot"
+        "sort",
+        choices=("task", "robot", "object"),
+        metavar="KIND",
+        help="kind of file: task, robot or object",
     )
 
 

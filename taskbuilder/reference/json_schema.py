@@ -1,4 +1,4 @@
-"""The JSON Schema of task and robot files, in which every key says what it means."""
+"""The JSON Schema of task, robot and object files, in which every key says what it means."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ LINE = f"# yaml-language-server: $schema={SCHEMA_FILE}"
 """The comment, which is the first line of a task file."""
 
 
-def described_schema(sort: Literal["task", "robot"]) -> dict[str, Any]:
-    """The JSON Schema of task or robot files, for editors that complete and explain keys."""
+def described_schema(sort: Literal["task", "robot", "object"]) -> dict[str, Any]:
+    """The JSON Schema of a sort of files, for editors that complete and explain keys."""
     schema = json_schema(sort)
-    own = {"task": "TaskSpec", "robot": "RobotSpec"}[sort]
+    own = {"task": "TaskSpec", "robot": "RobotSpec", "object": "ObjectFileSpec"}[sort]
     models = {name: _described(model, name) for name, model in schema.get("$defs", {}).items()}
     return {**_described(schema, own), "$defs": models}
 

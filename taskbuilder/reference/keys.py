@@ -16,8 +16,10 @@ from taskbuilder.reference.meanings import MEANINGS, SECTIONS, VALUES
 from taskbuilder.schema import (
     agents,
     arrangement,
+    bodies,
     expert,
     joints,
+    object_files,
     objects,
     order,
     placing,
@@ -36,7 +38,7 @@ from taskbuilder.schema.values import PALETTE, OneOf, Shorthand, rgb
 MODELS: Mapping[str, type[BaseModel]] = {
     name: model
     for module in (
-        *(shapes, placing, objects, sites, agents, scene),
+        *(shapes, bodies, placing, objects, object_files, sites, agents, scene),
         *(postures, arrangement, joints, task, robot, expert, order),
     )
     for name, model in vars(module).items()

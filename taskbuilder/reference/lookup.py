@@ -147,6 +147,7 @@ def _channels() -> Iterator[Entry]:
 def _files() -> Iterator[Entry]:
     yield from _keys("TaskSpec", "", "key of task files")
     yield from _keys("RobotSpec", "", "key of robot.yaml")
+    yield from _keys("ObjectFileSpec", "", "key of object.yaml")
 
 
 def _keys(model: str, prefix: str, kind: str) -> Iterator[Entry]:

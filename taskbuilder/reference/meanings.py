@@ -19,6 +19,7 @@ SECTIONS: Mapping[str, str] = {
     "TcpPose": "tcp pose",
     "ActionSpec": "action",
     "ObjectSpec": "object",
+    "ObjectFileSpec": "object file",
     "Arrangement": "arrangement",
     "Grid": "grid",
     "Shape": "shape",
@@ -54,6 +55,17 @@ _JOINTS = (
     "prismatic joint."
 )
 _RPY = "Orientation of the base frame, in the world."
+
+_BODY = {
+    "shape": "Shape of the object, given instead of `parts`.",
+    "parts": "Named primitives that together form one rigid body, given instead of `shape`.",
+    "friction": "Coefficient of lateral friction. For two bodies in contact, the engine "
+    "multiplies their coefficients.",
+    "rolling_friction": "Rolling friction, in m: torque per newton of contact force.",
+    "restitution": "Coefficient of restitution: 0 for no bounce, 1 for no loss of speed.",
+    "color": "Colour of the object, and of its parts that have no `color`.",
+    "grasps": "Points at which a gripper can grasp the object, by name.",
+}
 
 MEANINGS: Mapping[str, Mapping[str, str]] = {
     "Arrangement": {},
@@ -103,15 +115,9 @@ MEANINGS: Mapping[str, Mapping[str, str]] = {
         "position": "Position of the object, given instead of `place`.",
         "rpy_deg": "Orientation of the object at `position`.",
         "place": "Region in which the object is placed at random in each episode.",
-        "shape": "Shape of the object, given instead of `parts`.",
-        "parts": "Named primitives that together form one rigid body, given instead of `shape`.",
-        "friction": "Coefficient of lateral friction. For two bodies in contact, the engine "
-        "multiplies their coefficients.",
-        "rolling_friction": "Rolling friction, in m: torque per newton of contact force.",
-        "restitution": "Coefficient of restitution: 0 for no bounce, 1 for no loss of speed.",
-        "color": "Colour of the object, and of its parts that have no `color`.",
-        "grasps": "Points at which a gripper can grasp the object, by name.",
+        **_BODY,
     },
+    "ObjectFileSpec": _BODY,
     "Shape": {"cylinder": _CYLINDER, "capsule": _CAPSULE},
     "Cylinder": {"radius": "Radius of the cylinder.", "length": "Length of the cylinder along z."},
     "PartSpec": {
@@ -220,6 +226,11 @@ VALUES: Mapping[tuple[str, str], str] = {
     ("Together", "touching"): "list of names of objects",
     ("Repeat", "stages"): "list of [stages](#expert)",
     ("Noise", "std"): "number, 0 to 100",
+    ("Shape", "collision"): "path",
+    ("ObjectSpec", "object"): "name or path of an object",
+    ("ObjectFileSpec", "object"): "name",
+    ("ObjectFileSpec", "joints"): "mapping: joint → [joint](task-file.md#joint), or → initial "
+    "position",
     ("ObjectSpec", "joints"): "mapping: joint → [joint](#joint), or → initial position",
     ("Grasp", "link"): "name of a link in the URDF",
 }

@@ -1,8 +1,8 @@
-"""The catalogue: task and robot files by name.
+"""The catalogue: task, robot and object files by name.
 
 Files come from the library itself, from folders named by ``--task-path`` or TASKBUILDER_PATH, and
-from installed packages that declare the entry-point groups ``taskbuilder.tasks`` and
-``taskbuilder.robots``, whose names then read ``namespace/name``.
+from installed packages that declare the entry-point groups ``taskbuilder.tasks``,
+``taskbuilder.robots`` and ``taskbuilder.objects``, whose names then read ``namespace/name``.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from taskbuilder.errors import FileError, Finding, Location, UnknownNameError, d
 from taskbuilder.extensions import declares
 from taskbuilder.wording import closest, suggestion
 
-Sort = Literal["task", "robot"]
+Sort = Literal["task", "robot", "object"]
 
 PATH_VARIABLE = "TASKBUILDER_PATH"
 
 _ALL_TASKS = "`taskbuilder list` shows all there are"
+_ALL = {"task": _ALL_TASKS, "object": "`taskbuilder objects` shows all there are"}
+"""Where there are too many for one line."""
 
 SUITES = "suites.yaml"
 """The file of a folder of tasks that is no task: its suites."""
@@ -31,7 +33,7 @@ SUITES = "suites.yaml"
 
 @dataclass(frozen=True)
 class CatalogueEntry:
-    """A task or robot file.
+    """A task, robot or object file.
 
     Attributes:
         name: Its name: ``handover``, or ``namespace/name`` from another package.
@@ -89,12 +91,17 @@ class Catalogue:
         """All robots by name; of several with one name, the first. See `clashes`."""
         return _first_of_each(self._entries("robot"))
 
+    @cached_property
+    def objects(self) -> Mapping[str, CatalogueEntry]:
+        """All objects by name; of several with one name, the first. See `clashes`."""
+        return _first_of_each(self._entries("object"))
+
     def clashes(self, sort: Sort) -> Mapping[str, tuple[Finding, ...]]:
         """What is wrong with the names that several tasks or robots have, by name.
 
         Such a name cannot be looked up, as it would not be clear which file is meant.
         """
-        return _clashes(sort, self.tasks if sort == "task" else self.robots, self._entries(sort))
+        return _clashes(sort, self._known(sort), self._entries(sort))
 
     def task(self, reference: str) -> CatalogueEntry:
         """Look up a task by its name, or by the path of its YAML file.
@@ -126,13 +133,25 @@ class Catalogue:
         """
         return self._find("robot", reference, folder)
 
+    def object(self, reference: str, folder: Path) -> CatalogueEntry:
+        """Look up an object by its name, or by the path of its object.yaml relative to ``folder``.
+
+        Raises:
+            UnknownNameError: There is no such object or file.
+            FileError: Two objects have this name.
+        """
+        return self._find("object", reference, folder)
+
+    def _known(self, sort: Sort) -> Mapping[str, CatalogueEntry]:
+        return {"task": self.tasks, "robot": self.robots, "object": self.objects}[sort]
+
     def _find(self, sort: Sort, reference: str, folder: Path) -> CatalogueEntry:
         if looks_like_path(reference):
             return self._at_path(sort, folder / reference)
-        known = self.tasks if sort == "task" else self.robots
+        known = self._known(sort)
         if reference in known:
             return self._only(sort, reference)
-        otherwise = _ALL_TASKS if sort == "task" else ""  # tasks are too many for one line
+        otherwise = _ALL.get(sort, "")
         help_ = suggestion(reference, known, what="there are", otherwise=otherwise)
         beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
         if beside and beside.is_file():
@@ -144,13 +163,13 @@ class Catalogue:
         wrong = self.clashes(sort).get(name)
         if wrong:
             raise FileError(wrong)
-        return (self.tasks if sort == "task" else self.robots)[name]
+        return self._known(sort)[name]
 
     def _at_path(self, sort: Sort, path: Path) -> CatalogueEntry:
         if not _exists(path):
             raise UnknownNameError(f"there is no file {display_path(path)}{similar(path)}")
-        if sort == "robot" and (path / "robot.yaml").is_file():
-            path = path / "robot.yaml"
+        if sort != "task" and (path / f"{sort}.yaml").is_file():
+            path /= f"{sort}.yaml"
         if path.is_dir():
             raise UnknownNameError(f"{display_path(path)} is a folder; name the YAML file in it")
         actual = path.resolve()
@@ -158,7 +177,7 @@ class Catalogue:
         for entry in self._entries(sort):
             if entry.file == actual:
                 return entry
-        return CatalogueEntry(actual.parent.name if sort == "robot" else actual.stem, actual)
+        return CatalogueEntry(actual.stem if sort == "task" else actual.parent.name, actual)
 
     def _entries(self, sort: Sort) -> Iterator[CatalogueEntry]:
         yield from _packaged(sort, f"taskbuilder.{sort}s", "", [library_folder(f"{sort}s")])
@@ -198,9 +217,9 @@ def similar(path: Path) -> str:
 
 
 def _files(sort: Sort, folder: Path) -> Iterator[tuple[str, Path]]:
-    pattern = "*.yaml" if sort == "task" else "*/robot.yaml"
+    pattern = "*.yaml" if sort == "task" else f"*/{sort}.yaml"
     for file in sorted(folder.glob(pattern)):
-        if file.name in ("robot.yaml", SUITES) and sort == "task":
+        if file.name in ("robot.yaml", "object.yaml", SUITES) and sort == "task":
             continue
         name = file.stem if sort == "task" else file.parent.name
         if not name.startswith((".", "_")):

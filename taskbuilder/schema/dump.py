@@ -7,8 +7,11 @@ from typing import Any, Literal
 
 import yaml
 
+from taskbuilder.schema.bodies import BodySpec
 from taskbuilder.schema.channels import default_channels
 from taskbuilder.schema.load import TaskFile
+from taskbuilder.schema.object_files import ObjectFileSpec
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.robot import RobotSpec
 from taskbuilder.schema.source import is_text
 from taskbuilder.schema.task import TaskSpec
@@ -35,10 +38,11 @@ def as_yaml(task: TaskFile) -> str:
     return text
 
 
-def json_schema(sort: Literal["task", "robot"]) -> dict[str, Any]:
-    """The JSON Schema of task or robot files."""
-    model = TaskSpec if sort == "task" else RobotSpec
-    schema = model.model_json_schema(by_alias=True)
+def json_schema(sort: Literal["task", "robot", "object"]) -> dict[str, Any]:
+    """The JSON Schema of task, robot or object files."""
+    models: dict[str, type[Model]]
+    models = {"task": TaskSpec, "robot": RobotSpec, "object": ObjectFileSpec}
+    schema = models[sort].model_json_schema(by_alias=True)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
@@ -55,6 +59,8 @@ def _data(value: Any) -> Any:
 
 
 def _says(model: Model, name: str) -> bool:
+    if isinstance(model, ObjectSpec) and model.object and name in BodySpec.model_fields:
+        return name in model.model_fields_set  # the rest is said by the object's own file
     value = getattr(model, name)
     default = type(model).model_fields[name].get_default(call_default_factory=True)
     return value is not None and not (value in ((), {}) and value == default)

@@ -8,7 +8,7 @@ comes after the task file was read has to do with ordinary objects and sites.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf
@@ -27,6 +27,7 @@ from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.values import RpyDeg, frozen
 
 Assets = Mapping[str, Mesh | Urdf]
+Thing = TypeVar("Thing")
 
 
 def member_names(name: str, count: Any) -> tuple[str, ...]:
@@ -44,9 +45,9 @@ def entries_of(names: SceneNames) -> dict[Path_, Path_]:
     return entries
 
 
-def of_members(names: SceneNames, assets: Assets) -> dict[str, Mesh | Urdf]:
-    """The mesh or URDF of every object, from those of the file's entries."""
-    given = dict(assets)
+def of_members(names: SceneNames, entries: Mapping[str, Thing]) -> dict[str, Thing]:
+    """What belongs to every object, such as its mesh, from what belongs to the file's entries."""
+    given = dict(entries)
     for group, members in names.groups.items():
         if group in given:
             given |= dict.fromkeys(members, given.pop(group))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
-from taskbuilder.assets.mesh import Mesh, read_mesh
+from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
-from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, UnknownNameError
 from taskbuilder.schema.articulation import check_object, check_orders, check_surfaces
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
@@ -25,6 +23,13 @@ from taskbuilder.schema.groups import (
 )
 from taskbuilder.schema.instructions import fill
 from taskbuilder.schema.names import ObjectNames, SceneNames
+from taskbuilder.schema.object_files import (
+    ObjectModel,
+    check_use,
+    load_object,
+    read_assets,
+    with_objects,
+)
 from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.references import check_names, read_names
 from taskbuilder.schema.robots import RobotModel, check_joint_values, load_robot
@@ -45,6 +50,8 @@ class TaskFile:
         scenes: The plain scene, then one for each variation, likewise.
         robots: The model of each robot, by its name in the scene.
         assets: Mesh or URDF of each object that has one, by the object's name.
+        collisions: Mesh by which an object collides, where that is another one, likewise.
+        models: The model of each object of the catalogue, likewise.
         names: Every name of the scene.
         written: Its content as it is in the file.
         warnings: What is doubtful.
@@ -63,6 +70,8 @@ class TaskFile:
     written: TaskSpec
     warnings: tuple[Finding, ...] = ()
     catalogue: Catalogue = field(default_factory=Catalogue)
+    collisions: Mapping[str, Mesh] = field(default_factory=dict)
+    models: Mapping[str, ObjectModel] = field(default_factory=dict)
     named: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -88,6 +97,8 @@ class _Loading:
     findings: list[Finding] = field(default_factory=list)
     robots: dict[str, RobotModel] = field(default_factory=dict)
     assets: dict[str, Mesh | Urdf] = field(default_factory=dict)
+    collisions: dict[str, Mesh] = field(default_factory=dict)
+    models: dict[str, ObjectModel] = field(default_factory=dict)
 
     @property
     def roots(self) -> tuple[Path, ...]:
@@ -108,20 +119,24 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
     spec, wrong = parse(TaskSpec, loading.source)
     loading.findings += [*loading.source.findings, *wrong]
     _read_robots(loading)
-    _read_assets(loading)
+    _read_objects(loading)
     handless = tuple(name for name, model in loading.robots.items() if not model.takes_hold)
-    names = read_names(loading.source, _articulated(loading.assets), handless)
+    bodies = {name: model.spec for name, model in loading.models.items()}
+    names = read_names(loading.source, _articulated(loading.assets), handless, bodies)
     loading.findings += check_names(loading.source, names)
     scenes: list[SceneSpec] = []
+    written = spec
     if spec is not None:
-        _check_whole(loading, spec)
         scenes, wrong_variations = read_variations(loading.source, names, spec.scene)
+        spec = spec.model_copy(update={"scene": with_objects(spec.scene, loading.models)})
+        _check_whole(loading, spec)
+        scenes = [with_objects(scene, loading.models) for scene in scenes]
         loading.findings += wrong_variations
         if not wrong_variations:
             _check_varied(loading, spec, scenes)
         loading.findings += check_randomize(loading.source, names, spec)
         loading.findings += _check_instructions(loading.source, spec, scenes)
-    if spec is None or any(finding.severity == "error" for finding in loading.findings):
+    if not (spec and written) or any(f.severity == "error" for f in loading.findings):
         raise TaskFileError(loading.findings, _certain(loading.source, names, loading.findings))
     return TaskFile(
         entry,
@@ -131,14 +146,16 @@ def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
         loading.robots,
         of_members(names, loading.assets),
         names,
-        spec,
+        written,
         tuple(loading.findings),
         catalogue,
+        of_members(names, loading.collisions),
+        of_members(names, loading.models),
     )
 
 
 _WHAT_NAMES = ("robots", "objects", "sites", "cameras")
-_NAMELESS = ObjectSpec.model_fields.keys() - {"shape", "parts", "grasps"}
+_NAMELESS = ObjectSpec.model_fields.keys() - {"object", "shape", "parts", "grasps"}
 """The keys of an object that name nothing inside it."""
 
 
@@ -176,7 +193,9 @@ def _whole_inside(source: Source, name: str, key: str, finding: Finding) -> bool
     """Whether a mistake in an object leaves all names inside it as they are."""
     if key:
         return key in _NAMELESS
-    shaped = any(source.get("scene", "objects", name, part) for part in ("shape", "parts"))
+    shaped = any(
+        source.get("scene", "objects", name, part) for part in ("object", "shape", "parts")
+    )
     return finding.code == "TB101" and shaped  # something is missing, and it is not these
 
 
@@ -205,30 +224,48 @@ def _read_robots(loading: _Loading) -> None:
     loading.findings += [warning for model in own for warning in model.warnings]
 
 
-def _read_assets(loading: _Loading) -> None:
-    def urdf(file: Path, *, fixed: bool) -> Urdf:
-        return read_urdf(file, loading.roots, fixed=fixed, trusted=loading.entry.trusted)
-
+def _read_objects(loading: _Loading) -> None:
+    """The files of objects: their own, or those of an object of the catalogue."""
     for name, _ in loading.source.entries("scene", "objects"):
-        fixed = loading.source.get("scene", "objects", name, "fixed") is True
-        readers: tuple[tuple[str, Callable[[Path], Mesh | Urdf]], ...] = (
-            ("mesh", read_mesh),
-            ("urdf", partial(urdf, fixed=fixed)),
-        )
-        for key, read in readers:
-            path = ("scene", "objects", name, "shape", key)
-            reference = loading.source.get(*path)
-            if not isinstance(reference, str) or not reference:
-                continue
-            try:
-                file = resolve(reference, loading.entry.root, loading.roots)
-                loading.assets[name] = asset = read(file)
-            except AssetError as error:
-                loading.report(error.code, error.message, path)
-            except FileError as error:
-                loading.findings += error.findings
+        path: Path_ = ("scene", "objects", name)
+        reference = loading.source.get(*path, "object")
+        try:
+            if isinstance(reference, str) and reference:
+                loading.models[name] = _model(loading, reference)
+                assets = loading.models[name].assets
             else:
-                loading.findings += asset.warnings if isinstance(asset, Urdf) else ()
+                fixed = loading.source.get(*path, "fixed") is True
+                trusted = loading.entry.trusted
+                root = loading.entry.root
+                assets = read_assets(
+                    loading.source, path, root, loading.roots, fixed=fixed, trusted=trusted
+                )
+                loading.findings += assets.warnings
+        except UnknownNameError as error:
+            loading.report("TB009", str(error), (*path, "object"))
+        except AssetError as error:
+            loading.report(error.code, error.message, (*path, "object"))
+        except FileError as error:
+            loading.findings += error.findings
+        else:
+            if assets.main is not None:
+                loading.assets[name] = assets.main
+            if assets.collision is not None:
+                loading.collisions[name] = assets.collision
+
+
+def _model(loading: _Loading, reference: str) -> ObjectModel:
+    """An object of the catalogue, or of a file of the task."""
+    if looks_like_path(reference):
+        resolve(str(Path(reference)), loading.entry.root, loading.roots)
+    entry = loading.catalogue.object(reference, loading.entry.root)
+    known = {model.entry.file: model for model in loading.models.values()}
+    if entry.file in known:
+        return known[entry.file]
+    model = load_object(entry, loading.roots)
+    # What is doubtful about a packaged object is not for the task's author to mend.
+    loading.findings += () if entry.trusted else model.assets.warnings
+    return model
 
 
 def _articulated(assets: Mapping[str, Mesh | Urdf]) -> dict[str, ObjectNames]:
@@ -282,6 +319,7 @@ def _check_scene(loading: _Loading, spec: TaskSpec, scene: SceneSpec) -> Iterato
             yield from _check_posture(loading.source, place, model, posture.joints_deg)
     for name, thing in scene.objects.items():
         yield from check_object(loading.source, name, thing, loading.assets.get(name))
+        yield from check_use(loading.source, name, thing)
     yield from check_surfaces(loading.source, scene, loading.assets)
     yield from check_arrangements(loading.source, scene, loading.assets)
     yield from check_orders(loading.source, spec.expert, scene, loading.assets)

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from types import UnionType
+from types import MappingProxyType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from taskbuilder.errors import Finding
+from taskbuilder.schema.bodies import BodySpec
 from taskbuilder.schema.channels import parse_channel
 from taskbuilder.schema.expert import STAGES, ExpertStage, directed, kind_of_stage
 from taskbuilder.schema.groups import member_names
@@ -32,7 +33,10 @@ class _Reference:
 
 
 def read_names(
-    source: Source, articulated: dict[str, ObjectNames], handless: tuple[str, ...] = ()
+    source: Source,
+    articulated: Mapping[str, ObjectNames],
+    handless: tuple[str, ...] = (),
+    bodies: Mapping[str, BodySpec] = MappingProxyType({}),
 ) -> SceneNames:
     """The names that a task file introduces.
 
@@ -40,6 +44,7 @@ def read_names(
         source: The task file.
         articulated: What is inside the objects that are URDFs.
         handless: The robots that have no gripper.
+        bodies: What is known of the objects that are in the catalogue.
     """
     objects = {
         name: articulated.get(name)
@@ -50,8 +55,15 @@ def read_names(
         for name, _ in source.entries("scene", "objects")
     }
     for name, inside in objects.items():
-        grasps = tuple(grasp for grasp, _ in source.entries("scene", "objects", name, "grasps"))
-        objects[name] = replace(inside, grasps=grasps)
+        own = tuple(grasp for grasp, _ in source.entries("scene", "objects", name, "grasps"))
+        objects[name] = replace(inside, grasps=own)
+        if name in bodies:
+            body = bodies[name]
+            grasps = tuple(dict.fromkeys((*body.grasps, *own)))
+            parts = inside.parts or tuple(body.parts or ())
+            objects[name] = replace(inside, parts=parts, grasps=grasps)
+        elif source.get("scene", "objects", name, "object") is not None:
+            objects[name] = replace(objects[name], unread=True)
     groups = {
         name: member_names(name, source.get("scene", "objects", name, "count"))
         for name in objects
@@ -107,7 +119,8 @@ def _shadowed(source: Source, names: SceneNames) -> Iterator[Finding]:
     """Grasp points named as a link of their object, which may be somewhere else."""
     for name, _ in source.entries("scene", "objects"):
         first = next(iter(names.groups.get(name, (name,))), None)
-        if first is None or source.get("scene", "objects", name, "shape", "urdf") is None:
+        articulated = source.get("scene", "objects", name, "shape", "urdf") is not None
+        if first is None or not (articulated or source.get("scene", "objects", name, "object")):
             continue
         inside = names.objects[first]
         for grasp in inside.grasps:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -17,6 +19,9 @@ from taskbuilder.schema.values import (
     Text,
     exactly_one,
 )
+
+Collide = Literal["pieces", "hull", "boxes", "exact"]
+"""How a mesh collides."""
 
 
 class Cylinder(Model):
@@ -36,6 +41,16 @@ class Shape(Model):
     mesh: Text | None = Field(None, description="Path of an OBJ or binary STL file.")
     urdf: Text | None = Field(None, description="Path of a URDF file.")
     scale: Positive | None = Field(None, description="Factor of all lengths of a mesh or URDF.")
+    collision: Text | None = Field(
+        None,
+        description="Path of the OBJ or binary STL file by which a `mesh` collides; by default the "
+        "mesh itself.",
+    )
+    collide: Collide | None = Field(
+        None,
+        description="How a `mesh` [collides](#collisions-of-meshes); by default `exact` if the "
+        "object is `fixed`, and otherwise `pieces`.",
+    )
 
     @property
     def kind(self) -> str:
@@ -47,6 +62,10 @@ class Shape(Model):
         exactly_one("a shape", self, *SHAPES)
         if self.scale is not None and self.mesh is None and self.urdf is None:
             raise PydanticCustomError("choice", "scale goes with mesh or urdf only")
+        for key in ("collision", "collide"):
+            if getattr(self, key) is not None and self.mesh is None:
+                with_urdf = "; a URDF has its own <collision>" if self.urdf is not None else ""
+                raise PydanticCustomError("choice", f"{key} goes with mesh only{with_urdf}")
         return self
 
 

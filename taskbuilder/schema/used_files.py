@@ -39,8 +39,9 @@ def _files(entry: CatalogueEntry, catalogue: Catalogue) -> Iterator[Path]:
         yield from _robot(source.get("scene", "robots", name, "model"), entry, catalogue)
     for name, _ in source.entries("scene", "objects"):
         shape = ("scene", "objects", name, "shape")
-        yield from _asset(source.get(*shape, "mesh"), entry.root, roots)
-        yield from _urdf(source.get(*shape, "urdf"), entry.root, roots)
+        yield from _assets(source, shape, entry.root, roots)
+        object_ = source.get("scene", "objects", name, "object")
+        yield from _object(object_, entry, catalogue)
 
 
 def _read(file: Path) -> Source | None:
@@ -64,6 +65,31 @@ def _robot(reference: object, entry: CatalogueEntry, catalogue: Catalogue) -> It
     if source is not None:
         roots = (robot.root, entry.root, *catalogue.folders)
         yield from _urdf(source.get("urdf"), robot.root, roots)
+
+
+def _object(reference: object, entry: CatalogueEntry, catalogue: Catalogue) -> Iterator[Path]:
+    if not isinstance(reference, str) or not reference:
+        return
+    try:
+        found = catalogue.object(reference, entry.root)
+    except (UnknownNameError, FileError):
+        if reference.endswith((".yaml", ".yml")):
+            yield entry.root / reference  # it may appear
+        return
+    yield found.file
+    source = _read(found.file)
+    if source is not None:
+        roots = (found.root, entry.root, *catalogue.folders)
+        yield from _assets(source, ("shape",), found.root, roots)
+
+
+def _assets(
+    source: Source, shape: tuple[str, ...], folder: Path, roots: tuple[Path, ...]
+) -> Iterator[Path]:
+    """The files of an object's shape."""
+    yield from _asset(source.get(*shape, "mesh"), folder, roots)
+    yield from _asset(source.get(*shape, "collision"), folder, roots)
+    yield from _urdf(source.get(*shape, "urdf"), folder, roots)
 
 
 def _urdf(reference: object, folder: Path, roots: tuple[Path, ...]) -> Iterator[Path]:

@@ -66,7 +66,8 @@ def _files(scene: SceneSpec) -> tuple[object, ...]:
     """What a scene refers to outside the task file."""
     models = tuple(robot.model for robot in scene.robots.values())
     shapes = (thing.shape for thing in scene.objects.values() if thing.shape)
-    return (models, *((shape.mesh, shape.urdf) for shape in shapes))
+    named = tuple(thing.object for thing in scene.objects.values())
+    return (models, named, *((shape.mesh, shape.urdf, shape.collision) for shape in shapes))
 
 
 def _counts(scene: SceneSpec) -> dict[str, int | None]:

@@ -14,6 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from taskbuilder.assets.looks import MeshLook
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import NO_TURN, ORIGIN, Box, Pose, Vec3, bounding_box, total
@@ -28,6 +31,7 @@ from taskbuilder.shapes import (
     Shape,
     SphereShape,
     check_shape,
+    mesh_groups,
     placed_bounds,
     solid,
 )
@@ -267,12 +271,42 @@ def _shape_of(kind: int, sizes: Vec3, file: Path) -> Shape | None:
 
 
 def _collision_shape(client: Client, part: Part, *, moving: bool) -> int:
+    if isinstance(part.shape, MeshShape):
+        how = part.shape.collide or ("pieces" if moving else "exact")
+        if how == "boxes":
+            return _boxes(client, part, mesh_groups(part.shape))
+        if how == "hull" and len(groups := mesh_groups(part.shape)) > 1:
+            return _hull(client, part, np.concatenate(groups))
+        flags = {"flags": p.GEOM_FORCE_CONCAVE_TRIMESH} if how == "exact" else {}
+        options = _geometry(part.shape) | flags
+        return _made(client.bullet.createCollisionShape, part, "collision", options)
     options = _geometry(part.shape)
     if "length" in options:
         options["height"] = options.pop("length")  # pybullet names it differently here
-    if isinstance(part.shape, MeshShape) and not moving:
-        options["flags"] = p.GEOM_FORCE_CONCAVE_TRIMESH
     return _made(client.bullet.createCollisionShape, part, "collision", options)
+
+
+def _hull(client: Client, part: Part, corners: NDArray[np.float64]) -> int:
+    """The convex hull of all groups of a mesh, of which the engine would make one of each."""
+    points = np.unique(corners.reshape(-1, 3), axis=0).tolist()
+    options = {"shapeType": p.GEOM_MESH, "vertices": points}
+    return _made(client.bullet.createCollisionShape, part, "collision", options)
+
+
+def _boxes(client: Client, part: Part, groups: Sequence[NDArray[np.float64]]) -> int:
+    """A box around each group of a mesh, along the axes of its file."""
+    ends = [(group.min(axis=(0, 1)), group.max(axis=(0, 1))) for group in groups]
+    middles = [((low + high) / 2.0).tolist() for low, high in ends]
+    poses = [part.pose @ Pose((x, y, z)) for x, y, z in middles]
+    made: int = client.bullet.createCollisionShapeArray(
+        shapeTypes=[p.GEOM_BOX] * len(ends),
+        halfExtents=[np.maximum((high - low) / 2.0, 1e-4).tolist() for low, high in ends],
+        collisionFramePositions=[pose.position for pose in poses],
+        collisionFrameOrientations=[pose.quaternion for pose in poses],
+    )
+    if made < 0:
+        raise SimulationError(f"Bullet makes no collision shape of {part.shape}")
+    return made
 
 
 def _visual_shape(client: Client, part: Part, folder: Path) -> int:
@@ -326,5 +360,5 @@ def _geometry(shape: Shape) -> dict[str, Any]:
             return {"shapeType": p.GEOM_CYLINDER, "radius": radius, "length": length}
         case CapsuleShape(radius, length):
             return {"shapeType": p.GEOM_CAPSULE, "radius": radius, "length": length}
-        case MeshShape(path, scale):
+        case MeshShape(path, scale, _):
             return {"shapeType": p.GEOM_MESH, "fileName": str(path), "meshScale": scale}

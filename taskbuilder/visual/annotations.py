@@ -12,7 +12,7 @@ from taskbuilder.cameras import CameraView
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.geometry import Box, Pose, Vec3
 from taskbuilder.kinematics.chain import Chain
-from taskbuilder.schema.objects import Grasp
+from taskbuilder.schema.bodies import Grasp
 from taskbuilder.schema.placing import Place
 from taskbuilder.visual.ink import Lens, Marks, Patch, Points, Rgb, Stroke, Tag, drawn_over
 from taskbuilder.visual.outlines import outlines

@@ -39,6 +39,7 @@ from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
 from taskbuilder.world.suction import Suction
+from taskbuilder.world.weights import weighed
 from taskbuilder.world.world import World
 
 ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
@@ -148,7 +149,7 @@ def _build_object(loader: Loader, name: str, spec: ObjectSpec) -> SceneObject:
     asset = loader.task.assets.get(name)
     if isinstance(asset, Urdf):
         return _build_articulated(loader, name, spec, asset)
-    parts = parts_of(spec, asset)
+    parts = parts_of(spec, asset, loader.task.collisions.get(name))
     body = loader.body(parts, name, spec)
     boxes = {part: bounds(made.shape) for part, made in parts.items()}
     frames = {part: written.pose for part, written in (spec.parts or {}).items()}
@@ -167,7 +168,7 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     size = (spec.shape.scale if spec.shape else None) or 1.0
     moving = urdf.moving_joints
     said = {j.name: spec.joint(j.name, turns=j.type != "prismatic") for j in moving}
-    limited = with_limits(urdf, _limits(moving, said, size))
+    limited = weighed(with_limits(urdf, _limits(moving, said, size)), spec, size)
     body = loader.urdf(limited, name, spec.pose, fixed=spec.fixed, size=size)
     body.set_friction(spec.friction)
     # What a task file leaves open stays as the URDF says.

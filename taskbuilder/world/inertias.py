@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from taskbuilder.assets import codes
 from taskbuilder.assets.links import read_pose
 from taskbuilder.assets.markup import Element
-from taskbuilder.assets.model import Urdf, UrdfLink, UrdfShape
+from taskbuilder.assets.model import Urdf, UrdfLink
 from taskbuilder.assets.paths import pybullet_data_folder
 from taskbuilder.assets.schema import number
 from taskbuilder.errors import Finding, Location
-from taskbuilder.geometry import Box, Pose, Vec3, bounding_box, norm
+from taskbuilder.geometry import Box, Vec3, bounding_box, norm
 from taskbuilder.schema.load import TaskFile
-from taskbuilder.shapes import bounds, placed_bounds, solid
+from taskbuilder.shapes import bounds, placed_bounds
 from taskbuilder.world.shapes import urdf_shape
+from taskbuilder.world.weights import ENTRIES, turned, uniform
 
 FAR_FACTOR = 20.0
 """Factor from the moments of uniform density beyond which moments are implausible.
@@ -31,8 +32,6 @@ FAR_FACTOR = 20.0
 Those of the objects of the library differ by a factor of up to 1.9, and those of quadrupeds in
 pybullet_data that were computed from CAD models by up to 13.
 """
-
-_ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 @dataclass(frozen=True)
@@ -82,9 +81,11 @@ def doubtful_inertias(task: TaskFile) -> tuple[Finding, ...]:
         return ()
     findings: dict[Finding, None] = {}
     for name, asset in task.assets.items():
-        if isinstance(asset, Urdf) and name in task.spec.scene.objects:
-            fixed = task.spec.scene.objects[name].fixed
-            findings |= dict.fromkeys(check_inertias(asset, fixed=fixed))
+        spec = task.spec.scene.objects.get(name)
+        if not isinstance(asset, Urdf) or spec is None or spec.density or spec.inertia:
+            continue
+        if name not in task.models or not task.models[name].entry.trusted:
+            findings |= dict.fromkeys(check_inertias(asset, fixed=spec.fixed))
     return tuple(findings)
 
 
@@ -133,12 +134,12 @@ def inertias(urdf: Urdf, *, fixed: bool) -> Iterator[Inertia]:
         shapes = link.collisions or link.visuals
         if not (turns and link.mass and inertial and shapes):
             continue
-        entries = [number(inertial.first("inertia"), entry) or 0.0 for entry in _ENTRIES]
+        entries = [number(inertial.first("inertia"), entry) or 0.0 for entry in ENTRIES]
         stated = _principal(_matrix(entries))
         if stated[0] <= 0.0:
             continue  # which has been reported
         frame = read_pose(inertial)
-        tensor = _turned(_uniform(shapes, link.mass), frame.inverse())
+        tensor = turned(uniform(shapes).tensor * link.mass, frame.inverse())
         seen = (*link.collisions, *link.visuals)
         corners = [s.pose.apply(c) for s in seen for c in bounds(urdf_shape(s)).corners()]
         most = link.mass * max(math.dist(frame.position, corner) for corner in corners) ** 2
@@ -148,28 +149,6 @@ def inertias(urdf: Urdf, *, fixed: bool) -> Iterator[Inertia]:
 def _moved(urdf: Urdf, *, fixed: bool) -> list[UrdfLink]:
     """The links that can move."""
     return [link for link in urdf.links if not fixed or urdf.moving_joints_above(link.name)]
-
-
-def _uniform(shapes: Sequence[UrdfShape], mass: float) -> NDArray[np.float64]:
-    """Inertia of shapes of uniform density about their centre of mass, in the link's frame."""
-    solids = [(shape.pose, solid(urdf_shape(shape))) for shape in shapes]
-    volumes = np.array([piece.volume for _, piece in solids])
-    frames = [pose @ piece.principal for pose, piece in solids]
-    offsets = np.array([frame.position for frame in frames])
-    offsets -= volumes @ offsets / volumes.sum()
-    tensor = np.zeros((3, 3))
-    for (_, piece), frame, offset in zip(solids, frames, offsets, strict=True):
-        own = _turned(np.diag(piece.inertia), frame)
-        steiner = offset @ offset * np.eye(3) - np.outer(offset, offset)
-        tensor += piece.volume * (own + steiner)
-    return np.asarray(tensor * mass / volumes.sum(), dtype=np.float64)
-
-
-def _turned(tensor: NDArray[np.float64], frame: Pose) -> NDArray[np.float64]:
-    """A tensor of a frame, along the axes of the frame that it is expressed in."""
-    axes = np.array([frame.axis(index) for index in range(3)]).T
-    turned: NDArray[np.float64] = axes @ tensor @ axes.T
-    return turned
 
 
 def _principal(tensor: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -199,7 +178,7 @@ def _complaint(inertia: Inertia) -> str:
     values = (
         0.0 if abs(v := inertia.tensor[at]) < 1e-4 * inertia.uniform[0] else v for at in entries
     )
-    line = " ".join(f'{name}="{value:.3g}"' for name, value in zip(_ENTRIES, values, strict=True))
+    line = " ".join(f'{name}="{value:.3g}"' for name, value in zip(ENTRIES, values, strict=True))
     return f"{message}; write <inertia {line}/>"
 
 

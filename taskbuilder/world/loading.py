@@ -26,6 +26,7 @@ from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.probe import probe
 from taskbuilder.sim.redrawn import redrawn
+from taskbuilder.world.weights import mass_of
 
 
 @dataclass(frozen=True)
@@ -78,14 +79,15 @@ class Loader:
             FileError: The engine dies of a mesh or refuses a part.
         """
         for part in parts.values():
-            if isinstance(part.shape, MeshShape):
-                self._probe(part.shape.path, "mesh", name)
+            for shape in (part.shape, part.look):
+                if isinstance(shape, MeshShape):
+                    self._probe(shape.path, "mesh", name)
         with self._listening(name):
             return create_body(
                 self.client,
                 parts,
                 name=name,
-                mass=0.0 if spec.fixed else spec.mass or 0.0,
+                mass=mass_of(spec, parts),
                 pose=spec.pose,
                 friction=spec.friction,
                 rolling_friction=spec.rolling_friction,
@@ -97,13 +99,13 @@ class Loader:
         return Finding(code, message, ".".join(path), self.task.source.locate(path))
 
     def _trusts(self, name: str) -> bool:
-        robot = self.task.robots.get(name)
-        return robot.entry.trusted if robot else self.task.entry.trusted
+        model = self.task.robots.get(name) or self.task.models.get(name)
+        return model.entry.trusted if model else self.task.entry.trusted
 
     def _place(self, name: str) -> tuple[str, ...]:
         if name in self.task.robots:
             return ("scene", "robots", name, "model")
-        return ("scene", "objects", name, "shape")
+        return ("scene", "objects", name, "object" if name in self.task.models else "shape")
 
     def _probe(self, path: Path, kind: Literal["urdf", "mesh"], name: str) -> None:
         if self._trusts(name):

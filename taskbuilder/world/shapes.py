@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf, UrdfShape
@@ -27,8 +28,16 @@ from taskbuilder.shapes import (
 from taskbuilder.sim.mesh_colors import WHITE, has_colors
 
 
-def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:
-    """The named parts of an object that is not a URDF; a single shape is a part too."""
+def parts_of(
+    spec: ObjectSpec, asset: Mesh | Urdf | None, collision: Mesh | None = None
+) -> dict[str, Part]:
+    """The named parts of an object that is not a URDF; a single shape is a part too.
+
+    Args:
+        spec: What is said of it.
+        asset: Its mesh, if it has one.
+        collision: The mesh by which it collides, if that is another one.
+    """
     color: RGBA = (*rgb(spec.color), 1.0)
     if spec.parts is not None:
         return {
@@ -39,7 +48,10 @@ def parts_of(spec: ObjectSpec, asset: Mesh | Urdf | None) -> dict[str, Part]:
         size = (spec.shape.scale if spec.shape else None) or 1.0
         if "color" not in spec.model_fields_set and has_colors(asset):
             color = (*WHITE, 1.0)  # it has colours of its own
-        return {"mesh": Part(MeshShape(asset.path, (size, size, size)), Pose(), color)}
+        look = MeshShape(asset.path, (size, size, size))
+        path = collision.path if collision else asset.path
+        shape = replace(look, path=path, collide=spec.shape.collide if spec.shape else None)
+        return {"mesh": Part(shape, Pose(), color, look if collision else None)}
     if spec.shape is None:
         raise ValueError("an object has a shape or parts")
     return {spec.shape.kind: Part(shape_of(spec.shape), Pose(), color)}

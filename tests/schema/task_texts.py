@@ -90,6 +90,7 @@ scene:
       grasp: {rule: attach, distance: 0.03, force: 30}
   objects:
     table: {shape: {box: [1.8, 1.2, 0.04]}, fixed: true, position: [0, 0, 0.38], color: wood}
+    mug: {object: mug, position: [-0.5, -0.4, 0.4]}
     ball:
       shape: {sphere: 0.03}
       mass: 0.05
@@ -107,7 +108,7 @@ scene:
       in: table
     pill: {shape: {capsule: {radius: 0.01, length: 0.02}}, mass: 0.01, position: [0.5, 0.3, 0.5]}
     pebble:
-      shape: {mesh: assets/pebble.obj, scale: 0.05}
+      shape: {mesh: assets/pebble.obj, collision: assets/pebble.obj, collide: hull, scale: 0.05}
       mass: 0.2
       color: teal
       grasps:
@@ -147,6 +148,8 @@ scene:
     cabinet:
       shape: {urdf: assets/cabinet.urdf, scale: 0.5}
       fixed: true
+      density: 500
+      inertia: shape
       grasps: {handle: {at: [0.05, 0, 0], link: drawer}}
       joints:
         slide:

@@ -17,6 +17,7 @@ from task_texts import CABINET, ONE_OF_EVERYTHING, TETRAHEDRON
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.load import TaskFile, read_task
+from taskbuilder.schema.object_files import ObjectFileSpec
 from taskbuilder.schema.robot import RobotSpec
 from taskbuilder.schema.source import read_source
 from taskbuilder.schema.task import TaskSpec
@@ -25,6 +26,7 @@ from taskbuilder.schema.values import PALETTE, FrozenDict, frozen, rgb
 CATALOGUE = Catalogue()
 TASKS = [entry.file for entry in CATALOGUE.tasks.values()]
 ROBOTS = [entry.file for entry in CATALOGUE.robots.values()]
+OBJECTS = [entry.file for entry in CATALOGUE.objects.values()]
 
 
 @pytest.fixture
@@ -67,7 +69,8 @@ def test_a_task_that_uses_every_feature_once_has_no_findings(everything):
     assert everything.warnings == ()
     assert len(everything.scenes) == 4
     assert tuple(everything.robots) == ("left", "right", "third")
-    assert {*everything.assets} == {"pebble", "cabinet"}
+    assert {*everything.assets} == {"pebble", "cabinet", "mug"}
+    assert {*everything.collisions} == {"pebble", "mug"}
 
 
 def test_the_task_of_every_feature_uses_every_key_of_the_format(everything):
@@ -192,6 +195,11 @@ def test_every_task_of_the_library_fits_the_json_schema(file):
 @pytest.mark.parametrize("file", ROBOTS, ids=lambda file: file.parent.name)
 def test_every_robot_of_the_library_fits_the_json_schema(file):
     validator(RobotSpec).validate(as_json(read_source(file).data))
+
+
+@pytest.mark.parametrize("file", OBJECTS, ids=lambda file: file.parent.name)
+def test_every_object_of_the_library_fits_the_json_schema(file):
+    validator(ObjectFileSpec).validate(as_json(read_source(file).data))
 
 
 def test_every_feature_fits_the_json_schema(everything):

@@ -41,8 +41,8 @@ from taskbuilder.geometry import (
     turn_between,
     unit,
 )
+from taskbuilder.schema.bodies import Grasp
 from taskbuilder.schema.expert import Together
-from taskbuilder.schema.objects import Grasp
 from taskbuilder.schema.order import NOTHING, Order
 from taskbuilder.schema.robots import joint_values
 

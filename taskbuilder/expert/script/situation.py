@@ -9,7 +9,7 @@ from typing import Protocol
 from taskbuilder.expert.planning.planner import Move
 from taskbuilder.expert.script.joints import Joint
 from taskbuilder.geometry import Pose, Vec3
-from taskbuilder.schema.objects import Grasp
+from taskbuilder.schema.bodies import Grasp
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.world.world import World
 

@@ -1,0 +1,163 @@
+"""`taskbuilder objects` and `taskbuilder objects check`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.paths import AssetError
+from taskbuilder.cli.output import paint, print_json, print_table, show_finding
+from taskbuilder.cli.tasks import catalogue_of, make_folder, tell_of_clashes
+from taskbuilder.errors import (
+    FileError,
+    Finding,
+    Location,
+    UsageError,
+    display_path,
+    in_reading_order,
+)
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.object_files import ObjectModel, load_object
+from taskbuilder.visual.object_picture import take_object_picture
+from taskbuilder.visual.still import save_image
+from taskbuilder.world.inertias import check_inertias
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """List the objects, or check one."""
+    actions = {"list": _list, "check": _check}
+    return actions[arguments.action or "list"](arguments, catalogue_of(arguments))
+
+
+# --- list
+
+
+def _list(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
+    if arguments.object is not None:
+        raise UsageError("list takes no name; to check an object: taskbuilder objects check NAME")
+    tell_of_clashes(catalogue, "object")
+    objects = [_describe(entry, catalogue) for entry in catalogue.objects.values()]
+    if arguments.json:
+        print_json({"objects": objects})
+        return 0
+    rows = [["object", "grasp points", "joints", "summary"]]
+    rows += [
+        [
+            each["name"],
+            ", ".join(each["grasps"]) or "-",
+            ", ".join(each["joints"]) or "-",
+            each["summary"],
+        ]
+        for each in objects
+    ]
+    print_table(rows, prose=True)
+    for each in objects:
+        if each["shape"] is None:
+            hint = f"to see what is wrong: taskbuilder objects check {each['path']}"
+            print(paint(f"\n{hint}", "dim"))
+    return 0
+
+
+def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
+    known = {"name": entry.name, "path": display_path(entry.file)}
+    try:
+        model = load_object(entry, catalogue.folders)
+    except FileError:
+        return {**known, "shape": None, "grasps": [], "joints": [], "summary": "(has errors)"}
+    return {**known, **_data(model)}
+
+
+def _data(model: ObjectModel) -> dict[str, Any]:
+    """What there is to know of an object that can be read."""
+    main = model.assets.main
+    shape = model.spec.shape
+    return {
+        "shape": shape.kind if shape else "parts",
+        "grasps": list(model.spec.grasps),
+        "joints": [joint.name for joint in main.moving_joints] if isinstance(main, Urdf) else [],
+        "summary": model.spec.summary,
+    }
+
+
+# --- check
+
+
+def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
+    if arguments.object is None:
+        raise UsageError("check which object? give a name, or the path of an object.yaml")
+    findings: list[Finding] = []
+    model = picture = mass = None
+    try:
+        entry = catalogue.object(arguments.object, Path())
+        model = load_object(entry, catalogue.folders)
+    except FileError as error:
+        findings += error.findings
+    if model is not None:
+        findings += () if model.entry.trusted else _doubts(model)
+        file = arguments.out or Path("renders", f"{model.entry.name}.png")
+        picture, mass = _picture(model, file, findings)
+    ok = not any(finding.severity == "error" for finding in findings)
+    if arguments.json:
+        print_json(
+            {
+                "object": arguments.object,
+                "ok": ok,
+                **(_data(model) if model else {}),
+                "mass": mass,
+                "findings": [finding.as_data() for finding in in_reading_order(findings)],
+                "picture": display_path(picture) if picture else None,
+            }
+        )
+        return 0 if ok else 1
+    if model is not None:
+        _print_object(model, mass)
+    for finding in in_reading_order(findings):
+        print(show_finding(finding))
+    print(paint("ok", "green") if ok else paint("failed", "red"))
+    if picture:
+        print(display_path(picture))
+    return 0 if ok else 1
+
+
+def _doubts(model: ObjectModel) -> list[Finding]:
+    """What is doubtful about the files and the inertias of an object."""
+    spec, main = model.spec, model.assets.main
+    stated = isinstance(main, Urdf) and spec.density is None and spec.inertia is None
+    found = check_inertias(main, fixed=False) if isinstance(main, Urdf) and stated else ()
+    return [*model.assets.warnings, *found]
+
+
+def _picture(
+    model: ObjectModel, file: Path, findings: list[Finding]
+) -> tuple[Path | None, float | None]:
+    """Take the picture, unless the engine does not survive the asset; and weigh the object."""
+    place = Location(model.entry.file)
+    try:
+        pixels, mass, said = take_object_picture(model)
+    except AssetError as error:
+        findings.append(error.finding(location=place))
+        return None, None
+    if not model.entry.trusted:
+        findings += [Finding("TB407", text, "", place, "warning") for text in said]
+    make_folder(file.parent)
+    save_image(file, pixels)
+    return file, mass
+
+
+def _print_object(model: ObjectModel, mass: float | None) -> None:
+    spec, main = model.spec, model.assets.main
+    weight = f" · {mass:.3g} kg" if mass is not None else ""
+    print(paint(f"{model.entry.name}{weight} · {display_path(model.entry.file)}", "bold"))
+    print(f"  {spec.summary}")
+    rows = [
+        [name, "grasp point", f"at {list(grasp.at)}, approach {grasp.approach}"]
+        for name, grasp in spec.grasps.items()
+    ]
+    if isinstance(main, Urdf):
+        rows += [[j.name, f"{j.type} joint", f"moves {j.child}"] for j in main.moving_joints]
+    if rows:
+        print()
+        print_table([["name", "kind", "how"], *rows], indent="  ")
+    print()
