@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of, size, whole
+from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
@@ -21,6 +21,7 @@ from taskbuilder.cli.inspection_arguments import (
     add_robots,
     add_schema,
     add_view,
+    add_watch,
 )
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
@@ -305,36 +306,6 @@ def _add_render(adder: Adder) -> None:
     add_json(parser)
 
 
-def _add_watch(adder: Adder) -> None:
-    parser = adder.command(
-        "check and render a task again whenever one of its files changes",
-        "stack_cubes.yaml --out view.png",
-    )
-    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE",
-        help="file of the picture (default renders/TASK-watch.png)",
-    )
-    parser.add_argument(
-        "--camera",
-        metavar="C",
-        help="camera that takes the picture (default: the first camera of the scene)",
-    )
-    parser.add_argument(
-        "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
-    )
-    add_show(parser)
-    parser.add_argument(
-        "--seed",
-        type=whole(0, 2**32 - 1),
-        default=0,
-        metavar="N",
-        help="seed of the episode whose initial state is shown (default 0)",
-    )
-
-
 def _add_demo(adder: Adder) -> None:
     parser = adder.command(
         "play a task with its expert or a policy, and show what happened",
@@ -393,7 +364,7 @@ _ADDERS = {
     "show": _add_show,
     "new": _add_new,
     "validate": _add_validate,
-    "watch": _add_watch,
+    "watch": add_watch,
     "view": add_view,
     "render": _add_render,
     "demo": _add_demo,

@@ -1,12 +1,12 @@
-"""Arguments of the commands `robots`, `objects`, `bench`, `explain`, `schema` and `view`."""
+"""Arguments of `robots`, `objects`, `bench`, `explain`, `schema`, `watch` and `view`."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.argument_types import size, whole
 from taskbuilder.cli.learning_arguments import CommandAdder
-from taskbuilder.cli.shared_options import add_json
+from taskbuilder.cli.shared_options import add_json, add_show
 
 OBJECT_ACTIONS = ("list", "check")
 """What `taskbuilder objects` does."""
@@ -116,6 +116,37 @@ def add_schema(adder: CommandAdder) -> None:
         choices=("task", "robot", "object"),
         metavar="KIND",
         help="kind of file: task, robot or object",
+    )
+
+
+def add_watch(adder: CommandAdder) -> None:
+    """`taskbuilder watch`."""
+    parser = adder.command(
+        "check and render a task again whenever one of its files changes",
+        "stack_cubes.yaml --out view.png",
+    )
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="file of the picture (default renders/TASK-watch.png)",
+    )
+    parser.add_argument(
+        "--camera",
+        metavar="C",
+        help="camera that takes the picture (default: the first camera of the scene)",
+    )
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
+    )
+    add_show(parser)
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=0,
+        metavar="N",
+        help="seed of the episode whose initial state is shown (default 0)",
     )
 
 

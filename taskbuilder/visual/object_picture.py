@@ -63,7 +63,7 @@ def _body(client: Client, model: ObjectModel, folder: Path) -> Body:
         body = load_urdf(client, copy, name=spec.object, fixed_base=False, scale=size)
         for joint in asset.moving_joints:
             begin = spec.joint(joint.name, turns=joint.type != "prismatic").begin or 0.0
-            body.reset_joints((body.joints[joint.name].index,), (begin,))
+            body.put_joints({joint.name: begin})
         return body
     parts = parts_of(spec, asset, model.assets.collision)
     for path in () if model.entry.trusted else _meshes(parts):
