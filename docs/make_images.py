@@ -2,9 +2,9 @@
 
     python docs/make_images.py [TASK | POLICY | curves | objects ...]
 
-Writes, to docs/images/, for each task of the library a picture, the film of its expert, the film's
-strip and the chart of its reward, all from the first camera of the task file; the film of each
-policy of the zoo; the curves of each task's training; the stages reached in the ablation of
+Writes, to docs/images/, for each task of the library the film of its expert, the film's strip and
+the chart of its reward, and for those of the README a picture, all from the first camera of the
+task file; the film of each policy of the zoo; the curves of each task's training; the stages reached in the ablation of
 Handover; a picture of each robot; objects.png, all objects of the shelf; and tasks.png, the three
 tasks of the README side by side. Given tasks or policies of the zoo, such as zoo:handover/demos, it
 makes theirs only, given `curves` the curves and the chart of the ablation only, and given `objects`
@@ -93,7 +93,8 @@ def make_task(name: str) -> None:
     """Make the pictures of a task anew."""
     camera = next(iter(load_task(name).file.spec.scene.cameras))
     with tempfile.TemporaryDirectory() as folder:
-        _picture(name, camera, Path(folder, f"{name}-{camera}.png"))
+        if name in SHOWN:
+            _picture(name, camera, Path(folder, f"{name}-{camera}.png"))
         _call("demo", name, "--camera", camera, "--out", folder, *_drawn())
         with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
             _film(env, expert.play(0), camera, Path(folder, name))
