@@ -4,11 +4,11 @@
 
 Writes, to docs/images/, for each task of the library the film of its expert, the film's strip and
 the chart of its reward, and for those of the README a picture, all from the first camera of the
-task file; the film of each policy of the zoo; the curves of each task's training; the stages reached in the ablation of
-Handover; a picture of each robot; objects.png, all objects of the shelf; and tasks.png, the three
-tasks of the README side by side. Given tasks or policies of the zoo, such as zoo:handover/demos, it
-makes theirs only, given `curves` the curves and the chart of the ablation only, and given `objects`
-those only.
+task file; the film of each policy of the zoo; the curves of each task's training; the stages
+reached in the ablation of Handover; a picture of each robot; objects.png, all objects of the shelf;
+and tasks.png, the three tasks of the README side by side. Given tasks or policies of the zoo, such
+as zoo:handover/demos, it makes theirs only, given `curves` the curves and the chart of the ablation
+only, and given `objects` those only.
 """
 
 from __future__ import annotations
