@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.description.description import Outcome, Referee
+from taskbuilder.description.view import WorldView
 from taskbuilder.env.parallel import TaskEnv
 
 FLAGS = ("success", "succeeded", "is_success", "failure", "failed", "exploded")
@@ -196,16 +197,29 @@ class SecondReferee:
 
 
 @contextmanager
-def staged(env: TaskEnv, *, success: bool, failure: bool) -> Iterator[None]:
-    """The referee of an environment gives another verdict than the scene does."""
+def staged(env: TaskEnv, *, success: bool, failure: bool, once: bool = False) -> Iterator[None]:
+    """The referee of an environment gives another verdict than the scene does.
+
+    Args:
+        env: The environment.
+        success: The verdict on success.
+        failure: The verdict on failure.
+        once: Whether only the next verdict is another, and not that of a reset which follows it.
+    """
     referee, verdict = env.episode.referee, _verdict(success=success, failure=failure)
     judge = referee.judge
+
+    def given(world: WorldView) -> Outcome:
+        if once:
+            vars(referee).pop("judge", None)
+        return verdict(judge(world))
+
     # In the instance, in place of the method of its class: whatever holds this referee asks it.
-    vars(referee)["judge"] = lambda world: verdict(judge(world))
+    vars(referee)["judge"] = given
     try:
         yield
     finally:
-        del vars(referee)["judge"]
+        vars(referee).pop("judge", None)
 
 
 def _verdict(*, success: bool, failure: bool) -> Callable[[Outcome], Outcome]:

@@ -121,7 +121,7 @@ def _failure(envs: Sequence[TaskEnv]) -> Iterator[None]:
     """The referees of environments say that the task has failed."""
     with ExitStack() as stack:
         for env in envs:
-            stack.enter_context(staged(env, success=False, failure=True))
+            stack.enter_context(staged(env, success=False, failure=True, once=True))
         yield
 
 

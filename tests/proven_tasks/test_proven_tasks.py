@@ -214,7 +214,7 @@ class TestLocks:
 
 class TestPhysicsDecides:
     def test_what_is_foreseen_wrongly_is_no_error_where_the_expert_succeeds(self, monkeypatch):
-        monkeypatch.setattr(Foresight, "_pushed", lambda *_: None)
+        monkeypatch.setattr(Foresight, "_displacement", lambda *_: None)
         report = validate_task(
             HERE / "pushed_then_picked.yaml", seeds=2, only=("reach", "solvable")
         )
