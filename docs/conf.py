@@ -10,7 +10,7 @@ extensions = ["myst_parser"]
 exclude_patterns = ["_build", "generators"]
 
 myst_enable_extensions = ["colon_fence", "deflist"]
-myst_heading_anchors = 3
+myst_heading_anchors = 4
 
 html_theme = "furo"
 html_title = f"taskbuilder {release}"

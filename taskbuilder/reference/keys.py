@@ -75,13 +75,19 @@ _METRES = {"max_step", "stroke", "near", "far"}
 _UNBOUNDED = (values.Name, values.Reference, values.Text, order.Condition, robot.LinkName)
 
 
+ELSEWHERE = ("ObjectFileSpec",)
+"""Models whose keys are not explained on the page of task files."""
+
+
 def table(name: str) -> str:
     """The keys of a model: what each takes, its default, what it means.
 
     Raises:
         ValueError: A key has no meaning, or a meaning has no key.
     """
-    return as_table(HEAD, rows(name))
+    text = as_table(HEAD, rows(name))
+    # The sections that keys of objects link to are on the page of task files.
+    return text.replace("](#", "](task-file.md#") if name in ELSEWHERE else text
 
 
 def rows(name: str) -> list[list[str]]:
