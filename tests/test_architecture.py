@@ -33,7 +33,7 @@ SIMULATED = ("world", "sim", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("validate", "bench", "trial", "learn", "visual", "expert"),
+        *("validate", "bench", "trial", "learn", "importing", "visual", "expert"),
         *(
             "rollout",
             "env",
@@ -71,6 +71,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("expert", "rollout", "env", "carried", "sources", "jobs", "machine", "digests"),
         *("arrays", "files", "untrusted", *SIMULATED),
     ),
+    "importing": SIMULATED,
     "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
@@ -119,7 +120,10 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
         "taskbuilder/data/videos.py",
     ),
     "numba": ("taskbuilder/raster/",),
-    "fast_simplification": ("taskbuilder/raster/",),
+    "fast_simplification": ("taskbuilder/raster/", "taskbuilder/importing/"),
+    "trimesh": ("taskbuilder/importing/",),
+    "coacd": ("taskbuilder/importing/",),
+    "xacro": ("taskbuilder/importing/",),
     "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "pyarrow": ("taskbuilder/data/formats/lerobot_tables.py",),

@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from generators import api, commands, leaderboard, results, robots, tasks, training
+from generators import api, commands, imports, leaderboard, results, robots, tasks, training
 from taskbuilder.reference import codes, keys, vocabulary
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -37,6 +37,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "fingers": robots.fingers,
     "gallery": tasks.gallery,
     "holding": results.holding,
+    "imports": imports.files,
     "keys": keys.table,
     "kinds": vocabulary.kinds,
     "lasting": training.lasting,

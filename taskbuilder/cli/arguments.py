@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import Extend, size, whole
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
+from taskbuilder.cli.import_arguments import add_objects
 from taskbuilder.cli.inspection_arguments import add_bench, add_explain, add_robots, add_schema
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
@@ -45,6 +46,7 @@ _COMMANDS = (
     "plot",
     "bench",
     "robots",
+    "objects",
     "explain",
     "schema",
 )
@@ -385,6 +387,7 @@ _ADDERS = {
     "plot": add_plot,
     "bench": add_bench,
     "robots": add_robots,
+    "objects": add_objects,
     "explain": add_explain,
     "schema": add_schema,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.import_arguments import add_import, add_mounting
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import add_json
 
@@ -12,29 +13,34 @@ from taskbuilder.cli.shared_options import add_json
 def add_robots(adder: CommandAdder) -> None:
     """`taskbuilder robots`."""
     parser = adder.command(
-        "list the robots, or check the files and joints of one robot and render it",
+        "list the robots, check the files and joints of one robot and render it, or import a robot",
         "check path/to/robot.yaml",
     )
     parser.add_argument(
         "action",
         nargs="?",
-        choices=("check",),
-        metavar="check",
-        help="check ROBOT instead of listing the robots",
+        choices=("check", "import", "poses"),
+        metavar="check|import|poses",
+        help="check ROBOT instead of listing the robots; import a file of its maker; list the "
+        "postures that an SRDF or MJCF file names",
     )
     parser.add_argument(
         "robot",
         nargs="?",
         metavar="ROBOT",
-        help="name of the robot, or path of a robot.yaml or a URDF",
+        help="name of the robot, or path of a robot.yaml or a URDF; for import, path of a URDF, "
+        "xacro, SDF or MJCF; for poses, of an SRDF or MJCF",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
         help="file of the picture (default renders/ROBOT.png); a picture of the area that the arm "
-        "reaches is written beside it, with -reach added to the file name",
+        "reaches is written beside it, with -reach added to the file name; for import, the folder "
+        "to write (default robots/NAME)",
     )
+    add_import(parser)
+    add_mounting(parser)
     add_json(parser)
 
 

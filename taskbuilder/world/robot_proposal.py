@@ -139,13 +139,10 @@ def _arm_and_hand(
             on = [joint for joint in on if not is_rotor(urdf, joint)] or on
         if len(on) > 1:
             long = [joint for joint in on if not is_finger(urdf, joint)]
-            if not long and arm:
+            if not long:
                 hand = find_hand(urdf, link, on)
-                if hand is None and len(arm) < _FEW:
-                    long = [max(on, key=lambda joint: len(joints_below(urdf, joint)))]
-                else:
+                if hand is not None or len(arm) >= _FEW:  # a hand alone has no arm
                     return tuple(arm), link, hand
-            elif not long:
                 long = [max(on, key=lambda joint: len(joints_below(urdf, joint)))]
             chosen = _chosen(urdf, long, end, remarks)
             others = [j.child for j in on if j not in long]
