@@ -36,7 +36,7 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("view", "validate", "bench", "learn", "evaluation", "visual", "expert"),
+        *("view", "validate", "bench", "learn", "evaluation", "importing", "visual", "expert"),
         *(
             "policies",
             "rollout",
@@ -79,6 +79,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("digests", "arrays", "files", "untrusted", *SIMULATED),
     ),
     "policies": (*("expert", "rollout", "env", "arrays", "digests", "untrusted", *SIMULATED),),
+    "importing": SIMULATED,
     "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),
@@ -134,7 +135,10 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
         "taskbuilder/data/videos.py",
     ),
     "numba": ("taskbuilder/raster/",),
-    "fast_simplification": ("taskbuilder/raster/",),
+    "fast_simplification": ("taskbuilder/raster/", "taskbuilder/importing/"),
+    "trimesh": ("taskbuilder/importing/",),
+    "coacd": ("taskbuilder/importing/",),
+    "xacro": ("taskbuilder/importing/",),
     "jinja2": ("taskbuilder/validate/html/templates.py",),
     "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
     "pyarrow": ("taskbuilder/data/formats/lerobot_tables.py",),

@@ -19,6 +19,7 @@ from pathlib import Path
 from generators import (
     api,
     commands,
+    imports,
     leaderboard,
     objects,
     options,
@@ -47,6 +48,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "fingers": robots.fingers,
     "gallery": tasks.gallery,
     "holding": results.holding,
+    "imports": imports.files,
     "keys": keys.table,
     "household": objects.household,
     "kinds": vocabulary.kinds,

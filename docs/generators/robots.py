@@ -9,7 +9,7 @@ from taskbuilder.reference.markdown import side_by_side, table
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robot import GripperSpec
 from taskbuilder.schema.robots import RobotModel, load_robot
-from taskbuilder.world.robot_proposal import link_corners, link_pose
+from taskbuilder.world.hands import link_corners, link_pose
 
 IMAGES = Path(__file__).parents[1] / "images"
 

@@ -24,6 +24,10 @@ TOO_MANY = "TB421"
 PLACEHOLDER = "TB422"
 CENTER_OF_MASS = "TB423"
 NO_COLLISION = "TB424"
+XACRO = "TB430"
+AMBIGUOUS = "TB431"
+UNIT = "TB432"
+NOT_IMPORTED = "TB433"
 
 CODES: dict[str, tuple[str, str]] = {
     MISSING: (
@@ -152,5 +156,28 @@ CODES: dict[str, tuple[str, str]] = {
         "An object, or a link of it that moves, can be seen but has no `<collision>`. It passes "
         "through everything, and nothing can be placed by its bounds. Add the element, usually "
         "with the geometry of `<visual>`.",
+    ),
+    XACRO: (
+        "Xacro cannot be expanded",
+        "An argument has no value, a file that is included is missing or lies outside the import "
+        "root, or an expression is wrong. Give arguments with `--arg NAME=VALUE`, and packages "
+        "with `--package NAME=DIR`. Xacro files are expanded in a child process that may read "
+        "files of the import root and of the packages, and nothing else.",
+    ),
+    AMBIGUOUS: (
+        "Package found more than once",
+        "A `package://NAME/…` or `$(find NAME)` could mean several folders at the same distance "
+        "from the file. Say which one with `--package NAME=DIR`.",
+    ),
+    UNIT: (
+        "Unit of a mesh unknown",
+        "The file of the mesh states no unit, and its size is plausible in none or in several. "
+        "Give the unit with `--unit m`, `--unit mm`, `--unit cm` or `--unit in`.",
+    ),
+    NOT_IMPORTED: (
+        "Cannot be imported",
+        "The file, or a part of it that moves, has no counterpart in taskbuilder: an archive, a "
+        "floating or planar joint inside a robot, a closed loop of joints, or a format that is "
+        "not read. The message says what to do instead.",
     ),
 }

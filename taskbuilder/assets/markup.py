@@ -22,13 +22,14 @@ _ESCAPES = str.maketrans(
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """An XML element. Text between elements means nothing in a URDF and is not kept."""
+    """An XML element. Text means nothing in a URDF, and is kept only where it is asked for."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     column: int
     children: tuple[Element, ...] = field(default=())
+    text: str = ""
 
     def all(self, tag: str) -> Iterator[Element]:
         """The children of a kind, in file order."""
@@ -58,23 +59,32 @@ class _Refused(Exception):  # noqa: N818 - not an error of ours, only the way ou
 class _Builder:
     """Builds the tree from expat's events."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, text: bool) -> None:
         self.root: Element | None = None
         self.parser = expat.ParserCreate()
         self.parser.StartElementHandler = self._start
         self.parser.EndElementHandler = self._end
         self.parser.StartDoctypeDeclHandler = self._refuse_doctype
+        if text:
+            self.parser.CharacterDataHandler = self._say
         self._open: list[tuple[Element, list[Element]]] = []
+        self._said: list[list[str]] = []
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         if len(self._open) >= _MAX_DEPTH:
             raise _Refused(f"elements are nested more than {_MAX_DEPTH} deep; a URDF needs six")
         line, column = self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1
         self._open.append((Element(tag, attributes, line, column), []))
+        self._said.append([])
+
+    def _say(self, data: str) -> None:
+        if self._said:
+            self._said[-1].append(data)
 
     def _end(self, _tag: str) -> None:
         element, children = self._open.pop()
-        element = element.with_children(tuple(children))
+        said = "".join(self._said.pop()).strip()
+        element = replace(element, children=tuple(children), text=said)
         if self._open:
             self._open[-1][1].append(element)
         else:
@@ -84,14 +94,21 @@ class _Builder:
         raise _Refused("a document type declaration is not read; delete the <!DOCTYPE …> line")
 
 
-def parse(path: Path, data: bytes) -> Element:
+def parse(path: Path, data: bytes, *, lines: bool = True, text: bool = False) -> Element:
     """The root element of an XML file.
+
+    Args:
+        path: The file that findings name.
+        data: Its content.
+        lines: Whether to refuse lines that the physics engine would cut.
+        text: Whether to keep the text of elements.
 
     Raises:
         FileError: The file is not well-formed, or holds what no robot description needs.
     """
-    _require_short_lines(path, data)
-    builder = _Builder()
+    if lines:
+        _require_short_lines(path, data)
+    builder = _Builder(text=text)
     try:
         builder.parser.Parse(data, True)
     except expat.ExpatError as error:

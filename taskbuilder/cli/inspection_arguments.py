@@ -5,46 +5,53 @@ from __future__ import annotations
 from pathlib import Path
 
 from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.import_arguments import add_import, add_measures, add_mounting
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import add_json, add_show
 
-OBJECT_ACTIONS = ("list", "check")
+OBJECT_ACTIONS = ("list", "check", "import")
 """What `taskbuilder objects` does."""
 
 
 def add_robots(adder: CommandAdder) -> None:
     """`taskbuilder robots`."""
     parser = adder.command(
-        "list the robots, or check the files and joints of one robot and render it",
+        "list the robots, check the files and joints of one robot and render it, or import a robot",
         "check path/to/robot.yaml",
     )
     parser.add_argument(
         "action",
         nargs="?",
-        choices=("check",),
-        metavar="check",
-        help="check ROBOT instead of listing the robots",
+        choices=("check", "import", "poses"),
+        metavar="check|import|poses",
+        help="check ROBOT instead of listing the robots; import a file of its maker; list the "
+        "postures that an SRDF or MJCF file names",
     )
     parser.add_argument(
         "robot",
         nargs="?",
         metavar="ROBOT",
-        help="name of the robot, or path of a robot.yaml or a URDF",
+        help="name of the robot, or path of a robot.yaml or a URDF; for import, path of a URDF, "
+        "xacro, SDF or MJCF; for poses, of an SRDF or MJCF",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
         help="file of the picture (default renders/ROBOT.png); a picture of the area that the arm "
-        "reaches is written beside it, with -reach added to the file name",
+        "reaches is written beside it, with -reach added to the file name; for import, the folder "
+        "to write (default robots/NAME)",
     )
+    add_import(parser)
+    add_mounting(parser)
     add_json(parser)
 
 
 def add_objects(adder: CommandAdder) -> None:
     """`taskbuilder objects`."""
     parser = adder.command(
-        "list the objects of the catalogue, or check the files of one object and render it",
+        "list the objects of the catalogue, check the files of one object and render it, or import "
+        "an object",
         "check mug",
     )
     parser.add_argument(
@@ -58,14 +65,18 @@ def add_objects(adder: CommandAdder) -> None:
         "object",
         nargs="?",
         metavar="OBJECT",
-        help="check: name of the object, or path of an object.yaml",
+        help="check: name of the object, or path of an object.yaml; import: a mesh (DAE, GLB, PLY, "
+        "OBJ, STL), URDF, xacro, SDF or MJCF",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
-        help="check: file of the picture (default renders/OBJECT.png)",
+        help="check: file of the picture (default renders/OBJECT.png); import: folder to write "
+        "(default objects/NAME)",
     )
+    add_import(parser)
+    add_measures(parser)
     add_json(parser)
 
 

@@ -1,4 +1,4 @@
-"""`taskbuilder objects` and `taskbuilder objects check`."""
+"""`taskbuilder objects`, `objects check` and `objects import`."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from taskbuilder.world.inertias import check_inertias
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """List the objects, or check one."""
-    actions = {"list": _list, "check": _check}
+    """List the objects, check one, or import one."""
+    actions = {"list": _list, "check": _check, "import": _import}
     return actions[arguments.action or "list"](arguments, catalogue_of(arguments))
 
 
@@ -161,3 +161,15 @@ def _print_object(model: ObjectModel, mass: float | None) -> None:
         print()
         print_table([["name", "kind", "how"], *rows], indent="  ")
     print()
+
+
+# --- import
+
+
+def _import(arguments: argparse.Namespace, _: Catalogue) -> int:
+    from taskbuilder.cli.importing import run_import
+
+    if arguments.object is None:
+        raise UsageError("import takes a file: taskbuilder objects import FILE")
+    arguments.file = arguments.object
+    return run_import(arguments, robot=False)

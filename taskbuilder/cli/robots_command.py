@@ -1,4 +1,4 @@
-"""`taskbuilder robots` and `taskbuilder robots check`."""
+"""`taskbuilder robots`, `robots check`, `robots import` and `robots poses`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import PACKAGE, AssetError, packages_named_in, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
-from taskbuilder.cli.proposed import robot_file
 from taskbuilder.cli.tasks import catalogue_of, make_folder, tell_of_clashes
 from taskbuilder.errors import (
     FileError,
@@ -32,13 +31,21 @@ from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
 from taskbuilder.visual.still import save_image
 from taskbuilder.world.reach import longest_reach
+from taskbuilder.world.robot_file import robot_file
 from taskbuilder.world.robot_proposal import Proposal, propose
 
 _MOST_ROOM_M = 2.0
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """List the robots, or check one."""
+    """List the robots, check or import one, or list the postures that a file names."""
+    if arguments.action in ("import", "poses"):
+        from taskbuilder.cli.importing import run_import, run_poses  # which nothing else needs
+
+        if arguments.robot is None:
+            raise UsageError(f"{arguments.action} which file? give its path")
+        importing = arguments.action == "import"
+        return run_import(arguments, robot=True) if importing else run_poses(arguments)
     catalogue = catalogue_of(arguments)
     if arguments.action is None:
         return _list(arguments, catalogue)

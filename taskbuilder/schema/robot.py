@@ -80,7 +80,10 @@ class GraspSpec(Model):
 
 
 class GripperSpec(Model):
-    """A gripper of one degree of freedom: its joints move together from closed to open."""
+    """A gripper of one degree of freedom: its joints move together from closed to open.
+
+    A jaw that closes against a fixed one has one joint, and the fixed jaw is its second finger.
+    """
 
     joints: Annotated[Mapping[LinkName, GripperJoint], Field(min_length=1), AfterValidator(frozen)]
     fingers: Annotated[
@@ -88,7 +91,8 @@ class GripperSpec(Model):
         Field(
             min_length=2,
             max_length=5,
-            description="The links that touch held objects, as one list per finger.",
+            description="The links that touch held objects: one list of links per finger. One of "
+            "the fingers may be a jaw that does not move.",
         ),
     ]
     stroke: Positive = Field(description="Opening between the pads when open, in metres.")

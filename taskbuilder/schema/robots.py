@@ -180,10 +180,25 @@ def _misfits(spec: RobotSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
 def _gripper_misfits(gripper: GripperSpec, urdf: Urdf) -> Iterator[tuple[Path_, str]]:
     """Fingers that no joint moves, and joints that go nowhere."""
     links = {link.name for link in urdf.links}
+    above = {
+        link: {joint.name for joint in _joints_above(urdf, link) if joint.moves}
+        for finger in gripper.fingers
+        for link in finger
+        if link in links
+    }
+    moved = {link for link, joints in above.items() if joints & set(gripper.joints)}
+    # One finger may stand still on what carries the others: a fixed jaw.
+    carriers = set.union(*(above[link] for link in moved)) - set(gripper.joints) if moved else set()
+    fixed = [
+        i
+        for i, finger in enumerate(gripper.fingers)
+        if all(link in above and link not in moved for link in finger)
+        and carriers
+        and all(carriers <= above[link] for link in finger)
+    ]
     for i, finger in enumerate(gripper.fingers):
         for j, link in enumerate(finger):
-            above = [joint.name for joint in _joints_above(urdf, link)] if link in links else []
-            if link in links and not set(above) & set(gripper.joints):
+            if link in links and link not in moved and i not in fixed[:1]:
                 yield ("gripper", "fingers", i, j), f'no joint of the gripper moves "{link}"'
     if all(ends.open == ends.closed for ends in gripper.joints.values()):
         yield ("gripper", "joints"), "open and closed are the same; write where its joints go"

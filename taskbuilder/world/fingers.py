@@ -68,13 +68,15 @@ class Fingers:
         shares = [
             (position - end.closed) / (end.open - end.closed)
             for position, end in zip(positions, self._ends, strict=True)
+            if end.open != end.closed
         ]
         return total(shares) / len(shares)
 
     def told(self) -> float:
         """The last commanded opening."""
-        end = self._ends[0]
-        return (self.command.values[0] - end.closed) / (end.open - end.closed)
+        ends = zip(self.command.values, self._ends, strict=True)
+        value, end = next((value, end) for value, end in ends if end.open != end.closed)
+        return (value - end.closed) / (end.open - end.closed)
 
     def move(self, opening: float) -> None:
         """Drive it to an opening from 0 (closed) to 1 (open)."""
@@ -135,9 +137,11 @@ def _motorised(body: Body, model: RobotModel, spec: GripperSpec) -> Motors:
     """Couple, brace and motorise the joints of a gripper, in the order of the robot file.
 
     In each finger the joint nearest the palm is driven; joints further out are geared to it, the
-    driven joints to each other, and whatever else the linkage has to the first of them.
+    driven joints to each other, and whatever else the linkage has to the first of them. A fixed
+    jaw has no joints.
     """
     chains = [_chain(model, spec, finger[-1]) for finger in spec.fingers]
+    chains = [chain for chain in chains if chain]
     driven = [chain[0] for chain in chains]
     beside = [joint for joint in spec.joints if not any(joint in chain for chain in chains)]
     gears = [gear for chain in chains for gear in pairwise(chain)]

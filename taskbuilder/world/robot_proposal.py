@@ -1,31 +1,47 @@
 """A robot file for a bare URDF: which joints are the arm, which the gripper, and where the tool is.
 
-From the root, the joints that move are followed as long as there is one way to go; these are the
-arm. Where several ways go on, there is the hand, and its longest ways are the fingers.
+From the root, the joints that move are followed as long as there is one long way to go; these are
+the arm. Short branches on the way, such as a head, are none of it. Where only fingers go on, there
+is the hand.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
-from taskbuilder.geometry import ORIGIN, Pose, Vec3, from_axes, from_rpy_deg
+from taskbuilder.geometry import Pose, Vec3, from_axes, from_rpy_deg
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.kinematics.inverse import solve
-from taskbuilder.world.shapes import link_box
+from taskbuilder.world.hands import (
+    ALIGNED,
+    Hand,
+    Points,
+    find_hand,
+    find_jaw,
+    finger_points,
+    frames_on,
+    is_finger,
+    is_rotor,
+    joints_below,
+    link_corners,
+    link_pose,
+    pads,
+    snapped,
+)
 
 FORCE_N, TURNING_FORCE = 20.0, 1.0
-_SAMPLES = 21
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
+_FROM_FIXED_JAW_M = 0.012  # from a fixed jaw to the middle of what is held against it
+_JAW_ALIGNED = 0.87  # a jaw is bent; within 30° of an axis of its link, that axis is meant
 _NEAR_M = 0.06  # a frame of the URDF is taken for the tool's if it is so near to the pads
-_ALIGNED = 0.97  # least cosine between axes that count as the same
 _OF_A_TOOL = re.compile(r"tcp|tool|grasp|ee|tip|flange|hand", re.IGNORECASE)
-_SEVERAL_ARMS = 3  # joints in each of several branches that are arms, not fingers
+
+__all__ = ["Proposal", "link_corners", "link_pose", "propose"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +54,7 @@ class Proposal:
         tcp: The tool's frame in that of the link.
         home: Joint positions in rad or m.
         gripper: Joint -> open and closed position, in rad or m; empty where none was found.
-        fingers: The last link of each finger.
+        fingers: The links of each finger that touch what is held.
         stroke: Opening between the fingers, in metres.
         remarks: What its reader is to know or to check.
     """
@@ -48,7 +64,7 @@ class Proposal:
     tcp: Pose
     home: tuple[float, ...]
     gripper: Mapping[str, tuple[float, float]]
-    fingers: tuple[str, ...]
+    fingers: tuple[tuple[str, ...], ...]
     stroke: float
     remarks: tuple[str, ...]
 
@@ -58,134 +74,210 @@ class Proposal:
         arm = dict(zip((joint.name for joint in self.arm), self.home, strict=True))
         return arm | {name: ends[0] for name, ends in self.gripper.items()}
 
+    def unused(self, urdf: Urdf) -> tuple[UrdfJoint, ...]:
+        """The joints of a URDF that move and belong to neither arm nor gripper."""
+        used = {joint.name for joint in self.arm} | set(self.gripper)
+        return tuple(joint for joint in urdf.moving_joints if joint.name not in used)
 
-def propose(urdf: Urdf) -> Proposal | None:
-    """Propose a robot file for a URDF; None if it has no arm that can be told apart."""
-    arm, hand, branches = _arm_and_hand(urdf)
+
+def propose(
+    urdf: Urdf, *, end: str | None = None, home: Mapping[str, float] | None = None
+) -> Proposal | None:
+    """Propose a robot file for a URDF; None if it has no arm that can be told apart.
+
+    Args:
+        urdf: The robot.
+        end: A link beyond the arm that is meant, where there are several.
+        home: A posture that its maker names, joint -> position in rad or m.
+    """
+    remarks: list[str] = []
+    arm, hand, found = _arm_and_hand(urdf, end, remarks)
     if not arm:
         return None
-    if sum(len(_joints_below(urdf, branch)) >= _SEVERAL_ARMS for branch in branches) > 1:
-        return None
-    gripper, fingers, stroke = _gripper(urdf, hand, branches)
-    remarks: list[str] = []
-    if fingers:
-        link, tcp = _tool(urdf, hand, gripper, fingers)
+    if found is not None:
+        remarks += found.remarks
+        link, tcp = _tool(urdf, found)
+        if len(found.fingers) > 2:
+            remarks.append(
+                f"{len(found.fingers)} fingers were found, and y of the tcp is along the line "
+                "between the first two. Do the others oppose them?"
+            )
     else:
         remarks.append(
-            "no gripper was found: no link has two or more fingers that move; as it is, the robot "
-            "pushes"
+            "no gripper was found: no link has two or more fingers that move, or one jaw beside a "
+            "fixed one; as it is, the robot pushes"
         )
-        link, tcp = _last_frame(urdf, hand), Pose()
-    home, pointing = _home(urdf, arm, link, tcp)
+        link, tcp = _pushing(urdf, hand)
+    if home is not None:
+        start, pointing = _named(arm, home), True
+    else:
+        start, pointing = _home(urdf, arm, link, tcp)
     if not pointing:
         remarks.append("no home was found in which the tool points down; home_deg is near zero")
-    return Proposal(arm, link, tcp, home, gripper, fingers, stroke, tuple(remarks))
+    return Proposal(
+        arm,
+        link,
+        tcp,
+        start,
+        found.ends if found else {},
+        tuple(finger.links for finger in found.fingers) if found else (),
+        found.stroke if found else 0.0,
+        tuple(remarks),
+    )
 
 
-def _arm_and_hand(urdf: Urdf) -> tuple[tuple[UrdfJoint, ...], str, list[UrdfJoint]]:
-    """The arm, the link that it ends in, and the joints there that lead to what moves beyond."""
+def _arm_and_hand(
+    urdf: Urdf, end: str | None, remarks: list[str]
+) -> tuple[tuple[UrdfJoint, ...], str, Hand | None]:
+    """The arm, the link that it ends in, and the hand there."""
     arm: list[UrdfJoint] = []
     link = urdf.root
     while True:
-        on = [j for j in urdf.joints if j.parent == link and _joints_below(urdf, j)]
-        if len(on) != 1:
-            return tuple(arm), link, on
-        arm += [on[0]] if on[0].moves else []
-        link = on[0].child
+        on = [j for j in urdf.joints if j.parent == link and joints_below(urdf, j)]
+        if not on:
+            return tuple(arm), link, None
+        if len(on) > 1:
+            on = [joint for joint in on if not is_rotor(urdf, joint)] or on
+        if len(on) > 1:
+            long = [joint for joint in on if not is_finger(urdf, joint)]
+            if not long:
+                hand = find_hand(urdf, link, on)
+                if hand is not None or len(arm) >= _FEW:  # a hand alone has no arm
+                    return tuple(arm), link, hand
+                long = [max(on, key=lambda joint: len(joints_below(urdf, joint)))]
+            chosen = _chosen(urdf, long, end, remarks)
+            others = [j.child for j in on if j not in long]
+            if others:
+                remarks.append(
+                    f"{', '.join(others)} on {link} {'is' if len(others) == 1 else 'are'} taken "
+                    "for no part of the arm, being short. Or is it a gripper?"
+                )
+            on = [chosen]
+        joint = on[0]
+        if joint.moves and len(joints_below(urdf, joint)) == 1 and arm:
+            hand = find_jaw(urdf, link, joint)
+            if hand is not None:
+                return tuple(arm), link, hand
+        if joint.moves and joint.mimic is None:
+            arm.append(joint)
+        link = joint.child
 
 
-def _joints_below(urdf: Urdf, joint: UrdfJoint) -> list[UrdfJoint]:
-    """The joints that move from a joint on outwards, with itself."""
-    below = [joint] if joint.moves else []
-    for other in urdf.joints:
-        if other.parent == joint.child:
-            below += _joints_below(urdf, other)
-    return below
+_FEW = 3  # joints that an arm has at least
 
 
-def _gripper(
-    urdf: Urdf, hand: str, branches: Sequence[UrdfJoint]
-) -> tuple[dict[str, tuple[float, float]], tuple[str, ...], float]:
-    """Open and closed position of each joint of the hand, the fingers, and their opening."""
-    ways = [_joints_below(urdf, branch) for branch in branches]
-    if len(ways) < 2:
-        return {}, (), 0.0
-    longest = max(map(len, ways))
-    fingers = tuple(way[-1].child for way in ways if len(way) == longest)
-    if len(fingers) < 2:
-        return {}, (), 0.0
-    middle = np.mean([_middle(urdf, hand, finger, {}) for finger in fingers], axis=0)
-    ends: dict[str, tuple[float, float]] = {}
-    for way in ways:
-        tip = way[-1].child
-        apart = [
-            float(np.linalg.norm(_middle(urdf, hand, tip, _at(way, share)) - middle))
-            for share in (0.0, 1.0)
-        ]
-        wide = float(apart[1] > apart[0])
-        for joint in way:
-            ends[joint.name] = (_end(joint, wide), _end(joint, 1.0 - wide))
-    gaps = []
-    for share in np.linspace(0.0, 1.0, _SAMPLES).tolist():
-        joints = {name: a + share * (b - a) for name, (a, b) in ends.items()}
-        places = [_middle(urdf, hand, finger, joints) for finger in fingers]
-        gaps.append(float(np.linalg.norm(places[0] - places[1])))
-    least = int(np.argmin(gaps)) / (_SAMPLES - 1)
-    closed = {name: (a, a + least * (b - a)) for name, (a, b) in ends.items()}
-    return closed, fingers, max(1e-3, gaps[0] - min(gaps))
+def _chosen(
+    urdf: Urdf, long: Sequence[UrdfJoint], end: str | None, remarks: list[str]
+) -> UrdfJoint:
+    """The branch that is meant of several, the first of those with most joints by default."""
+    if len(long) == 1:
+        return long[0]
+    for joint in long:
+        if end is not None and end in _links_below(urdf, joint):
+            return joint
+    most = max(len(joints_below(urdf, joint)) for joint in long)
+    chosen = next(joint for joint in long if len(joints_below(urdf, joint)) == most)
+    others = ", ".join(joint.child for joint in long if joint is not chosen)
+    remarks.append(
+        f"several arms begin on {chosen.parent}; this is the one from {chosen.child} on. Or is "
+        f"another meant: {others}? Then import with --arm {others.partition(',')[0]}"
+    )
+    return chosen
 
 
-def _at(way: Sequence[UrdfJoint], share: float) -> dict[str, float]:
-    return {joint.name: _end(joint, share) for joint in way}
+def _links_below(urdf: Urdf, joint: UrdfJoint) -> set[str]:
+    links, pending = set(), [joint.child]
+    while pending:
+        link = pending.pop()
+        links.add(link)
+        pending += [other.child for other in urdf.joints if other.parent == link]
+    return links
 
 
-def _end(joint: UrdfJoint, share: float) -> float:
-    lower = -0.5 if joint.lower is None else joint.lower
-    upper = 0.5 if joint.upper is None else joint.upper
-    return lower + share * (upper - lower)
-
-
-def _tool(
-    urdf: Urdf, hand: str, gripper: Mapping[str, tuple[float, float]], fingers: Sequence[str]
-) -> tuple[str, Pose]:
+def _tool(urdf: Urdf, hand: Hand) -> tuple[str, Pose]:
     """The frame between the pads: z out of the hand, y from one finger to the other."""
-    opened = {name: ends[0] for name, ends in gripper.items()}
-    places = np.array([_middle(urdf, hand, finger, opened) for finger in fingers])
+    opened = {name: ends[0] for name, ends in hand.ends.items()}
+    if not hand.fingers[-1].joints:
+        return hand.link, _jaw_tool(urdf, hand)
+    tips = [finger_points(urdf, hand.link, finger, opened) for finger in hand.fingers]
+    places = np.array([(tip.min(axis=0) + tip.max(axis=0)) / 2.0 for tip in tips])
     middle = places.mean(axis=0)
     closing = places[0] - places[1]
-    y = _snapped(closing / max(float(np.linalg.norm(closing)), 1e-9))
+    y = snapped(closing / max(float(np.linalg.norm(closing)), 1e-9))
     out = middle - (middle @ y) * y
-    z = _snapped(out / max(float(np.linalg.norm(out)), 1e-9))
+    z = snapped(out / max(float(np.linalg.norm(out)), 1e-9))
     z = z - (z @ y) * y
     z = z / max(float(np.linalg.norm(z)), 1e-9)
-    reach = max(
-        float(np.array(corner) @ z)
-        for finger in fingers
-        for corner in link_corners(urdf, hand, finger, opened)
-    )
+    reach = max(float((tip @ z).max()) for tip in tips)
     point = middle + (reach - _PAD_M - middle @ z) * z
-    x = np.cross(y, z)
-    pose = Pose(_vec(point), from_axes(_vec(x), _vec(y), _vec(z)))
-    for link in _frames_on(urdf, hand):
-        own = link_pose(urdf, hand, link, {})
+    pose = _frame(point, y, z)
+    for link in frames_on(urdf, hand.link):
+        own = link_pose(urdf, hand.link, link, {})
         near = np.linalg.norm(np.array(own.position) - point) < _NEAR_M
-        along = np.array(own.axis(2)) @ z > _ALIGNED and abs(np.array(own.axis(1)) @ y) > _ALIGNED
+        along = np.array(own.axis(2)) @ z > ALIGNED and abs(np.array(own.axis(1)) @ y) > ALIGNED
         if near and along and _OF_A_TOOL.search(link):
             return link, Pose()
-    return hand, pose
+    return hand.link, pose
 
 
-def _last_frame(urdf: Urdf, hand: str) -> str:
-    """The outermost frame that is fixed to the last link, or the link."""
-    return [hand, *_frames_on(urdf, hand)][-1]
+def _jaw_tool(urdf: Urdf, hand: Hand) -> Pose:
+    """The frame before the pad of a fixed jaw: y across it, z along it."""
+    (name, (opened, closed)) = next(iter(hand.ends.items()))
+    moving, fixed = pads(urdf, hand, {name: closed})
+    joint = hand.fingers[0].joints[-1]
+    origin = np.array(link_pose(urdf, hand.link, joint.child, {}).position)
+    tip = int(np.argmax(np.linalg.norm(moving - origin, axis=1)))
+    turn = np.array(link_pose(urdf, hand.link, joint.child, {}).apply(joint.axis)) - origin
+    along = moving[tip] - origin
+    if joint.type != "prismatic":  # the tool lies in the plane in which the jaw turns
+        along = along - (along @ turn) * turn
+    z = snapped(along / max(float(np.linalg.norm(along)), 1e-9), _JAW_ALIGNED)
+    wide, _ = pads(urdf, hand, {name: opened})
+    across = wide[tip] - moving[tip]
+    if joint.type != "prismatic":
+        across = across - (across @ turn) * turn
+    y = across - (across @ z) * z
+    y = snapped(y / max(float(np.linalg.norm(y)), 1e-9), _JAW_ALIGNED)
+    z = z - (z @ y) * y
+    z = z / max(float(np.linalg.norm(z)), 1e-9)
+    end = float(min((moving @ z).max(), (fixed @ z).max()))
+    pad = fixed[fixed @ z > end - 2.0 * _PAD_M]
+    x = np.cross(y, z)
+    side = float(((moving[tip] @ x) + float(np.median(pad @ x))) / 2.0) if len(pad) else 0.0
+    face = float((pad @ y).max()) if len(pad) else float(moving[tip] @ y)
+    face = min(face, float(moving[tip] @ y))
+    point = (end - _PAD_M) * z + (face + _FROM_FIXED_JAW_M) * y + side * x
+    return _frame(point, y, z)
 
 
-def _frames_on(urdf: Urdf, hand: str) -> Iterator[str]:
-    """The links that are fixed to a link."""
-    for joint in urdf.joints:
-        if joint.parent == hand and not joint.moves:
-            yield joint.child
-            yield from _frames_on(urdf, joint.child)
+def _frame(point: Points, y: Points, z: Points) -> Pose:
+    return Pose(_vec(point), from_axes(_vec(np.cross(y, z)), _vec(y), _vec(z)))
+
+
+def _pushing(urdf: Urdf, hand: str) -> tuple[str, Pose]:
+    """The outermost frame on the last link, on a link there that can touch something."""
+    frame = [hand, *frames_on(urdf, hand)][-1]
+    link, tcp = frame, Pose()
+    while not urdf.link(link).collisions:
+        joint = urdf.joint_above(link)
+        if joint is None or joint.moves:
+            return frame, Pose()
+        link, tcp = joint.parent, joint.origin @ tcp
+    return link, tcp
+
+
+def _named(arm: Sequence[UrdfJoint], home: Mapping[str, float]) -> tuple[float, ...]:
+    """A posture that somebody has named, within the limits."""
+    return tuple(
+        float(
+            np.clip(
+                home.get(joint.name, 0.0),
+                -np.inf if joint.lower is None else joint.lower,
+                np.inf if joint.upper is None else joint.upper,
+            )
+        )
+        for joint in arm
+    )
 
 
 def _home(
@@ -208,60 +300,6 @@ def _home(
     return start, False
 
 
-def link_corners(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) -> list[Vec3]:
-    """The corners of a link's bounding box in the frame of a link above it.
-
-    Args:
-        urdf: The robot.
-        above: The link above, such as the hand or the root.
-        link: The link.
-        joints: Positions of joints between the two, in m or rad; others are at 0.
-    """
-    pose = link_pose(urdf, above, link, joints)
-    found = urdf.link(link)
-    shapes = found.collisions or found.visuals
-    if not shapes:
-        return [pose.position]
-    return [pose.apply(corner) for corner in link_box(shapes, 1.0).corners()]
-
-
-def _middle(urdf: Urdf, hand: str, link: str, joints: Mapping[str, float]) -> NDArray[np.float64]:
-    middle: NDArray[np.float64] = np.mean(link_corners(urdf, hand, link, joints), axis=0)
-    return middle
-
-
-def link_pose(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) -> Pose:
-    """The pose of a link in the frame of one above it, with joints as given and others at 0."""
-    pose = Pose()
-    while link != above:
-        joint = urdf.joint_above(link)
-        if joint is None:
-            return pose
-        pose = joint.origin @ _moved(joint, joints.get(joint.name, 0.0)) @ pose
-        link = joint.parent
-    return pose
-
-
-def _moved(joint: UrdfJoint, position: float) -> Pose:
-    if not joint.moves:
-        return Pose()
-    x, y, z = joint.axis
-    if joint.type == "prismatic":
-        return Pose((x * position, y * position, z * position))
-    sine = float(np.sin(position / 2))
-    return Pose(ORIGIN, (x * sine, y * sine, z * sine, float(np.cos(position / 2))))
-
-
-def _snapped(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A direction, or the axis of the frame that it is nearly along."""
-    index = int(np.argmax(np.abs(direction)))
-    if abs(direction[index]) < _ALIGNED:
-        return direction
-    axis = np.zeros(3)
-    axis[index] = np.sign(direction[index])
-    return axis
-
-
-def _vec(values: NDArray[np.float64]) -> Vec3:
+def _vec(values: Points) -> Vec3:
     x, y, z = values.tolist()
     return x, y, z

@@ -135,6 +135,28 @@ def test_the_proposal_is_a_robot_that_grasps(hand, urdf, run, tmp_path):
     assert played.success, played.trouble
 
 
+def jaw() -> str:
+    """One jaw that turns beside a fixed one."""
+    text = link("palm", 0.11, 0.012, 0.3) + link("jaw", 0.09, 0.012, 0.05)
+    text += joint("roll", "l6", "palm", "0 0 0.06", "0 0 1", "revolute", 'lower="-2" upper="2"')
+    limits = 'lower="0" upper="1.5"'
+    return text + joint("gripper", "palm", "jaw", "0.013 0 0.02", "0 1 0", "revolute", limits)
+
+
+def test_a_jaw_that_closes_on_a_fixed_one_holds_things(urdf, run, tmp_path):
+    data = run("robots", "check", str(urdf(arm() + jaw())), "--json").data
+    assert data["ok"], data["findings"]
+    (tmp_path / "mine" / "robot.yaml").write_text(data["proposal"])
+    written = yaml.safe_load(data["proposal"])
+    assert written["arm"] == [*(f"j{number}" for number in range(1, 7)), "roll"]
+    assert written["gripper"]["fingers"] == [["jaw"], ["palm"]]
+    (tmp_path / "lift.yaml").write_text(TASK)
+    (tmp_path / "lift.py").write_text(DESCRIPTION)
+    with closing(parallel_env("lift.yaml")) as env, closing(Expert(env)) as expert:
+        played = play(env, expert, 0)
+    assert played.success, played.trouble
+
+
 def test_what_is_printed_is_what_is_to_be_pasted(urdf, run):
     file = urdf(arm() + fingers())
     ran = run("robots", "check", str(file), "--out", "arm.png")
@@ -170,7 +192,7 @@ def test_a_robot_without_a_gripper_is_said_to_have_none(urdf, run):
     assert "gripper:" not in ran.out
 
 
-def test_two_arms_are_no_robot(urdf, run):
+def test_of_two_arms_one_is_proposed_and_the_other_asked_about(urdf, run):
     second = (
         arm().replace('name="j', 'name="k').replace('"l', '"m').replace('name="m0"', 'name="x"')
     )
@@ -179,8 +201,9 @@ def test_two_arms_are_no_robot(urdf, run):
     both += second.replace('name="x"', 'name="m0"')
     both += joint("right", "root", "m0", "0 -0.5 0", "0 0 1", "fixed", "")
     ran = run("robots", "check", str(urdf(both)))
-    assert "no arm was found" in ran.out
-    assert "robot:" not in ran.out
+    assert "several arms begin on root; this is the one from l0 on" in ran.out
+    assert "--arm m0" in ran.out
+    assert "arm: [j1, j2, j3, j4, j5, j6]" in ran.out
 
 
 @pytest.mark.parametrize("name", sorted(Catalogue.discover().robots))
@@ -192,7 +215,8 @@ def test_the_robots_of_the_library_are_found_out(name):
     if robot.spec.gripper is None:
         assert not proposal.gripper
         return
-    assert {*proposal.fingers} == {link for finger in robot.spec.gripper.fingers for link in finger}
+    found = {link for finger in proposal.fingers for link in finger}
+    assert found == {link for finger in robot.spec.gripper.fingers for link in finger}
     for key, ends in robot.spec.gripper.joints.items():
         assert proposal.gripper[key] == pytest.approx((ends.open, ends.closed), abs=1e-3)
     assert proposal.stroke == pytest.approx(robot.spec.gripper.stroke, abs=5e-3)

@@ -73,6 +73,15 @@ def findings(folder):
     return load
 
 
+def test_one_jaw_may_stand_still(findings):
+    jaw = ("    other_slide: {open: 0.1, closed: 0.0}\n", "")
+    assert findings(jaw, ("[[thumb], [finger]]", "[[thumb], [hand]]")) == []
+    (said,) = findings(jaw, ("[[thumb], [finger]]", "[[thumb], [base]]"))
+    assert 'no joint of the gripper moves "base"' in said
+    (said,) = findings(jaw, ("[[thumb], [finger]]", "[[thumb], [hand], [finger]]"))
+    assert 'no joint of the gripper moves "finger"' in said
+
+
 def test_a_robot_knows_its_joints_and_home_in_radians(findings, folder):
     assert not findings()
     robot = load_robot(Catalogue().robot("./toy", folder))

@@ -11,15 +11,21 @@ from taskbuilder.geometry import Pose
 from taskbuilder.world.robot_proposal import FORCE_N, TURNING_FORCE, Proposal
 
 
-def robot_file(urdf: Urdf, proposal: Proposal) -> str:
-    """The text of a robot.yaml that lies beside the URDF."""
+def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
+    """The text of a robot.yaml that lies beside the URDF.
+
+    Args:
+        urdf: The robot.
+        proposal: What was found out about it.
+        summary: What it is, in a line; by default its name and its number of joints.
+    """
     name = _name(urdf)
     joints = ", ".join(joint.name for joint in proposal.arm)
     home = ", ".join(_home(proposal))
     lines = [
         *(f"# {remark}" for remark in proposal.remarks),
         f"robot: {name}",
-        f"summary: {name}, {len(proposal.arm)} joint{'s' * (len(proposal.arm) > 1)}",
+        f"summary: {summary or _summary(name, proposal)}",
         f"urdf: {urdf.path.name}",
         f"arm: [{joints}]",
         f"tcp: {_tcp(proposal.tcp_link, proposal.tcp)}",
@@ -27,7 +33,7 @@ def robot_file(urdf: Urdf, proposal: Proposal) -> str:
     ]
     if proposal.gripper:
         turns = any(urdf.joint(name).type != "prismatic" for name in proposal.gripper)
-        fingers = ", ".join(f"[{finger}]" for finger in proposal.fingers)
+        fingers = ", ".join(f"[{', '.join(finger)}]" for finger in proposal.fingers)
         lines += [
             "gripper:",
             "  joints:",
@@ -37,6 +43,10 @@ def robot_file(urdf: Urdf, proposal: Proposal) -> str:
             f"  force: {TURNING_FORCE if turns else FORCE_N:g}",
         ]
     return "\n".join(lines) + "\n"
+
+
+def _summary(name: str, proposal: Proposal) -> str:
+    return f"{name}, {len(proposal.arm)} joint{'s' * (len(proposal.arm) > 1)}"
 
 
 def _name(urdf: Urdf) -> str:

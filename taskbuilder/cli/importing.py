@@ -1,0 +1,216 @@
+"""`taskbuilder robots import`, `robots poses` and `objects import`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.paths import AssetError
+from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.cli.output import paint, print_json, print_table, show_finding
+from taskbuilder.cli.tasks import make_folder
+from taskbuilder.errors import FileError, Finding, Location, UsageError, display_path
+from taskbuilder.importing.changes import HEADER
+from taskbuilder.importing.folders import Imported, Source, import_object, import_robot
+from taskbuilder.importing.geometry import MeshOptions
+from taskbuilder.importing.mesh_files import UNITS
+from taskbuilder.importing.postures import read_postures
+from taskbuilder.importing.writing import require_replaceable, write_folder
+from taskbuilder.visual.annotations import axes
+from taskbuilder.visual.ink import Marks
+from taskbuilder.visual.robot_picture import take_robot_picture
+from taskbuilder.visual.still import save_image
+from taskbuilder.world.robot_proposal import Proposal, link_pose
+
+
+def run_import(arguments: argparse.Namespace, *, robot: bool) -> int:
+    """Import a robot or an object."""
+    source = _source(arguments, robot=robot)
+    try:
+        imported = import_robot(source) if robot else import_object(source)
+    except FileError as error:
+        return _failed(arguments, error)
+    default = Path("robots" if robot else "objects", imported.name)
+    folder: Path = arguments.out or default
+    if robot and folder.name != imported.name:
+        imported = import_robot(_named(source, folder.name))
+    require_replaceable(folder, overwrite=arguments.overwrite)
+    findings, picture = _tried(imported, fixed=robot)
+    ok = not any(finding.severity == "error" for finding in findings)
+    if ok:
+        write_folder(folder, imported.files, overwrite=arguments.overwrite)
+    if arguments.json:
+        print_json(_data(folder, imported, findings, picture, ok))
+        return 0 if ok else 1
+    _print(folder, imported, findings, robot=robot)
+    if not ok:
+        print(paint("failed", "red") + "; nothing was written")
+        return 1
+    print(paint("ok", "green"))
+    written = "robot.yaml" if imported.proposal else f"{imported.name}.urdf"
+    for path in (folder / written, picture):
+        if path is not None:
+            print(display_path(path))
+    return 0
+
+
+def run_poses(arguments: argparse.Namespace) -> int:
+    """Print the postures that an SRDF or MJCF file names."""
+    given = dict(arguments.arg or ())
+    postures = read_postures(Path(arguments.robot), _folders(arguments), given)
+    if arguments.json:
+        print_json({"file": arguments.robot, "postures": {n: dict(p) for n, p in postures.items()}})
+        return 0
+    for name, joints in postures.items():
+        print(paint(name, "bold"))
+        rows = [["joint", "rad or m", "degrees"]]
+        rows += [
+            [joint, f"{value:.5g}", f"{math.degrees(value):.5g}"] for joint, value in joints.items()
+        ]
+        print_table(rows, indent="  ")
+    return 0
+
+
+def _named(source: Source, name: str) -> Source:
+    return replace(source, name=name)
+
+
+def _source(arguments: argparse.Namespace, *, robot: bool) -> Source:
+    file = Path(arguments.robot if robot else arguments.file)
+    if not file.exists():
+        raise UsageError(f"there is no file {display_path(file)}")
+    unit = getattr(arguments, "unit", None)
+    meshes = MeshOptions(
+        triangles=arguments.triangles,
+        collision=arguments.collision,
+        unit=UNITS[unit] if unit else None,
+        up=arguments.up,
+    )
+    out: Path | None = arguments.out
+    return Source(
+        file,
+        _folders(arguments),
+        dict(arguments.arg or ()),
+        arguments.root,
+        arguments.name or (out.name if out and robot else ""),
+        meshes,
+        getattr(arguments, "mass", None),
+        arguments.density,
+        getattr(arguments, "gripper", None),
+        getattr(arguments, "at", ""),
+        getattr(arguments, "arm", None),
+    )
+
+
+def _folders(arguments: argparse.Namespace) -> Mapping[str, Path]:
+    folders = {name: Path(folder) for name, folder in arguments.package or ()}
+    for name, folder in folders.items():
+        if not folder.is_dir():
+            raise UsageError(f"--package {name}={folder}: there is no such folder")
+    return folders
+
+
+def _failed(arguments: argparse.Namespace, error: FileError) -> int:
+    if arguments.json:
+        findings = [finding.as_data() for finding in error.findings]
+        print_json({"ok": False, "findings": findings})
+        return 1
+    for finding in error.findings:
+        print(show_finding(finding))
+    print(paint("failed", "red") + "; nothing was written")
+    return 1
+
+
+def _tried(imported: Imported, *, fixed: bool) -> tuple[list[Finding], Path | None]:
+    """What the physics engine says of the files, and the picture, before they are written."""
+    with tempfile.TemporaryDirectory(prefix="taskbuilder-") as aside:
+        folder = Path(aside).resolve() / imported.name
+        write_folder(folder, imported.files, overwrite=False)
+        urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,), fixed=fixed)
+        findings = list(imported.warnings)
+        picture = _picture(folder, urdf, imported, findings)
+    place = Location(Path(f"{imported.name}.urdf"))
+    return [replace(one, location=place) for one in findings], picture
+
+
+def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Finding]) -> Path | None:
+    """Take the picture: the looks, with the axes of the tcp, beside the collision shapes."""
+    proposal = imported.proposal
+    joints = proposal.open if proposal else {}
+    marks = Marks()
+    if proposal is not None:
+        pose = link_pose(urdf, urdf.root, proposal.tcp_link, joints) @ proposal.tcp
+        marks = axes(pose, "tcp", 0.1)
+    try:
+        looks, said = take_robot_picture(urdf, joints, trusted=False, marks=marks)
+        findings += [
+            Finding("TB407", text, "", Location(urdf.path), "warning")
+            for text in said
+            if "<inertial>" not in text
+        ]
+        shown = folder / "collisions.urdf"
+        shown.write_text(imported.collisions, encoding="utf-8")
+        collisions = read_urdf(shown, (folder,), fixed=True)
+        shapes, _ = take_robot_picture(collisions, joints, trusted=True)
+    except AssetError as error:
+        findings.append(error.finding(location=Location(urdf.path)))
+        return None
+    file = Path("renders", f"{imported.name}-import.png")
+    make_folder(file.parent)
+    save_image(file, np.concatenate([looks, shapes], axis=1))
+    return file
+
+
+def _print(folder: Path, imported: Imported, findings: list[Finding], *, robot: bool) -> None:
+    changes = imported.changes
+    print(paint(f"{imported.name} · {display_path(folder)}", "bold"))
+    print()
+    print_table([HEADER, *(row.cells() for row in changes.rows)], indent="  ", prose=True)
+    print()
+    if changes.left_out:
+        print(f"  left out: {'; '.join(changes.left_out)}\n")
+    if imported.proposal is not None:
+        for remark in imported.proposal.remarks:
+            print(f"  {remark}")
+        print(f"  {_words(imported.proposal)}\n")
+    elif robot:
+        print("  no arm was found; if it is a gripper, mount it:")
+        print(f"  taskbuilder robots import ARM --gripper {imported.name}.urdf --at LINK\n")
+    else:
+        print("  in a task file:\n")
+        urdf = display_path(folder / f"{imported.name}.urdf")
+        print(f"    {imported.name}: {{shape: {{urdf: {urdf}}}, position: [0.5, 0, 0.1]}}\n")
+    for finding in findings:
+        print(show_finding(finding))
+
+
+def _words(proposal: Proposal) -> str:
+    opens = f"the gripper opens {proposal.stroke * 1000:.0f} mm" if proposal.gripper else ""
+    joints = f"{len(proposal.arm)} joints in the arm"
+    return "; ".join(filter(None, (joints, opens)))
+
+
+def _data(
+    folder: Path, imported: Imported, findings: list[Finding], picture: Path | None, ok: bool
+) -> dict[str, Any]:
+    proposal = imported.proposal
+    return {
+        "name": imported.name,
+        "folder": display_path(folder),
+        "ok": ok,
+        "changes": [dict(zip(HEADER, row.cells(), strict=True)) for row in imported.changes.rows],
+        "left_out": list(imported.changes.left_out),
+        "arm": [joint.name for joint in proposal.arm] if proposal else None,
+        "stroke": round(proposal.stroke, 4) if proposal and proposal.gripper else None,
+        "questions": list(proposal.remarks) if proposal else [],
+        "findings": [finding.as_data() for finding in findings],
+        "picture": display_path(picture) if picture else None,
+    }

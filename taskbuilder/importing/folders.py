@@ -1,0 +1,307 @@
+"""Importing a robot or an object: from a file of its maker to a folder of ours."""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.errors import FileError, Finding, Location, UsageError
+from taskbuilder.geometry import Pose
+from taskbuilder.importing.changes import Changes
+from taskbuilder.importing.description import Description, Link, Shape
+from taskbuilder.importing.geometry import Geometry, MeshOptions
+from taskbuilder.importing.limits import held, with_followers, with_limits
+from taskbuilder.importing.masses import with_masses
+from taskbuilder.importing.mounting import mounted, parse_flange, with_located_meshes
+from taskbuilder.importing.packages import Packages
+from taskbuilder.importing.reading import is_mesh, read_description
+from taskbuilder.importing.shells import without_shells
+from taskbuilder.importing.writing import MARK, urdf_text
+from taskbuilder.schema.catalogue import CatalogueEntry
+from taskbuilder.schema.robots import load_robot
+from taskbuilder.world.robot_file import robot_file
+from taskbuilder.world.robot_proposal import Proposal, propose
+
+_NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
+_ROBOT_SLACK, _OBJECT_SLACK = math.inf, 1.0
+
+
+@dataclass(frozen=True)
+class Source:
+    """What is imported.
+
+    Attributes:
+        file: The file.
+        packages: Package name -> folder, where they are not found upwards.
+        arguments: Values of arguments of xacro files.
+        root: The import root; None for the ROS package or repository of the file.
+        name: The name of what is written; "" for that of the file.
+        meshes: How meshes are imported.
+        mass: Of the whole in kg, in place of what the file says.
+        density: In kg/m³, in place of masses that the file says.
+        gripper: A file to mount on a robot, or None.
+        flange: Where, as ``LINK[@pose]``.
+        arm: A link of the arm that is meant, where there are several.
+    """
+
+    file: Path
+    packages: Mapping[str, Path] = field(default_factory=dict)
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    root: Path | None = None
+    name: str = ""
+    meshes: MeshOptions = field(default_factory=MeshOptions)
+    mass: float | None = None
+    density: float | None = None
+    gripper: Path | None = None
+    flange: str = ""
+    arm: str | None = None
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What an import came to, not yet written.
+
+    Attributes:
+        name: The name of the folder.
+        files: Content by path in the folder.
+        changes: What was changed and left out.
+        proposal: What a robot file says; None for objects, and for grippers alone.
+        collisions: The text of a URDF that shows collision shapes in place of looks.
+        warnings: What the check of the result warns of.
+    """
+
+    name: str
+    files: Mapping[str, bytes]
+    changes: Changes
+    proposal: Proposal | None
+    collisions: str
+    warnings: tuple[Finding, ...]
+
+
+def import_robot(source: Source) -> Imported:
+    """Read a robot and make the files of a folder of it.
+
+    Raises:
+        FileError: Something is wrong that cannot be mended without a guess.
+        UsageError: Options are wrong, or the extra is not installed.
+    """
+    changes = Changes()
+    packages, description = _read(source, changes)
+    description = with_followers(description, changes)
+    if source.gripper is not None:
+        if not source.flange:
+            raise UsageError("on which link? --gripper needs --at LINK[@x,y,z[,roll,pitch,yaw]]")
+        flange, pose = parse_flange(source.flange)
+        other = Packages.around(source.gripper, source.packages, source.root)
+        gripper = read_description(other, source.arguments, changes)
+        gripper = with_located_meshes(with_followers(gripper, changes), other)
+        description = mounted(description, gripper, flange, pose, changes)
+        packages.admit(other.roots)
+    name = _name(source.name or description.name)
+    description = replace(description, name=name)
+    options = replace(source.meshes, slack=_ROBOT_SLACK)
+    geometry = Geometry(packages, options, changes)
+    description = _completed(description, geometry, source, changes)
+    home = description.postures.get("home")
+    with _aside(name, description, geometry, changes) as urdf:
+        proposal = propose(urdf, end=source.arm, home=home)
+    if proposal is not None:
+        description = _without_unused(description, proposal, urdf, changes)
+        touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
+        description = geometry.refined(description, list(touching))
+    with _aside(name, description, geometry, changes) as urdf:
+        files = geometry.used_files(description)
+        files[f"{name}.urdf"] = _text(description, source, changes).encode()
+        warnings = urdf.warnings
+        if proposal is not None:
+            proposal = _again(proposal, propose(urdf, end=source.arm, home=home))
+            text = _robot_text(urdf, proposal, source, description, changes)
+            files["robot.yaml"] = text.encode()
+            written = urdf.path.parent / "robot.yaml"
+            written.write_text(text, encoding="utf-8")
+            load_robot(CatalogueEntry(name, written))
+    shown = urdf_text(_collisions_shown(description), ["collision shapes"])
+    return Imported(name, files, changes, proposal, shown, warnings)
+
+
+def import_object(source: Source) -> Imported:
+    """Read an object, a mesh or a description, and make the files of a folder of it.
+
+    Raises:
+        FileError: Something is wrong that cannot be mended without a guess.
+        UsageError: The extra is not installed.
+    """
+    changes = Changes()
+    mesh = is_mesh(source.file)
+    if mesh:
+        packages = Packages.around(source.file, source.packages, source.root)
+        description = _of_mesh(packages.file)
+    else:
+        packages, description = _read(source, changes)
+    name = _name(source.name or description.name)
+    description = replace(description, name=name)
+    options = replace(source.meshes, slack=_OBJECT_SLACK, upright=mesh)
+    geometry = Geometry(packages, options, changes)
+    description = _completed(description, geometry, source, changes)
+    with _aside(name, description, geometry, changes, fixed=False) as urdf:
+        warnings = urdf.warnings
+    files = geometry.used_files(description)
+    files[f"{name}.urdf"] = _text(description, source, changes).encode()
+    shown = urdf_text(_collisions_shown(description), ["collision shapes"])
+    return Imported(name, files, changes, None, shown, warnings)
+
+
+def _again(first: Proposal, second: Proposal | None) -> Proposal:
+    """The proposal for the final shapes, with what was asked of joints that are fixed by now."""
+    if second is None:
+        return first
+    known = {remark[:_BEGINNING] for remark in second.remarks}
+    asked = tuple(remark for remark in first.remarks if remark[:_BEGINNING] not in known)
+    return replace(second, remarks=(*asked, *second.remarks))
+
+
+_BEGINNING = 20  # characters in which remarks on the same thing agree
+
+
+def _read(source: Source, changes: Changes) -> tuple[Packages, Description]:
+    if not source.file.exists():
+        raise UsageError(f"there is no file {source.file}")
+    packages = Packages.around(source.file, source.packages, source.root)
+    return packages, read_description(packages, source.arguments, changes)
+
+
+def _of_mesh(file: Path) -> Description:
+    """The description of an object that is one mesh."""
+    shape = Shape("mesh", (1.0, 1.0, 1.0), Pose(), Location(file), file.name)
+    link = Link("body", None, (shape,), (shape,), Location(file))
+    return Description(file, file.parent, file.stem, (link,), ())
+
+
+def _completed(
+    description: Description, geometry: Geometry, source: Source, changes: Changes
+) -> Description:
+    """The description with all that was found out.
+
+    Raises:
+        FileError: Meshes cannot be used.
+    """
+    description = without_shells(description, changes)
+    description = geometry.converted(description)
+    if geometry.findings:
+        raise FileError(geometry.findings)
+    description = with_masses(
+        description, geometry, changes, mass=source.mass, density=source.density
+    )
+    return with_limits(description, changes)
+
+
+def _without_unused(
+    description: Description, proposal: Proposal, urdf: Urdf, changes: Changes
+) -> Description:
+    """The description with joints fixed that are neither of the arm nor of the gripper."""
+    unused = {joint.name for joint in proposal.unused(urdf)}
+    joints = []
+    for joint in description.joints:
+        if joint.name in unused:
+            low = joint.lower if joint.lower is not None else 0.0
+            high = joint.upper if joint.upper is not None else 0.0
+            position = min(max(0.0, low), high) if joint.lower is not None else 0.0
+            changes.note(
+                f"joint {joint.name}", "type", joint.type, f"fixed at {position:g}",
+                "it is neither of the arm nor of the gripper",
+            )  # fmt: skip
+            joint = held(joint, position)
+        joints.append(joint)
+    return replace(description, joints=tuple(joints))
+
+
+@contextmanager
+def _aside(
+    name: str,
+    description: Description,
+    geometry: Geometry,
+    changes: Changes,
+    *,
+    fixed: bool = True,
+) -> Iterator[Urdf]:
+    """The URDF written to a folder that is removed again, and read as it will be read."""
+    with tempfile.TemporaryDirectory(prefix="taskbuilder-") as temporary:
+        folder = Path(temporary).resolve() / name
+        for path, content in geometry.used_files(description).items():
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_bytes(content)
+        folder.mkdir(exist_ok=True)
+        file = folder / f"{name}.urdf"
+        file.write_text(urdf_text(description, changes.lines()), encoding="utf-8")
+        yield read_urdf(file, (folder,), fixed=fixed)
+
+
+def _text(description: Description, source: Source, changes: Changes) -> str:
+    comment = [f"{MARK} from {source.file.name}"]
+    if source.gripper is not None:
+        comment.append(f"with {source.gripper.name} on {source.flange}")
+    return urdf_text(description, [*comment, "", *changes.lines()])
+
+
+def _robot_text(
+    urdf: Urdf,
+    proposal: Proposal,
+    source: Source,
+    description: Description,
+    changes: Changes,
+) -> str:
+    others = [name for name in description.postures if name != "home"]
+    lines = [f"{MARK} from {source.file.name}; {urdf.path.name} lists the changes"]
+    if "home" in description.postures:
+        lines.append("home_deg is the posture home of the file")
+    elif others:
+        lines.append(f"the file also names the postures {', '.join(others)}")
+    if changes.left_out:
+        lines.append(f"{urdf.path.name} also lists what was left out")
+    asked = replace(proposal, remarks=tuple(_wrapped([*lines, *proposal.remarks])))
+    return robot_file(urdf, asked)
+
+
+def _wrapped(remarks: Sequence[str], width: int = 96) -> Iterator[str]:
+    for remark in remarks:
+        yield from textwrap.wrap(remark, width, subsequent_indent="  ") or [""]
+
+
+def _collisions_shown(description: Description) -> Description:
+    """The description with its collision shapes as looks, each link in a colour of its own."""
+    links = []
+    for number, link in enumerate(description.links):
+        color = _PALETTE[number % len(_PALETTE)]
+        shapes = tuple(replace(shape, color=color) for shape in link.collisions)
+        links.append(replace(link, visuals=shapes))
+    return replace(description, links=tuple(links))
+
+
+_PALETTE = (
+    (0.90, 0.62, 0.0, 1.0),
+    (0.34, 0.71, 0.91, 1.0),
+    (0.0, 0.62, 0.45, 1.0),
+    (0.94, 0.89, 0.26, 1.0),
+    (0.0, 0.45, 0.70, 1.0),
+    (0.84, 0.37, 0.0, 1.0),
+    (0.80, 0.47, 0.65, 1.0),
+)
+
+
+def _name(text: str) -> str:
+    """A name that a folder and a robot file may have."""
+    name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
+    if not name or not name[0].isalpha():
+        name = f"robot_{name}".rstrip("_")
+    name = name[:40]
+    if not _NAME.fullmatch(name):
+        raise UsageError(f'"{text}" is no name; give one with --name')
+    return name

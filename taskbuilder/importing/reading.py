@@ -1,0 +1,87 @@
+"""From a file of any of the formats that are read to a description."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from taskbuilder.assets import codes
+from taskbuilder.assets.markup import parse
+from taskbuilder.assets.paths import AssetError, require_readable
+from taskbuilder.errors import FileError, Finding, Location
+from taskbuilder.importing.changes import Changes
+from taskbuilder.importing.description import Description
+from taskbuilder.importing.mesh_files import FORMATS
+from taskbuilder.importing.mjcf import read_mjcf
+from taskbuilder.importing.packages import Packages
+from taskbuilder.importing.sdf import read_sdf
+from taskbuilder.importing.urdf import read_urdf_text
+from taskbuilder.importing.xacro import expand
+
+MAX_BYTES = 16 * 2**20
+_ARCHIVES = (".zip", ".gz", ".tar", ".tgz", ".7z", ".rar", ".bz2", ".xz", ".whl")
+_OTHERS = (".usd", ".usda", ".usdc", ".usdz", ".step", ".stp", ".iges", ".igs", ".fbx", ".blend")
+
+
+def read_description(
+    packages: Packages, arguments: Mapping[str, str], changes: Changes
+) -> Description:
+    """Read the file that packages were looked up around.
+
+    Args:
+        packages: The packages around the file, which it names.
+        arguments: Values of the arguments of a xacro file.
+        changes: Where changes are noted.
+
+    Raises:
+        FileError: It cannot be read, or something is wrong with it.
+        UsageError: The extra is not installed.
+    """
+    file = packages.file
+    data = _content(file)
+    if file.suffix.lower() == ".xacro" or b"xmlns:xacro" in data[:4000] or b"<xacro:" in data:
+        text, _ = expand(packages, arguments)
+        changes.note("file", "format", file.name, "URDF", "xacro was expanded" + _given(arguments))
+        return read_urdf_text(file, text, changes)
+    root = parse(file, data, lines=False)
+    if root.tag == "robot":
+        return read_urdf_text(file, data, changes)
+    if root.tag in ("sdf", "gazebo"):
+        changes.note(
+            "file", "format", file.name, "URDF", f"SDF {root.get('version') or ''}".strip()
+        )
+        return read_sdf(file, parse(file, data, lines=False, text=True), changes)
+    if root.tag == "mujoco":
+        changes.note("file", "format", file.name, "URDF", "MJCF of MuJoCo")
+        return read_mjcf(packages, root, changes)
+    message = f"the root element is <{root.tag}>; URDF, xacro, SDF and MJCF are read"
+    raise FileError([Finding(codes.STRUCTURE, message, "", Location(file, root.line))])
+
+
+def is_mesh(file: Path) -> bool:
+    """Whether a file is a mesh by its name."""
+    return file.suffix.lower() in FORMATS
+
+
+def _given(arguments: Mapping[str, str]) -> str:
+    listed = ", ".join(f"{name}={value}" for name, value in arguments.items())
+    return f" with {listed}" if listed else ""
+
+
+def _content(file: Path) -> bytes:
+    suffix = file.suffix.lower()
+    try:
+        require_readable(file, file.name, MAX_BYTES)
+        data = file.read_bytes()
+    except (AssetError, OSError) as error:
+        known = error if isinstance(error, AssetError) else None
+        problem = known or AssetError(codes.NOT_READABLE, f"{file.name} cannot be read: {error}")
+        raise FileError([problem.finding(location=Location(file))]) from error
+    message = ""
+    if suffix in _ARCHIVES or data[:4] == b"PK\x03\x04" or data[:2] == b"\x1f\x8b":
+        message = f"{file.name} is an archive; unpack it, and import the description inside"
+    elif suffix in _OTHERS:
+        message = f"{suffix[1:].upper()} files are not read; export URDF, MJCF or a mesh from it"
+    if message:
+        raise FileError([Finding(codes.NOT_IMPORTED, message, "", Location(file))])
+    return data

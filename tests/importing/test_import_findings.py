@@ -1,0 +1,96 @@
+"""What cannot be imported is a finding with file and line, and nothing is written."""
+
+from __future__ import annotations
+
+import pytest
+from made_robots import arm, ascii_stl, box_mesh, joint, link, snapshot
+
+from taskbuilder.errors import FileError, UsageError
+from taskbuilder.importing.folders import Source, import_robot
+from taskbuilder.importing.packages import Packages
+from taskbuilder.importing.writing import write_folder
+
+LIMIT = '<limit lower="-2" upper="2" effort="50" velocity="2"/>'
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (joint("j7", "l6", "l7", kind="floating", extra=""), r"TB433.*floating"),
+        (joint("j7", "l6", "l7", kind="planar", extra=""), r"TB433.*planar"),
+        (joint("j7", "l6", "l7", extra=""), r"TB417.*needs <limit"),
+        (joint("j7", "l6", "l7") + joint("j8", "l7", "l2"), r"TB419.*one parent"),
+        (joint("j7", "l6", "l7", extra='<limit lower="1" upper="0"/>'), r"TB417"),
+    ],
+)
+def test_joints(wrong, said, write):
+    file = write(arm() + "\n" + link("l7", "<sphere radius='0.1'/>") + wrong)
+    with pytest.raises(FileError, match=said) as error:
+        import_robot(Source(file))
+    place = error.value.findings[0].location
+    assert place.file.name == "arm.urdf"
+    assert place.line > 10
+
+
+def test_a_file_outside_the_root(write, tmp_path):
+    (tmp_path / "secret.stl").write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
+    for path in ("../../../../secret.stl", f"file://{tmp_path}/secret.stl"):
+        with pytest.raises(FileError, match=r"TB402.*outside the import root"):
+            import_robot(Source(write(arm(f'<mesh filename="{path}"/>'))))
+    file = write(arm('<mesh filename="../../../../secret.stl"/>'))
+    assert import_robot(Source(file, root=tmp_path)).files
+
+
+def test_a_link_that_leads_outside(write, package, tmp_path):
+    (tmp_path / "secret.stl").write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
+    (package / "meshes" / "p.stl").symlink_to(tmp_path / "secret.stl")
+    with pytest.raises(FileError, match="outside the import root"):
+        import_robot(Source(write(arm('<mesh filename="../meshes/p.stl"/>'))))
+
+
+def test_a_package_that_is_there_twice(write, tmp_path):
+    for name in ("one", "two"):
+        folder = tmp_path / "ws" / "src" / name
+        folder.mkdir()
+        (folder / "package.xml").write_text("<package><name>parts</name></package>")
+        (folder / "p.stl").write_bytes(ascii_stl(box_mesh((0.05, 0.05, 0.1))))
+    file = write(arm('<mesh filename="package://parts/p.stl"/>'))
+    with pytest.raises(FileError, match=r"TB431.*--package parts=DIR"):
+        import_robot(Source(file))
+    assert import_robot(Source(file, {"parts": tmp_path / "ws" / "src" / "one"})).files
+
+
+def test_a_package_that_is_nowhere(write):
+    with pytest.raises(FileError, match=r"TB401.*--package nowhere=DIR"):
+        import_robot(Source(write(arm('<mesh filename="package://nowhere/p.stl"/>'))))
+
+
+def test_packages_do_not_open_the_whole_disk(tmp_path):
+    packages = Packages.around(tmp_path / "robot.urdf")
+    for name in ("etc", "usr", "home"):
+        with pytest.raises(Exception, match="no package"):
+            packages.find(name)
+
+
+def test_what_is_there_is_not_overwritten(tmp_path):
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
+    with pytest.raises(UsageError, match="not written by an import"):
+        write_folder(folder, {"a.urdf": b"imported by taskbuilder"}, overwrite=True)
+    assert snapshot(folder) == {"notes.txt": b"mine"}
+    other = tmp_path / "other"
+    write_folder(other, {"a.urdf": b"<!-- imported by taskbuilder -->"}, overwrite=False)
+    with pytest.raises(UsageError, match="--overwrite"):
+        write_folder(other, {"b.urdf": b"imported by taskbuilder"}, overwrite=False)
+    write_folder(other, {"b.urdf": b"imported by taskbuilder"}, overwrite=True)
+    assert list(snapshot(other)) == ["b.urdf"]
+    assert sorted(path.name for path in tmp_path.iterdir() if path.is_dir()) == [
+        "mine", "other", "work",
+    ]  # fmt: skip
+
+
+def test_the_flange_is_read(write):
+    for text in ("", "l6@1,2", "l6@a,b,c", "@0,0,0"):
+        with pytest.raises(UsageError, match="--at"):
+            import_robot(Source(write(arm()), gripper=write(arm(), name="g.urdf"), flange=text))

@@ -1,0 +1,99 @@
+"""Objects as others ship them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from made_robots import ascii_stl, box_mesh, open_box
+
+from taskbuilder.assets.mesh import read_mesh
+from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.errors import FileError
+from taskbuilder.importing.folders import Source, import_object
+from taskbuilder.importing.geometry import MeshOptions
+from taskbuilder.importing.writing import write_folder
+
+
+def imported_urdf(source, folder):
+    imported = import_object(source)
+    write_folder(folder / imported.name, imported.files, overwrite=True)
+    file = folder / imported.name / f"{imported.name}.urdf"
+    return imported, read_urdf(file, (file.parent,))
+
+
+def test_a_hollow_thing_stays_hollow(tmp_path):
+    pytest.importorskip("coacd")
+    file = tmp_path / "crate.stl"
+    file.write_bytes(open_box().export(file_type="stl"))
+    imported, urdf = imported_urdf(Source(file), tmp_path / "out")
+    (row,) = [row for row in imported.changes.rows if row.what == "collision"]
+    assert row.after.endswith("convex pieces")
+    text = urdf.link("body").collisions[0].mesh.read_text()
+    assert text.count("o part_") >= 5
+    hull = import_object(Source(file, meshes=MeshOptions(collision="hull")))
+    assert [row.after for row in hull.changes.rows if row.what == "collision"] == ["hull"]
+
+
+def test_a_glb_is_turned_upright_and_its_texture_kept(tmp_path):
+    import trimesh
+    from PIL import Image
+
+    mesh = box_mesh((0.02, 0.1, 0.04))
+    uv = np.random.default_rng(0).random((len(mesh.vertices), 2))
+    picture = Image.new("RGB", (8, 8), (200, 30, 40))
+    mesh.visual = trimesh.visual.TextureVisuals(uv=uv, image=picture)
+    file = tmp_path / "tower.glb"
+    file.write_bytes(mesh.export(file_type="glb"))
+    imported, urdf = imported_urdf(Source(file), tmp_path / "out")
+    points = np.asarray(read_mesh(urdf.link("body").visuals[0].mesh).points).reshape(-1, 3)
+    low, high = points.min(axis=0), points.max(axis=0)
+    np.testing.assert_allclose(high - low, (0.02, 0.04, 0.1), atol=1e-6)
+    assert any(name.endswith(".png") for name in imported.files)
+    assert [row.before for row in imported.changes.rows if row.what == "up axis"] == ["Y up"]
+
+
+def test_mass_and_density(tmp_path):
+    file = tmp_path / "brick.stl"
+    file.write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
+    _, urdf = imported_urdf(Source(file, mass=0.3), tmp_path / "a")
+    assert urdf.link("body").mass == pytest.approx(0.3)
+    _, urdf = imported_urdf(Source(file, density=2000.0), tmp_path / "b")
+    assert urdf.link("body").mass == pytest.approx(2.0, rel=1e-4)
+
+
+def test_a_mesh_that_faces_inwards_is_turned(tmp_path):
+    mesh = box_mesh((0.1, 0.1, 0.1))
+    mesh.invert()
+    file = tmp_path / "inside_out.stl"
+    file.write_bytes(mesh.export(file_type="stl"))
+    imported, _ = imported_urdf(Source(file), tmp_path / "out")
+    assert [row.before for row in imported.changes.rows if row.what == "triangles"] == [
+        "face inwards"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("empty.stl", b"solid x\nendsolid x\n", "TB404"),
+        ("empty.obj", b"v 0 0 0\n", "TB404"),
+        ("broken.glb", b"glTF nonsense", "TB404"),
+        ("part.step", b"ISO-10303-21;", "STEP files are not read"),
+        ("lfs.stl", b"version https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+        ("bomb.dae", b'<!DOCTYPE x [<!ENTITY a "b">]><COLLADA/>', "document type"),
+    ],
+)
+def test_meshes_that_cannot_be_used_are_findings(name, content, said, tmp_path):
+    file = tmp_path / name
+    file.write_bytes(content)
+    with pytest.raises(FileError, match=said):
+        import_object(Source(file))
+
+
+def test_units_that_cannot_be_guessed(tmp_path):
+    file = tmp_path / "thing.stl"
+    file.write_bytes(ascii_stl(box_mesh((7, 7, 7))))
+    with pytest.raises(FileError, match=r"TB432.*--unit"):
+        import_object(Source(file))
+    _, urdf = imported_urdf(Source(file, meshes=MeshOptions(unit=0.01)), tmp_path / "out")
+    assert urdf.link("body").collisions[0].size == pytest.approx((0.07, 0.07, 0.07), abs=1e-5)
