@@ -18,7 +18,7 @@ from typing import Any
 from taskbuilder.assets.paths import AssetError, pybullet_data_folder
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, TaskbuilderError
-from taskbuilder.importing.folders import Source, import_robot
+from taskbuilder.importing.folders import ImportSource, import_robot
 from taskbuilder.importing.writing import write_folder
 from taskbuilder.visual.robot_picture import take_robot_picture
 
@@ -142,7 +142,7 @@ def imported(case: Case, base: Path, scratch: Path) -> dict[str, Any]:
     began, used = time.perf_counter(), time.process_time()
     try:
         result = import_robot(
-            Source(
+            ImportSource(
                 file,
                 {name: base / folder for name, folder in case.packages.items()},
                 case.arguments,

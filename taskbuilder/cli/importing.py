@@ -19,7 +19,7 @@ from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import FileError, Finding, Location, UsageError, display_path
 from taskbuilder.importing.changes import HEADER
-from taskbuilder.importing.folders import Imported, Source, import_object, import_robot
+from taskbuilder.importing.folders import Imported, ImportSource, import_object, import_robot
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
 from taskbuilder.importing.postures import read_postures
@@ -79,11 +79,11 @@ def run_poses(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _named(source: Source, name: str) -> Source:
+def _named(source: ImportSource, name: str) -> ImportSource:
     return replace(source, name=name)
 
 
-def _source(arguments: argparse.Namespace, *, robot: bool) -> Source:
+def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
     file = Path(arguments.robot if robot else arguments.file)
     if not file.exists():
         raise UsageError(f"there is no file {display_path(file)}")
@@ -95,7 +95,7 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> Source:
         up=arguments.up,
     )
     out: Path | None = arguments.out
-    return Source(
+    return ImportSource(
         file,
         _folders(arguments),
         dict(arguments.arg or ()),

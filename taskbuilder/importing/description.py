@@ -16,7 +16,7 @@ Role = Literal["visual", "collision"]
 
 
 @dataclass(frozen=True)
-class Shape:
+class ImportedShape:
     """One visual or collision shape.
 
     Attributes:
@@ -61,13 +61,13 @@ class Link:
 
     name: str
     inertial: Inertial | None
-    visuals: tuple[Shape, ...]
-    collisions: tuple[Shape, ...]
+    visuals: tuple[ImportedShape, ...]
+    collisions: tuple[ImportedShape, ...]
     place: Location
 
 
 @dataclass(frozen=True)
-class Joint:
+class ImportedJoint:
     """A connection of two links; like that of a URDF, with what opposes its motion."""
 
     name: str
@@ -92,7 +92,7 @@ class Joint:
 
 
 @dataclass(frozen=True)
-class Description:
+class ImportedBody:
     """A tree of links and joints.
 
     Attributes:
@@ -108,14 +108,14 @@ class Description:
     folder: Path
     name: str
     links: tuple[Link, ...]
-    joints: tuple[Joint, ...]
+    joints: tuple[ImportedJoint, ...]
     postures: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def link(self, name: str) -> Link:
         """The link of a name."""
         return next(link for link in self.links if link.name == name)
 
-    def joint_above(self, link: str) -> Joint | None:
+    def joint_above(self, link: str) -> ImportedJoint | None:
         """The joint whose child a link is; None for the root."""
         return next((joint for joint in self.joints if joint.child == link), None)
 
@@ -139,6 +139,6 @@ class Description:
                     pending.append(other)
         return frozenset(group)
 
-    def with_links(self, links: Mapping[str, Link]) -> Description:
+    def with_links(self, links: Mapping[str, Link]) -> ImportedBody:
         """The same with some links replaced."""
         return replace(self, links=tuple(links.get(link.name, link) for link in self.links))

@@ -16,7 +16,7 @@ from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, Location, UsageError
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Link, Shape
+from taskbuilder.importing.description import ImportedBody, ImportedShape, Link
 from taskbuilder.importing.geometry import Geometry, MeshOptions
 from taskbuilder.importing.limits import held, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
@@ -35,7 +35,7 @@ _ROBOT_SLACK, _OBJECT_SLACK = math.inf, 1.0
 
 
 @dataclass(frozen=True)
-class Source:
+class ImportSource:
     """What is imported.
 
     Attributes:
@@ -86,7 +86,7 @@ class Imported:
     warnings: tuple[Finding, ...]
 
 
-def import_robot(source: Source) -> Imported:
+def import_robot(source: ImportSource) -> Imported:
     """Read a robot and make the files of a folder of it.
 
     Raises:
@@ -132,7 +132,7 @@ def import_robot(source: Source) -> Imported:
     return Imported(name, files, changes, proposal, shown, warnings)
 
 
-def import_object(source: Source) -> Imported:
+def import_object(source: ImportSource) -> Imported:
     """Read an object, a mesh or a description, and make the files of a folder of it.
 
     Raises:
@@ -171,23 +171,23 @@ def _again(first: Proposal, second: Proposal | None) -> Proposal:
 _BEGINNING = 20  # characters in which remarks on the same thing agree
 
 
-def _read(source: Source, changes: Changes) -> tuple[Packages, Description]:
+def _read(source: ImportSource, changes: Changes) -> tuple[Packages, ImportedBody]:
     if not source.file.exists():
         raise UsageError(f"there is no file {source.file}")
     packages = Packages.around(source.file, source.packages, source.root)
     return packages, read_description(packages, source.arguments, changes)
 
 
-def _of_mesh(file: Path) -> Description:
+def _of_mesh(file: Path) -> ImportedBody:
     """The description of an object that is one mesh."""
-    shape = Shape("mesh", (1.0, 1.0, 1.0), Pose(), Location(file), file.name)
+    shape = ImportedShape("mesh", (1.0, 1.0, 1.0), Pose(), Location(file), file.name)
     link = Link("body", None, (shape,), (shape,), Location(file))
-    return Description(file, file.parent, file.stem, (link,), ())
+    return ImportedBody(file, file.parent, file.stem, (link,), ())
 
 
 def _completed(
-    description: Description, geometry: Geometry, source: Source, changes: Changes
-) -> Description:
+    description: ImportedBody, geometry: Geometry, source: ImportSource, changes: Changes
+) -> ImportedBody:
     """The description with all that was found out.
 
     Raises:
@@ -204,8 +204,8 @@ def _completed(
 
 
 def _without_unused(
-    description: Description, proposal: Proposal, urdf: Urdf, changes: Changes
-) -> Description:
+    description: ImportedBody, proposal: Proposal, urdf: Urdf, changes: Changes
+) -> ImportedBody:
     """The description with joints fixed that are neither of the arm nor of the gripper."""
     unused = {joint.name for joint in proposal.unused(urdf)}
     joints = []
@@ -226,7 +226,7 @@ def _without_unused(
 @contextmanager
 def _aside(
     name: str,
-    description: Description,
+    description: ImportedBody,
     geometry: Geometry,
     changes: Changes,
     *,
@@ -244,7 +244,7 @@ def _aside(
         yield read_urdf(file, (folder,), fixed=fixed)
 
 
-def _text(description: Description, source: Source, changes: Changes) -> str:
+def _text(description: ImportedBody, source: ImportSource, changes: Changes) -> str:
     comment = [f"{MARK} from {source.file.name}"]
     if source.gripper is not None:
         comment.append(f"with {source.gripper.name} on {source.flange}")
@@ -254,8 +254,8 @@ def _text(description: Description, source: Source, changes: Changes) -> str:
 def _robot_text(
     urdf: Urdf,
     proposal: Proposal,
-    source: Source,
-    description: Description,
+    source: ImportSource,
+    description: ImportedBody,
     changes: Changes,
 ) -> str:
     others = [name for name in description.postures if name != "home"]
@@ -275,7 +275,7 @@ def _wrapped(remarks: Sequence[str], width: int = 96) -> Iterator[str]:
         yield from textwrap.wrap(remark, width, subsequent_indent="  ") or [""]
 
 
-def _collisions_shown(description: Description) -> Description:
+def _collisions_shown(description: ImportedBody) -> ImportedBody:
     """The description with its collision shapes as looks, each link in a colour of its own."""
     links = []
     for number, link in enumerate(description.links):

@@ -14,7 +14,7 @@ from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Link, Role, Shape
+from taskbuilder.importing.description import ImportedBody, ImportedShape, Link, Role
 from taskbuilder.importing.fitting import Choice, Fit, fit, hull_of
 from taskbuilder.importing.mesh_files import UNITS, MeshFile, Up, load_mesh
 from taskbuilder.importing.mesh_output import compound_obj, decimated, obj_files
@@ -60,7 +60,7 @@ class _Source:
     path: Path
     count: int
     part: Part
-    shape: Shape
+    shape: ImportedShape
 
 
 @dataclass
@@ -84,7 +84,7 @@ class Geometry:
     _fitted: dict[tuple[object, ...], Fit] = field(default_factory=dict)
     _stems: set[str] = field(default_factory=set)
 
-    def converted(self, description: Description) -> Description:
+    def converted(self, description: ImportedBody) -> ImportedBody:
         """The description with meshes that are written, and collision shapes for all that needs it.
 
         What cannot be used is collected in ``findings``.
@@ -107,9 +107,9 @@ class Geometry:
         return description.with_links(links)
 
     def _shapes(
-        self, link: Link, role: Role, description: Description, reference: Floats | None
-    ) -> tuple[Shape, ...]:
-        made: list[Shape] = []
+        self, link: Link, role: Role, description: ImportedBody, reference: Floats | None
+    ) -> tuple[ImportedShape, ...]:
+        made: list[ImportedShape] = []
         for shape in link.visuals if role == "visual" else link.collisions:
             try:
                 made += self._shape(shape, link, role, description, reference)
@@ -119,12 +119,12 @@ class Geometry:
 
     def _shape(
         self,
-        shape: Shape,
+        shape: ImportedShape,
         link: Link,
         role: Role,
-        description: Description,
+        description: ImportedBody,
         reference: Floats | None,
-    ) -> Sequence[Shape]:
+    ) -> Sequence[ImportedShape]:
         if shape.kind != "mesh":
             self._note_solid(link.name, role, _primitive_part(shape), Pose())
             if role == "visual":
@@ -151,7 +151,7 @@ class Geometry:
         self._sources.setdefault(link.name, []).append(kept)
         return [self._collision(kept, key, link.name, self.options.slack)]
 
-    def refined(self, description: Description, links: Collection[str]) -> Description:
+    def refined(self, description: ImportedBody, links: Collection[str]) -> ImportedBody:
         """The description with the collision shapes of some links as exact as those of objects."""
         changed: dict[str, Link] = {}
         for name in links:
@@ -165,7 +165,7 @@ class Geometry:
             changed[name] = replace(link, collisions=(*plain, *made))
         return description.with_links(changed)
 
-    def used_files(self, description: Description) -> dict[str, bytes]:
+    def used_files(self, description: ImportedBody) -> dict[str, bytes]:
         """The files that a description needs."""
         shapes = [s for link in description.links for s in (*link.visuals, *link.collisions)]
         stems = {Path(shape.file).stem for shape in shapes if shape.file}
@@ -176,7 +176,7 @@ class Geometry:
 
     def _collision(
         self, source: _Source, key: tuple[object, ...], link: str, slack: float
-    ) -> Shape:
+    ) -> ImportedShape:
         """The collision shape for a mesh."""
         key = (*key, slack)
         if key not in self._fitted:
@@ -188,9 +188,9 @@ class Geometry:
         )  # fmt: skip
         shape = source.shape
         if found.kind != "mesh":
-            return Shape(found.kind, found.size, shape.pose @ found.pose, shape.place)
+            return ImportedShape(found.kind, found.size, shape.pose @ found.pose, shape.place)
         file = self._write_compound(source.path, found)
-        return Shape("mesh", (1.0, 1.0, 1.0), shape.pose, shape.place, file=file)
+        return ImportedShape("mesh", (1.0, 1.0, 1.0), shape.pose, shape.place, file=file)
 
     def _load(self, path: Path) -> MeshFile:
         if path not in self._loaded:
@@ -224,7 +224,9 @@ class Geometry:
             )  # fmt: skip
         return points, faces
 
-    def _matrix(self, mesh: MeshFile, shape: Shape, link: Link, reference: Floats | None) -> Floats:
+    def _matrix(
+        self, mesh: MeshFile, shape: ImportedShape, link: Link, reference: Floats | None
+    ) -> Floats:
         """What brings a mesh into its link's units: its unit, up axis and scale."""
         name = f"mesh {mesh.path.name}"
         scale = np.array(shape.size, np.float64)
@@ -267,7 +269,7 @@ class Geometry:
         self,
         mesh: MeshFile,
         name: str,
-        shape: Shape,
+        shape: ImportedShape,
         factors: Floats,
         reference: Floats | None,
     ) -> Floats:
@@ -298,7 +300,7 @@ class Geometry:
         self.changes.note(name, "up axis", said, "coordinates as written", "as ROS reads them")
         return np.eye(3)
 
-    def _boxes(self, shapes: Sequence[Shape], description: Description) -> Floats | None:
+    def _boxes(self, shapes: Sequence[ImportedShape], description: ImportedBody) -> Floats | None:
         """The box around shapes in their link, as far as they are known without a question."""
         corners: list[Floats] = []
         for shape in shapes:
@@ -323,7 +325,7 @@ class Geometry:
         key = link if role == "visual" else f"{link}/collision"
         self.solids.setdefault(key, []).append((placed(pose, part[0]), part[1]))
 
-    def _painted(self, shape: Shape, link: Link) -> Shape:
+    def _painted(self, shape: ImportedShape, link: Link) -> ImportedShape:
         """A visual whose texture is found, or left out."""
         if not shape.texture:
             return shape
@@ -375,7 +377,7 @@ def _places(sources: Sequence[_Source]) -> set[object]:
 _ROLES: tuple[Role, ...] = ("visual", "collision")
 
 
-def links_without_collision(description: Description) -> list[str]:
+def links_without_collision(description: ImportedBody) -> list[str]:
     """Links that can be seen and that move, in rigid groups of which nothing collides."""
     children = {joint.child for joint in description.joints if joint.moves}
     needy: list[str] = []
@@ -394,7 +396,7 @@ def link_parts(geometry: Geometry, link: str) -> list[Part]:
     return geometry.solids.get(link) or geometry.solids.get(f"{link}/collision") or []
 
 
-def _primitive_part(shape: Shape) -> Part:
+def _primitive_part(shape: ImportedShape) -> Part:
     """A primitive as triangles in the frame of its link."""
     size = shape.size
     if shape.kind == "box":

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from taskbuilder.geometry import ORIGIN, Pose, norm
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Joint
+from taskbuilder.importing.description import ImportedBody, ImportedJoint
 
 SPEED_RAD_S, SPEED_M_S = 2.0, 0.2
 _GRAVITY = 9.81
@@ -16,14 +16,14 @@ _SLACK = 1e-3
 _LEAST_NM, _LEAST_N = 1.0, 20.0
 
 
-def with_limits(description: Description, changes: Changes) -> Description:
+def with_limits(description: ImportedBody, changes: Changes) -> ImportedBody:
     """The description with an effort and a speed above 0 for every joint that moves."""
     return replace(
         description, joints=tuple(_limited(j, description, changes) for j in description.joints)
     )
 
 
-def with_followers(description: Description, changes: Changes) -> Description:
+def with_followers(description: ImportedBody, changes: Changes) -> ImportedBody:
     """The description with limits of mimic joints that allow what they mimic.
 
     Makers get the signs of followers wrong, and no program of theirs looks at their limits.
@@ -48,7 +48,7 @@ def with_followers(description: Description, changes: Changes) -> Description:
     return replace(description, joints=tuple(joints))
 
 
-def _limited(joint: Joint, description: Description, changes: Changes) -> Joint:
+def _limited(joint: ImportedJoint, description: ImportedBody, changes: Changes) -> ImportedJoint:
     if not joint.moves:
         return joint
     subject = f"joint {joint.name}"
@@ -72,7 +72,7 @@ def _limited(joint: Joint, description: Description, changes: Changes) -> Joint:
     return joint
 
 
-def held(joint: Joint, position: float) -> Joint:
+def held(joint: ImportedJoint, position: float) -> ImportedJoint:
     """A joint that is fixed at a position, in rad or m."""
     x, y, z = joint.axis
     if joint.type == "prismatic":
@@ -86,7 +86,7 @@ def held(joint: Joint, position: float) -> Joint:
     )  # fmt: skip
 
 
-def _needed(joint: Joint, description: Description) -> float:
+def _needed(joint: ImportedJoint, description: ImportedBody) -> float:
     """The force or torque that gravity asks for beyond a joint, and some more."""
     slides = joint.type == "prismatic"
     total = 0.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Inertial, Link
+from taskbuilder.importing.description import ImportedBody, Inertial, Link
 from taskbuilder.importing.fitting import hull_of
 from taskbuilder.importing.geometry import Geometry, link_parts
 from taskbuilder.importing.surfaces import Floats, Part, is_closed, volume
@@ -23,13 +23,13 @@ _SHARED_TRIANGLE = 1e-3
 
 
 def with_masses(
-    description: Description,
+    description: ImportedBody,
     geometry: Geometry,
     changes: Changes,
     *,
     mass: float | None = None,
     density: float | None = None,
-) -> Description:
+) -> ImportedBody:
     """The description with a mass and possible moments for every link that needs them.
 
     Args:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from taskbuilder.assets import codes
-from taskbuilder.assets.markup import Element, parse
+from taskbuilder.assets.markup import Element
 from taskbuilder.assets.model import JointType, ShapeKind, UrdfMimic
-from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.geometry import (
     NO_TURN,
@@ -29,7 +28,23 @@ from taskbuilder.geometry import (
     unit,
 )
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Inertial, Joint, Link, Rgba, Shape
+from taskbuilder.importing.description import (
+    ImportedBody,
+    ImportedJoint,
+    ImportedShape,
+    Inertial,
+    Link,
+    Rgba,
+)
+from taskbuilder.importing.mjcf_elements import (
+    all_below,
+    compiler_of,
+    defaults_of,
+    numbers,
+    one_number,
+    vector,
+    with_includes,
+)
 from taskbuilder.importing.packages import Packages
 from taskbuilder.wording import quoted
 
@@ -37,61 +52,29 @@ _READ = frozenset(
     ("compiler", "default", "asset", "worldbody", "include", "keyframe", "equality", "option")
 )
 _LIGHT = Inertial(1e-3, Pose(), (1e-7, 0.0, 0.0, 1e-7, 0.0, 1e-7))
-_MOST_INCLUDES = 32
 
 
-@dataclass(frozen=True)
-class _Compiler:
-    """What the compiler settings of a file are."""
-
-    degrees: bool = True
-    meshdir: str = ""
-    euler: str = "xyz"
-    autolimits: bool = True
-
-
-def read_mjcf(packages: Packages, root: Element, changes: Changes) -> Description:
+def read_mjcf(packages: Packages, root: Element, changes: Changes) -> ImportedBody:
     """Read the first tree of bodies of an MJCF file.
 
     Raises:
         FileError: It has none, or something in it has no counterpart.
     """
-    root = _with_includes(packages, packages.file, root, [0])
+    root = with_includes(packages, packages.file, root, [0])
     for child in root.children:
         if child.tag not in _READ:
             changes.leave_out(f"<{child.tag}>")
-    return _Reader(packages, root, changes).read()
+    return _MjcfReader(packages, root, changes).read()
 
 
-def _with_includes(packages: Packages, file: Path, root: Element, count: list[int]) -> Element:
-    """The tree with the content of included files in place of ``<include>``."""
-    children: list[Element] = []
-    for child in root.children:
-        if child.tag != "include":
-            children.append(_with_includes(packages, file, child, count))
-            continue
-        count[0] += 1
-        place = Location(file, child.line, child.column)
-        if count[0] > _MOST_INCLUDES:
-            message = f"includes more than {_MOST_INCLUDES} files; look for a circle"
-            raise FileError([Finding(codes.NOT_IMPORTED, message, "", place)])
-        try:
-            other = packages.locate(child.get("file") or "", packages.file.parent)
-            inner = parse(other, other.read_bytes(), lines=False)
-        except AssetError as error:
-            raise FileError([error.finding(location=place)]) from error
-        children += _with_includes(packages, other, inner, count).children
-    return root.with_children(tuple(children))
-
-
-class _Reader:
+class _MjcfReader:
     """Reads one model."""
 
     def __init__(self, packages: Packages, root: Element, changes: Changes) -> None:
         self._file, self._root, self._changes = packages.file, root, changes
         self._findings: list[Finding] = []
-        self._compiler = _compiler(root)
-        self._defaults = dict(_defaults(root))
+        self._compiler = compiler_of(root)
+        self._defaults = dict(defaults_of(root))
         assets = [one for each in root.all("asset") for one in each.children]
         self._meshes = {
             one.get("name") or Path(one.get("file") or "").stem: self._with_default(one, "main")
@@ -100,23 +83,23 @@ class _Reader:
         }
         self._materials = {one.get("name"): one for one in assets if one.tag == "material"}
         self._links: list[Link] = []
-        self._joints: list[Joint] = []
+        self._joints: list[ImportedJoint] = []
         self._places: list[tuple[str, str]] = []  # names of joints in the order of qpos
         self._names: set[str] = set()
 
-    def read(self) -> Description:
+    def read(self) -> ImportedBody:
         tops = [body for world in self._root.all("worldbody") for body in world.all("body")]
         if not tops:
             place = Location(self._file, self._root.line)
             raise FileError([Finding(codes.NOT_IMPORTED, "has no <body>", "", place)])
-        tops.sort(key=lambda body: -sum(1 for _ in _all(body, "joint")))
+        tops.sort(key=lambda body: -sum(1 for _ in all_below(body, "joint")))
         for other in tops[1:]:
             self._changes.leave_out(f"body {other.get('name')}, the one with most joints is read")
         self._body(tops[0], None, "main")
         self._couple()
         if self._findings:
             raise FileError(self._findings)
-        return Description(
+        return ImportedBody(
             self._file,
             self._file.parent,
             self._root.get("model") or self._file.stem,
@@ -151,7 +134,7 @@ class _Reader:
         shift = Pose()
         for index, joint in enumerate(joints):
             last = index == len(joints) - 1
-            at = _numbers(joint.get("pos")) or [0.0, 0.0, 0.0]
+            at = numbers(joint.get("pos")) or [0.0, 0.0, 0.0]
             anchor: Vec3 = (at[0], at[1], at[2])
             child = name if last else self._unused(f"{name}_{index + 1}")
             # A link of a URDF has its frame in the joint above it.
@@ -165,7 +148,7 @@ class _Reader:
             pose, shift, parent = Pose(scale(anchor, -1.0)), Pose(scale(anchor, -1.0)), child
         if not joints and parent is not None:
             place = self._at(body)
-            fixed = Joint(self._unused(f"{name}_fixed"), "fixed", parent, name, pose,
+            fixed = ImportedJoint(self._unused(f"{name}_fixed"), "fixed", parent, name, pose,
                           (1.0, 0.0, 0.0), place)  # fmt: skip
             self._joints.append(fixed)
         self._links.append(self._link(body, name, inherited, shift))
@@ -188,12 +171,12 @@ class _Reader:
     def _joint(self, joint: Element, parent: str, child: str, pose: Pose) -> None:
         slides = joint.get("type") == "slide"
         name = self._unused(joint.get("name") or f"{child}_joint")
-        axis = _numbers(joint.get("axis")) or [0.0, 0.0, 1.0]
+        axis = numbers(joint.get("axis")) or [0.0, 0.0, 1.0]
         direction: Vec3 = (axis[0], axis[1], axis[2])
         if norm(direction) < 1e-6:
             self._refuse(joint, f"joint {name}", "the axis has no length; write such as 0 0 1")
             return
-        ends = _numbers(joint.get("range"))
+        ends = numbers(joint.get("range"))
         limited = joint.get("limited") == "true" or (
             joint.get("limited") in (None, "auto") and bool(ends) and self._compiler.autolimits
         )
@@ -204,10 +187,10 @@ class _Reader:
         if slides and lower is None:
             self._refuse(joint, f"joint {name}", 'slides without limits; write range="… …"')
             return
-        force = _numbers(joint.get("actuatorfrcrange"))
+        force = numbers(joint.get("actuatorfrcrange"))
         self._places.append((name, joint.get("name") or name))
         self._joints.append(
-            Joint(
+            ImportedJoint(
                 name,
                 kind,
                 parent,
@@ -219,8 +202,8 @@ class _Reader:
                 upper,
                 abs(force[1]) if len(force) == 2 else None,
                 None,
-                _one(joint.get("damping")) or 0.0,
-                _one(joint.get("frictionloss")) or 0.0,
+                one_number(joint.get("damping")) or 0.0,
+                one_number(joint.get("frictionloss")) or 0.0,
             )
         )
 
@@ -229,8 +212,8 @@ class _Reader:
         inertial = None
         if stated is not None:
             full, diagonal = (
-                _numbers(stated.get("fullinertia")),
-                _numbers(stated.get("diaginertia")),
+                numbers(stated.get("fullinertia")),
+                numbers(stated.get("diaginertia")),
             )
             moments = None
             if len(full) == 6:
@@ -239,10 +222,10 @@ class _Reader:
             elif len(diagonal) == 3:
                 moments = (diagonal[0], 0.0, 0.0, diagonal[1], 0.0, diagonal[2])
             inertial = Inertial(
-                _one(stated.get("mass")) or 0.0, shift @ self._pose(stated), moments
+                one_number(stated.get("mass")) or 0.0, shift @ self._pose(stated), moments
             )
-        visuals: list[Shape] = []
-        collisions: list[Shape] = []
+        visuals: list[ImportedShape] = []
+        collisions: list[ImportedShape] = []
         for geom in body.all("geom"):
             geom = self._with_default(geom, inherited)
             shape = self._geom(geom, name, shift)
@@ -260,9 +243,9 @@ class _Reader:
         visuals = visuals or collisions
         return Link(name, inertial, tuple(visuals), tuple(collisions), self._at(body))
 
-    def _geom(self, geom: Element, link: str, shift: Pose) -> Shape | None:
+    def _geom(self, geom: Element, link: str, shift: Pose) -> ImportedShape | None:
         kind = geom.get("type") or ("mesh" if geom.get("mesh") else "sphere")
-        size = _numbers(geom.get("size"))
+        size = numbers(geom.get("size"))
         pose, place = shift @ self._pose(geom), self._at(geom)
         color = self._rgba(geom)
         if kind == "mesh":
@@ -272,14 +255,14 @@ class _Reader:
                     geom, f"link {link}", f"the mesh {quoted(geom.get('mesh') or '')} names no file"
                 )
                 return None
-            given = _numbers(mesh.get("scale")) or [1.0, 1.0, 1.0]
-            own = Pose(_vec(_numbers(mesh.get("refpos"))))
+            given = numbers(mesh.get("scale")) or [1.0, 1.0, 1.0]
+            own = Pose(vector(numbers(mesh.get("refpos"))))
             reference = str(Path(self._compiler.meshdir) / (mesh.get("file") or ""))
             factors = (given[0], given[1], given[2])
-            return Shape("mesh", factors, pose @ own.inverse(), place, reference, color)
-        ends = _numbers(geom.get("fromto"))
+            return ImportedShape("mesh", factors, pose @ own.inverse(), place, reference, color)
+        ends = numbers(geom.get("fromto"))
         if len(ends) == 6 and kind in ("capsule", "cylinder", "box"):
-            a, b = _vec(ends[:3]), _vec(ends[3:])
+            a, b = vector(ends[:3]), vector(ends[3:])
             along = subtract(b, a)
             turn = turn_onto((0.0, 0.0, 1.0), along) if norm(along) > 1e-9 else NO_TURN
             pose = shift @ Pose(scale(add(a, b), 0.5), turn)
@@ -299,7 +282,7 @@ class _Reader:
         name, sizes = shapes[kind]
         if kind == "ellipsoid":
             self._changes.note(f"link {link}", "shape", "ellipsoid", "sphere", "a URDF has none")
-        return Shape(name, sizes, pose, place, color=color)
+        return ImportedShape(name, sizes, pose, place, color=color)
 
     def _couple(self) -> None:
         """Joints that an equality couples mimic each other."""
@@ -314,7 +297,7 @@ class _Reader:
                     f"the equality <{equality.tag}> {equality.get('name') or ''}"
                 )
                 continue
-            terms = [*_numbers(equality.get("polycoef")), 0.0, 0.0][:2] or [0.0, 1.0]
+            terms = [*numbers(equality.get("polycoef")), 0.0, 0.0][:2] or [0.0, 1.0]
             if not equality.get("polycoef"):
                 terms = [0.0, 1.0]
             if terms[1]:
@@ -326,7 +309,7 @@ class _Reader:
     def _keyframes(self) -> Iterator[tuple[str, Mapping[str, float]]]:
         """The joint positions of keyframes, where each joint has one number of qpos."""
         for key in (one for each in self._root.all("keyframe") for one in each.children):
-            values = _numbers(key.get("qpos"))
+            values = numbers(key.get("qpos"))
             extra = len(values) - len(self._places)
             if extra in (0, 7):  # behind the pose of a base that is free
                 positions = dict(zip((n for n, _ in self._places), values[extra:], strict=True))
@@ -343,11 +326,11 @@ class _Reader:
         return replace(element, attributes={**given, **element.attributes})
 
     def _pose(self, element: Element) -> Pose:
-        position = _vec(_numbers(element.get("pos")))
+        position = vector(numbers(element.get("pos")))
         return Pose(position, self._turn(element))
 
     def _turn(self, element: Element) -> Quat:
-        values = {name: _numbers(element.get(name)) for name in _TURNS}
+        values = {name: numbers(element.get(name)) for name in _TURNS}
         if len(values["quat"]) == 4:
             w, x, y, z = values["quat"]
             return normalized((x, y, z, w))
@@ -365,25 +348,25 @@ class _Reader:
                 turn_ = multiply(turn_, step) if letter.islower() else multiply(step, turn_)
             return turn_
         if len(values["xyaxes"]) == 6:
-            x_axis = unit(_vec(values["xyaxes"][:3]))
-            y_raw = _vec(values["xyaxes"][3:])
+            x_axis = unit(vector(values["xyaxes"][:3]))
+            y_raw = vector(values["xyaxes"][3:])
             along = sum(a * b for a, b in zip(x_axis, y_raw, strict=True))
             y_axis = unit(subtract(y_raw, scale(x_axis, along)))
             x, y, z = x_axis
             a, b, c = y_axis
             return from_axes(x_axis, y_axis, (y * c - z * b, z * a - x * c, x * b - y * a))
         if len(values["zaxis"]) == 3:
-            return turn_onto((0.0, 0.0, 1.0), _vec(values["zaxis"]))
+            return turn_onto((0.0, 0.0, 1.0), vector(values["zaxis"]))
         return NO_TURN
 
     def _angle(self, value: float, slides: bool) -> float:
         return math.radians(value) if self._compiler.degrees and not slides else value
 
     def _rgba(self, geom: Element) -> Rgba | None:
-        values = _numbers(geom.get("rgba"))
+        values = numbers(geom.get("rgba"))
         material = self._materials.get(geom.get("material")) if geom.get("material") else None
         if not values and material is not None:
-            values = _numbers(self._with_default(material, "main").get("rgba"))
+            values = numbers(self._with_default(material, "main").get("rgba"))
             if material.get("texture"):
                 self._changes.leave_out(f"the texture of material {material.get('name')}")
         if len(values) != 4:
@@ -407,59 +390,3 @@ class _Reader:
 
 
 _TURNS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
-
-
-def _compiler(root: Element) -> _Compiler:
-    settings: dict[str, str] = {}
-    for one in root.all("compiler"):
-        settings |= one.attributes
-    return _Compiler(
-        settings.get("angle", "degree") == "degree",
-        settings.get("meshdir") or settings.get("assetdir") or "",
-        settings.get("eulerseq", "xyz"),
-        settings.get("autolimits", "true") == "true",
-    )
-
-
-def _defaults(root: Element) -> Iterator[tuple[tuple[str, str], dict[str, str]]]:
-    """The attributes of each class and kind of element, those of the class above included."""
-
-    def walk(
-        default: Element, name: str, above: Mapping[str, dict[str, str]]
-    ) -> Iterator[tuple[tuple[str, str], dict[str, str]]]:
-        own = dict(above)
-        for child in default.children:
-            if child.tag != "default":
-                own[child.tag] = {**own.get(child.tag, {}), **child.attributes}
-        for tag, attributes in own.items():
-            yield (name, tag), attributes
-        for child in default.all("default"):
-            yield from walk(child, child.get("class") or name, own)
-
-    for default in root.all("default"):
-        yield from walk(default, default.get("class") or "main", {})
-
-
-def _all(element: Element, tag: str) -> Iterator[Element]:
-    for child in element.children:
-        if child.tag == tag:
-            yield child
-        yield from _all(child, tag)
-
-
-def _numbers(text: str | None) -> list[float]:
-    try:
-        return [float(word) for word in (text or "").split()]
-    except ValueError:
-        return []
-
-
-def _one(text: str | None) -> float | None:
-    values = _numbers(text)
-    return values[0] if values else None
-
-
-def _vec(values: list[float]) -> Vec3:
-    if len(values) != 3:
-        return (0.0, 0.0, 0.0)
-    return (values[0], values[1], values[2])

@@ -12,7 +12,7 @@ from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import FileError, Finding, Location, UsageError
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Joint, Link, Shape
+from taskbuilder.importing.description import ImportedBody, ImportedJoint, ImportedShape, Link
 from taskbuilder.importing.packages import Packages
 from taskbuilder.wording import quoted, suggestion
 
@@ -38,8 +38,8 @@ def parse_flange(text: str) -> tuple[str, Pose]:
 
 
 def mounted(
-    arm: Description, gripper: Description, flange: str, pose: Pose, changes: Changes
-) -> Description:
+    arm: ImportedBody, gripper: ImportedBody, flange: str, pose: Pose, changes: Changes
+) -> ImportedBody:
     """An arm with a gripper on one of its links.
 
     Args:
@@ -75,7 +75,7 @@ def mounted(
     root = f"{prefix}{gripper.root}"
     name = f"{root}_mount"
     place = Location(gripper.file)
-    mount = Joint(name, "fixed", flange, root, pose, (1.0, 0.0, 0.0), place)
+    mount = ImportedJoint(name, "fixed", flange, root, pose, (1.0, 0.0, 0.0), place)
     changes.note(
         "gripper", "mounted", gripper.file.name, f"{root} on {flange}",
         "at " + " ".join(f"{value:g}" for value in pose.position) + " m",
@@ -89,7 +89,7 @@ def mounted(
     )
 
 
-def with_located_meshes(description: Description, packages: Packages) -> Description:
+def with_located_meshes(description: ImportedBody, packages: Packages) -> ImportedBody:
     """The description with absolute references, so that another folder and package may hold it.
 
     Raises:
@@ -97,7 +97,7 @@ def with_located_meshes(description: Description, packages: Packages) -> Descrip
     """
     findings: list[Finding] = []
 
-    def located(shape: Shape, link: Link) -> Shape:
+    def located(shape: ImportedShape, link: Link) -> ImportedShape:
         if not shape.mesh:
             return shape
         try:
@@ -121,7 +121,7 @@ def with_located_meshes(description: Description, packages: Packages) -> Descrip
     return replace(description, links=links)
 
 
-def _renamed_joint(joint: Joint, prefix: str) -> Joint:
+def _renamed_joint(joint: ImportedJoint, prefix: str) -> ImportedJoint:
     mimic = joint.mimic
     if mimic is not None:
         mimic = UrdfMimic(f"{prefix}{mimic.joint}", mimic.multiplier, mimic.offset)

@@ -10,7 +10,7 @@ from taskbuilder.assets.markup import parse
 from taskbuilder.assets.paths import AssetError, require_readable
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description
+from taskbuilder.importing.description import ImportedBody
 from taskbuilder.importing.mesh_files import FORMATS
 from taskbuilder.importing.mjcf import read_mjcf
 from taskbuilder.importing.packages import Packages
@@ -25,7 +25,7 @@ _OTHERS = (".usd", ".usda", ".usdc", ".usdz", ".step", ".stp", ".iges", ".igs", 
 
 def read_description(
     packages: Packages, arguments: Mapping[str, str], changes: Changes
-) -> Description:
+) -> ImportedBody:
     """Read the file that packages were looked up around.
 
     Args:

@@ -11,7 +11,14 @@ from taskbuilder.assets.model import JointType, UrdfMimic
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.geometry import Pose, Vec3, conjugate, from_rpy, norm, rotate, unit
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Inertial, Joint, Link, Rgba, Shape
+from taskbuilder.importing.description import (
+    ImportedBody,
+    ImportedJoint,
+    ImportedShape,
+    Inertial,
+    Link,
+    Rgba,
+)
 from taskbuilder.wording import quoted
 
 _TYPES: dict[str, JointType] = {
@@ -24,7 +31,7 @@ _UNLIMITED = 1e5
 _READ = frozenset({"link", "joint", "pose", "static", "frame"})
 
 
-def read_sdf(file: Path, root: Element, changes: Changes) -> Description:
+def read_sdf(file: Path, root: Element, changes: Changes) -> ImportedBody:
     """Read the first model of an SDF file.
 
     Raises:
@@ -35,7 +42,7 @@ def read_sdf(file: Path, root: Element, changes: Changes) -> Description:
         raise _refused(file, root, "", "has no <model>; a world without models holds nothing")
     for other in models[1:]:
         changes.leave_out(f"model {other.get('name')}, the first is read")
-    return _Reader(file, models[0], changes).read()
+    return _SdfReader(file, models[0], changes).read()
 
 
 def _models(element: Element) -> Iterator[Element]:
@@ -46,7 +53,7 @@ def _models(element: Element) -> Iterator[Element]:
             yield from _models(child)
 
 
-class _Reader:
+class _SdfReader:
     """Reads one model."""
 
     def __init__(self, file: Path, model: Element, changes: Changes) -> None:
@@ -57,7 +64,7 @@ class _Reader:
         self._frames_of: dict[str, Pose] = {}
         self._frames = {frame.get("name") or "": frame for frame in model.all("frame")}
 
-    def read(self) -> Description:
+    def read(self) -> ImportedBody:
         for part in self._model.children:
             if part.tag not in _READ:
                 self._changes.leave_out(f"<{part.tag}> of the model")
@@ -71,7 +78,7 @@ class _Reader:
             if below in self._links and (_text(each, "parent") in self._links):
                 self._frames_of[below] = self._placed(each)
         joints = [one for element in self._joints.values() for one in self._joint(element)]
-        children: dict[str, Joint] = {}
+        children: dict[str, ImportedJoint] = {}
         for joint in joints:
             if joint.child in children:
                 self._refuse(
@@ -88,7 +95,7 @@ class _Reader:
         if self._findings:
             raise FileError(self._findings)
         links = tuple(self._link(name, element) for name, element in self._links.items())
-        return Description(
+        return ImportedBody(
             self._file, self._file.parent, self._model.get("name") or self._file.stem,
             links, tuple(joints),
         )  # fmt: skip
@@ -109,7 +116,7 @@ class _Reader:
             return own
         return self._placed(other, depth + 1) @ own
 
-    def _joint(self, element: Element) -> Iterator[Joint]:
+    def _joint(self, element: Element) -> Iterator[ImportedJoint]:
         name, subject = element.get("name") or "", f"joint {element.get('name')}"
         parent, child = _text(element, "parent"), _text(element, "child")
         parent, child = parent.rpartition("::")[2], child.rpartition("::")[2]
@@ -168,7 +175,7 @@ class _Reader:
                 type_, lower, upper = "continuous", None, None
             elif unlimited:
                 self._refuse(element, subject, "slides without limits; write <lower> and <upper>")
-        yield Joint(
+        yield ImportedJoint(
             name, type_, parent, child, pose, axis, self._at(element),
             lower, upper, effort, velocity, damping, friction, mimic,
         )  # fmt: skip
@@ -191,26 +198,28 @@ class _Reader:
         )
         return Link(name, inertial, visuals, collisions, self._at(element))
 
-    def _shape(self, element: Element, link: str, shift: Pose) -> Iterator[Shape]:
+    def _shape(self, element: Element, link: str, shift: Pose) -> Iterator[ImportedShape]:
         geometry = element.first("geometry")
         solids = geometry.children if geometry else ()
         pose, place = shift @ _pose(element.first("pose")), self._at(element)
         color = _diffuse(element.first("material"))
         for solid in solids[:1]:
             if solid.tag == "box":
-                yield Shape("box", tuple(_numbers(_text(solid, "size"))), pose, place, color=color)
+                yield ImportedShape(
+                    "box", tuple(_numbers(_text(solid, "size"))), pose, place, color=color
+                )
             elif solid.tag == "sphere":
                 radius = _number(solid, "radius") or 0.0
-                yield Shape("sphere", (radius,), pose, place, color=color)
+                yield ImportedShape("sphere", (radius,), pose, place, color=color)
             elif solid.tag in ("cylinder", "capsule"):
                 size = (_number(solid, "radius") or 0.0, _number(solid, "length") or 0.0)
                 kind = "cylinder" if solid.tag == "cylinder" else "capsule"
-                yield Shape(kind, size, pose, place, color=color)  # type: ignore[arg-type]
+                yield ImportedShape(kind, size, pose, place, color=color)  # type: ignore[arg-type]
             elif solid.tag == "mesh":
                 scale = _numbers(_text(solid, "scale")) or [1.0, 1.0, 1.0]
                 reference = _text(solid, "uri") or _text(solid, "filename")
                 size3 = (scale[0], scale[1], scale[2])
-                yield Shape("mesh", size3, pose, place, reference, color)
+                yield ImportedShape("mesh", size3, pose, place, reference, color)
             else:
                 self._changes.leave_out(f"<{solid.tag}> of link {link}")
 

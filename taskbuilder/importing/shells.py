@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description
+from taskbuilder.importing.description import ImportedBody
 
 
-def without_shells(description: Description, changes: Changes) -> Description:
+def without_shells(description: ImportedBody, changes: Changes) -> ImportedBody:
     """The description without coarse shells around links that have collision shapes of their own.
 
     Such a link is fixed to another, is not seen, and weighs nothing. Its shapes are wider than the

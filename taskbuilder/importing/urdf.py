@@ -14,7 +14,15 @@ from taskbuilder.assets.schema import cleaned, number, numbers
 from taskbuilder.assets.tree import check_names, check_tree
 from taskbuilder.errors import Location
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import Description, Inertial, Joint, Link, Rgba, Role, Shape
+from taskbuilder.importing.description import (
+    ImportedBody,
+    ImportedJoint,
+    ImportedShape,
+    Inertial,
+    Link,
+    Rgba,
+    Role,
+)
 from taskbuilder.wording import quoted
 
 _ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -29,7 +37,7 @@ _SIZES = {
 
 def read_urdf_text(
     path: Path, data: bytes, changes: Changes, *, folder: Path | None = None
-) -> Description:
+) -> ImportedBody:
     """Read the text of a URDF.
 
     Args:
@@ -60,7 +68,7 @@ def read_urdf_text(
     for finding in report.warnings():
         if finding.code == codes.IGNORED:
             changes.leave_out(f"{finding.path}: {finding.message.partition(';')[0]}".lstrip(": "))
-    return Description(
+    return ImportedBody(
         path, folder or path.resolve().parent, root.attributes["name"], tuple(links), tuple(joints)
     )
 
@@ -143,12 +151,12 @@ def _unused(name: str, taken: set[str | None]) -> Iterator[str]:
     yield from (one for one in (name, *(f"{name}_{n}" for n in range(2, 999))) if one not in taken)
 
 
-def _joint(element: Element, path: Path, report: Report) -> Iterator[Joint]:
+def _joint(element: Element, path: Path, report: Report) -> Iterator[ImportedJoint]:
     read = read_joint(element, report)
     if read is None:
         return
     dynamics = element.first("dynamics")
-    yield Joint(
+    yield ImportedJoint(
         read.name,
         read.type,
         read.parent,
@@ -177,7 +185,7 @@ def _link(element: Element, path: Path, colors: dict[str, Rgba], report: Report)
         given = None if any(entries[n] is None for n in (0, 3, 5)) else entries
         values = tuple(value or 0.0 for value in given) if given else None
         found = Inertial(mass, read_pose(inertial), values) if mass is not None else None
-    shapes: dict[Role, tuple[Shape, ...]] = {
+    shapes: dict[Role, tuple[ImportedShape, ...]] = {
         role: tuple(
             shape
             for one in element.all(role)
@@ -191,7 +199,7 @@ def _link(element: Element, path: Path, colors: dict[str, Rgba], report: Report)
 
 def _shape(
     element: Element, subject: str, path: Path, colors: dict[str, Rgba], report: Report
-) -> Iterator[Shape]:
+) -> Iterator[ImportedShape]:
     geometry = element.first("geometry")
     solids = geometry.children if geometry else ()
     if len(solids) != 1:
@@ -204,7 +212,7 @@ def _shape(
     if solid.tag == "mesh":
         scale = as_vec3(numbers(solid, "scale") or (1.0, 1.0, 1.0))
         reference = solid.get("filename") or ""
-        yield Shape("mesh", scale, read_pose(element), place, reference, color, texture)
+        yield ImportedShape("mesh", scale, read_pose(element), place, reference, color, texture)
         return
     for kind, attributes in _SIZES.items():
         if kind == solid.tag:
@@ -214,7 +222,7 @@ def _shape(
                 message = f"<{kind}> needs {', '.join(attributes)} above 0, in metres"
                 report.error(codes.GEOMETRY, solid, subject, message)
                 return
-            yield Shape(solid.tag, size, read_pose(element), place, "", color, texture)  # type: ignore[arg-type]
+            yield ImportedShape(solid.tag, size, read_pose(element), place, "", color, texture)  # type: ignore[arg-type]
 
 
 def _look(element: Element, colors: dict[str, Rgba]) -> tuple[Rgba | None, str]:

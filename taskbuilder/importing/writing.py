@@ -12,12 +12,18 @@ from pathlib import Path
 from taskbuilder.assets.markup import Element, serialized
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.geometry import Pose
-from taskbuilder.importing.description import Description, Inertial, Joint, Link, Shape
+from taskbuilder.importing.description import (
+    ImportedBody,
+    ImportedJoint,
+    ImportedShape,
+    Inertial,
+    Link,
+)
 
 MARK = "imported by taskbuilder"
 
 
-def urdf_text(description: Description, comment: Sequence[str]) -> str:
+def urdf_text(description: ImportedBody, comment: Sequence[str]) -> str:
     """The URDF of a description, with a comment at its beginning."""
     children = [*map(_link, description.links), *map(_joint, description.joints)]
     robot = _element("robot", {"name": description.name}, children)
@@ -101,7 +107,7 @@ def _inertial(inertial: Inertial) -> Element:
     )
 
 
-def _shape(shape: Shape, role: str) -> Element:
+def _shape(shape: ImportedShape, role: str) -> Element:
     solid = {
         "box": lambda: {"size": _spaced(shape.size)},
         "sphere": lambda: {"radius": _number(shape.size[0])},
@@ -117,7 +123,7 @@ def _shape(shape: Shape, role: str) -> Element:
     return _element(role, {}, children)
 
 
-def _joint(joint: Joint) -> Element:
+def _joint(joint: ImportedJoint) -> Element:
     children = [
         *_origin(joint.pose),
         _element("parent", {"link": joint.parent}),

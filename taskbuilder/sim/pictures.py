@@ -92,7 +92,7 @@ class Shot:
     shadow: bool
 
 
-class Drawn(NamedTuple):
+class RenderedShot(NamedTuple):
     """What a renderer draws of a `Shot`.
 
     Attributes:
@@ -115,7 +115,7 @@ class ForeignRenderer(Protocol):
     """Where the ray of a pixel passes it, as fractions of its width and height from its upper left
     corner; (0.5, 0.5) is the centre."""
 
-    def draw(self, shot: Shot) -> Drawn:
+    def draw(self, shot: Shot) -> RenderedShot:
         """Draw a picture."""
         ...
 
@@ -179,7 +179,7 @@ def _taken(
     return rgb, depth, segments.of(bodies, links)
 
 
-def draw_with(renderer: str, shot: Shot) -> Drawn:
+def draw_with(renderer: str, shot: Shot) -> RenderedShot:
     """Draw by one of the library's own renderers, or by one that another package adds.
 
     Args:
@@ -193,7 +193,7 @@ def draw_with(renderer: str, shot: Shot) -> Drawn:
         return _rasterised(shot) if renderer == "raster" else _by_bullet(shot)
     part, foreign = _foreign(renderer)
     with part.at_work():
-        drawing = Drawn(*foreign.draw(shot))
+        drawing = RenderedShot(*foreign.draw(shot))
     size = (shot.view.height, shot.view.width)
     kinds = {"rgb": ((*size, 3), "uint8"), "depth": (size, "float32")}
     kinds |= dict.fromkeys(("bodies", "links"), (size, "int32"))
@@ -231,11 +231,11 @@ def _no_renderer(found: object) -> str | None:
     return None
 
 
-def _rasterised(shot: Shot) -> Drawn:
+def _rasterised(shot: Shot) -> RenderedShot:
     world, drawing = _raster_drawing(shot)
     shapes = drawing.shapes
     bodies, links = (numbers.take(shapes, mode="wrap") for numbers in (world.bodies, world.links))
-    return Drawn(drawing.rgb, drawing.depth, bodies, links)
+    return RenderedShot(drawing.rgb, drawing.depth, bodies, links)
 
 
 def _raster_drawing(shot: Shot) -> tuple[RasterWorld, raster.Drawing]:
@@ -256,7 +256,7 @@ def _raster_drawing(shot: Shot) -> tuple[RasterWorld, raster.Drawing]:
     return world, drawing
 
 
-def _by_bullet(shot: Shot) -> Drawn:
+def _by_bullet(shot: Shot) -> RenderedShot:
     bullet, view, light = shot.client.bullet, shot.view, shot.light
     width, height = view.width, view.height
     _, _, colors, buffer, mask = bullet.getCameraImage(
@@ -282,7 +282,7 @@ def _by_bullet(shot: Shot) -> Drawn:
     nothing = mask < 0
     rgb = np.where(nothing[:, :, None], shot.behind[:, None], rgb)
     depth = np.where(nothing, np.float32(view.far), _metres(buffer, view))
-    return Drawn(rgb, depth, *_decoded(mask))
+    return RenderedShot(rgb, depth, *_decoded(mask))
 
 
 def intrinsics(view: CameraView, renderer: Renderer) -> NDArray[np.float64]:

@@ -47,7 +47,7 @@ def take_object_picture(model: ObjectModel) -> tuple[Pixels, float, tuple[str, .
     ):
         with captured() as printed:
             body = _body(client, model, Path(folder))
-        picture = _portrait(client, body.occupied())
+        picture = _take_picture(client, body.occupied())
         return picture, body.mass, warnings(printed.text)
 
 
@@ -78,7 +78,7 @@ def _meshes(parts: Mapping[str, Part]) -> Iterator[Path]:
                 yield shape.path
 
 
-def _portrait(client: Client, extent: Box) -> Pixels:
+def _take_picture(client: Client, extent: Box) -> Pixels:
     distance = max(2.9 * norm(extent.half), 0.05)
     eye = add(extent.center, scale(_FROM, distance))
     view = CameraView(

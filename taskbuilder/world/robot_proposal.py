@@ -36,7 +36,7 @@ from taskbuilder.world.hands import (
 
 FORCE_N, TURNING_FORCE = 20.0, 1.0
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
-_FROM_FIXED_JAW_M = 0.012  # from a fixed jaw to the middle of what is held against it
+_FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
 _JAW_ALIGNED = 0.87  # a jaw is bent; within 30° of an axis of its link, that axis is meant
 _NEAR_M = 0.06  # a frame of the URDF is taken for the tool's if it is so near to the pads
 _OF_A_TOOL = re.compile(r"tcp|tool|grasp|ee|tip|flange|hand", re.IGNORECASE)
@@ -246,7 +246,8 @@ def _jaw_tool(urdf: Urdf, hand: Hand) -> Pose:
     side = float(((moving[tip] @ x) + float(np.median(pad @ x))) / 2.0) if len(pad) else 0.0
     face = float((pad @ y).max()) if len(pad) else float(moving[tip] @ y)
     face = min(face, float(moving[tip] @ y))
-    point = (end - _PAD_M) * z + (face + _FROM_FIXED_JAW_M) * y + side * x
+    before = min(_FROM_FIXED_JAW_M, (float(wide[tip] @ y) - face) / 2.0)
+    point = (end - _PAD_M) * z + (face + before) * y + side * x
     return _frame(point, y, z)
 
 

@@ -72,8 +72,8 @@ def put(*place):
 
 EDITS = {
     "an option that no environment has": (
-        put("options", "horizon", 5),
-        {"options": ["option horizon is None here, not 5"]},
+        put("options", "wind", 5),
+        {"options": ["option wind is None here, not 5"]},
     ),
     "the policy of another task": (
         put("policy", "nothing:handover"),

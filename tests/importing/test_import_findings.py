@@ -6,7 +6,7 @@ import pytest
 from made_robots import arm, ascii_stl, box_mesh, joint, link, snapshot
 
 from taskbuilder.errors import FileError, UsageError
-from taskbuilder.importing.folders import Source, import_robot
+from taskbuilder.importing.folders import ImportSource, import_robot
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.writing import write_folder
 
@@ -26,7 +26,7 @@ LIMIT = '<limit lower="-2" upper="2" effort="50" velocity="2"/>'
 def test_joints(wrong, said, write):
     file = write(arm() + "\n" + link("l7", "<sphere radius='0.1'/>") + wrong)
     with pytest.raises(FileError, match=said) as error:
-        import_robot(Source(file))
+        import_robot(ImportSource(file))
     place = error.value.findings[0].location
     assert place.file.name == "arm.urdf"
     assert place.line > 10
@@ -36,16 +36,16 @@ def test_a_file_outside_the_root(write, tmp_path):
     (tmp_path / "secret.stl").write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
     for path in ("../../../../secret.stl", f"file://{tmp_path}/secret.stl"):
         with pytest.raises(FileError, match=r"TB402.*outside the import root"):
-            import_robot(Source(write(arm(f'<mesh filename="{path}"/>'))))
+            import_robot(ImportSource(write(arm(f'<mesh filename="{path}"/>'))))
     file = write(arm('<mesh filename="../../../../secret.stl"/>'))
-    assert import_robot(Source(file, root=tmp_path)).files
+    assert import_robot(ImportSource(file, root=tmp_path)).files
 
 
 def test_a_link_that_leads_outside(write, package, tmp_path):
     (tmp_path / "secret.stl").write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
     (package / "meshes" / "p.stl").symlink_to(tmp_path / "secret.stl")
     with pytest.raises(FileError, match="outside the import root"):
-        import_robot(Source(write(arm('<mesh filename="../meshes/p.stl"/>'))))
+        import_robot(ImportSource(write(arm('<mesh filename="../meshes/p.stl"/>'))))
 
 
 def test_a_package_that_is_there_twice(write, tmp_path):
@@ -56,13 +56,13 @@ def test_a_package_that_is_there_twice(write, tmp_path):
         (folder / "p.stl").write_bytes(ascii_stl(box_mesh((0.05, 0.05, 0.1))))
     file = write(arm('<mesh filename="package://parts/p.stl"/>'))
     with pytest.raises(FileError, match=r"TB431.*--package parts=DIR"):
-        import_robot(Source(file))
-    assert import_robot(Source(file, {"parts": tmp_path / "ws" / "src" / "one"})).files
+        import_robot(ImportSource(file))
+    assert import_robot(ImportSource(file, {"parts": tmp_path / "ws" / "src" / "one"})).files
 
 
 def test_a_package_that_is_nowhere(write):
     with pytest.raises(FileError, match=r"TB401.*--package nowhere=DIR"):
-        import_robot(Source(write(arm('<mesh filename="package://nowhere/p.stl"/>'))))
+        import_robot(ImportSource(write(arm('<mesh filename="package://nowhere/p.stl"/>'))))
 
 
 def test_packages_do_not_open_the_whole_disk(tmp_path):
@@ -93,4 +93,6 @@ def test_what_is_there_is_not_overwritten(tmp_path):
 def test_the_flange_is_read(write):
     for text in ("", "l6@1,2", "l6@a,b,c", "@0,0,0"):
         with pytest.raises(UsageError, match="--at"):
-            import_robot(Source(write(arm()), gripper=write(arm(), name="g.urdf"), flange=text))
+            import_robot(
+                ImportSource(write(arm()), gripper=write(arm(), name="g.urdf"), flange=text)
+            )

@@ -6,7 +6,7 @@ import pytest
 from made_robots import arm, link, two_fingers
 
 from taskbuilder.errors import FileError
-from taskbuilder.importing.folders import Source, import_object, import_robot
+from taskbuilder.importing.folders import ImportSource, import_object, import_robot
 from taskbuilder.importing.postures import read_postures
 
 SIZED = '<box size="$(arg size) 0.1 0.1"/>'
@@ -35,7 +35,7 @@ def xacro(package):
 
 def test_xacro_is_expanded_without_ros(xacro):
     file = xacro("")
-    text = import_object(Source(file, arguments={"size": "0.2"})).files["made.urdf"].decode()
+    text = import_object(ImportSource(file, arguments={"size": "0.2"})).files["made.urdf"].decode()
     assert 'box size="0.2 0.1 0.1"' in text
 
 
@@ -52,7 +52,7 @@ def test_xacro_is_expanded_without_ros(xacro):
 def test_what_is_wrong_with_a_xacro_file_is_said(xacro, inside, included, said):
     file = xacro(inside, included)
     with pytest.raises(FileError) as error:
-        import_object(Source(file))
+        import_object(ImportSource(file))
     assert said in str(error.value)
     assert error.value.findings[0].location.file.name
 
@@ -67,7 +67,7 @@ def test_nothing_is_executed(xacro, tmp_path):
     (tmp_path / "secret.yaml").write_text("password: 1")
     for trick in tricks:
         with pytest.raises(FileError):
-            import_object(Source(xacro(f'<link name="${{{trick}}}"/>')))
+            import_object(ImportSource(xacro(f'<link name="${{{trick}}}"/>')))
     assert not marker.exists()
 
 
@@ -88,7 +88,7 @@ SDF = """<sdf version="1.7"><model name="box_arm"><static>0</static>
 def test_sdf_says_the_same(tmp_path):
     file = tmp_path / "model.sdf"
     file.write_text(SDF)
-    imported = import_object(Source(file))
+    imported = import_object(ImportSource(file))
     text = imported.files["box_arm.urdf"].decode()
     assert '<joint name="lift" type="prismatic">' in text
     assert 'xyz="0 0 0.3"' in text  # the joint, in the frame of the base
@@ -96,7 +96,7 @@ def test_sdf_says_the_same(tmp_path):
     assert any("sensor" in what for what in imported.changes.left_out)
     file.write_text(SDF.replace('type="prismatic"', 'type="ball"'))
     with pytest.raises(FileError, match=r"model\.sdf:.*ball"):
-        import_object(Source(file))
+        import_object(ImportSource(file))
 
 
 MJCF = """<mujoco model="two_link"><compiler angle="degree"/>
@@ -113,7 +113,7 @@ MJCF = """<mujoco model="two_link"><compiler angle="degree"/>
 def test_mjcf_says_the_same_and_its_keyframe_is_home(tmp_path):
     file = tmp_path / "arm.xml"
     file.write_text(MJCF)
-    imported = import_robot(Source(file))
+    imported = import_robot(ImportSource(file))
     assert [joint.name for joint in imported.proposal.arm] == ["shoulder", "elbow"]
     assert imported.proposal.home == pytest.approx((0.5, 1.0))
     assert imported.proposal.arm[1].upper == pytest.approx(2.0944, abs=1e-3)
@@ -152,7 +152,7 @@ def test_archives_and_other_formats_are_named(tmp_path):
         file = tmp_path / name
         file.write_bytes(content)
         with pytest.raises(FileError, match=said):
-            import_robot(Source(file))
+            import_robot(ImportSource(file))
 
 
 def test_forty_joints(write):
@@ -163,5 +163,5 @@ def test_forty_joints(write):
             f'<joint name="e{number}" type="revolute"><parent link="l0"/><child link="d{number}"/>'
             '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
         )
-    imported = import_robot(Source(write(text)))
+    imported = import_robot(ImportSource(write(text)))
     assert len(imported.proposal.arm) == 6

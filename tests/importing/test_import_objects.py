@@ -9,7 +9,7 @@ from made_robots import ascii_stl, box_mesh, open_box
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError
-from taskbuilder.importing.folders import Source, import_object
+from taskbuilder.importing.folders import ImportSource, import_object
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.writing import write_folder
 
@@ -25,12 +25,12 @@ def test_a_hollow_thing_stays_hollow(tmp_path):
     pytest.importorskip("coacd")
     file = tmp_path / "crate.stl"
     file.write_bytes(open_box().export(file_type="stl"))
-    imported, urdf = imported_urdf(Source(file), tmp_path / "out")
+    imported, urdf = imported_urdf(ImportSource(file), tmp_path / "out")
     (row,) = [row for row in imported.changes.rows if row.what == "collision"]
     assert row.after.endswith("convex pieces")
     text = urdf.link("body").collisions[0].mesh.read_text()
     assert text.count("o part_") >= 5
-    hull = import_object(Source(file, meshes=MeshOptions(collision="hull")))
+    hull = import_object(ImportSource(file, meshes=MeshOptions(collision="hull")))
     assert [row.after for row in hull.changes.rows if row.what == "collision"] == ["hull"]
 
 
@@ -44,7 +44,7 @@ def test_a_glb_is_turned_upright_and_its_texture_kept(tmp_path):
     mesh.visual = trimesh.visual.TextureVisuals(uv=uv, image=picture)
     file = tmp_path / "tower.glb"
     file.write_bytes(mesh.export(file_type="glb"))
-    imported, urdf = imported_urdf(Source(file), tmp_path / "out")
+    imported, urdf = imported_urdf(ImportSource(file), tmp_path / "out")
     points = np.asarray(read_mesh(urdf.link("body").visuals[0].mesh).points).reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     np.testing.assert_allclose(high - low, (0.02, 0.04, 0.1), atol=1e-6)
@@ -55,9 +55,9 @@ def test_a_glb_is_turned_upright_and_its_texture_kept(tmp_path):
 def test_mass_and_density(tmp_path):
     file = tmp_path / "brick.stl"
     file.write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
-    _, urdf = imported_urdf(Source(file, mass=0.3), tmp_path / "a")
+    _, urdf = imported_urdf(ImportSource(file, mass=0.3), tmp_path / "a")
     assert urdf.link("body").mass == pytest.approx(0.3)
-    _, urdf = imported_urdf(Source(file, density=2000.0), tmp_path / "b")
+    _, urdf = imported_urdf(ImportSource(file, density=2000.0), tmp_path / "b")
     assert urdf.link("body").mass == pytest.approx(2.0, rel=1e-4)
 
 
@@ -66,7 +66,7 @@ def test_a_mesh_that_faces_inwards_is_turned(tmp_path):
     mesh.invert()
     file = tmp_path / "inside_out.stl"
     file.write_bytes(mesh.export(file_type="stl"))
-    imported, _ = imported_urdf(Source(file), tmp_path / "out")
+    imported, _ = imported_urdf(ImportSource(file), tmp_path / "out")
     assert [row.before for row in imported.changes.rows if row.what == "triangles"] == [
         "face inwards"
     ]
@@ -87,13 +87,13 @@ def test_meshes_that_cannot_be_used_are_findings(name, content, said, tmp_path):
     file = tmp_path / name
     file.write_bytes(content)
     with pytest.raises(FileError, match=said):
-        import_object(Source(file))
+        import_object(ImportSource(file))
 
 
 def test_units_that_cannot_be_guessed(tmp_path):
     file = tmp_path / "thing.stl"
     file.write_bytes(ascii_stl(box_mesh((7, 7, 7))))
     with pytest.raises(FileError, match=r"TB432.*--unit"):
-        import_object(Source(file))
-    _, urdf = imported_urdf(Source(file, meshes=MeshOptions(unit=0.01)), tmp_path / "out")
+        import_object(ImportSource(file))
+    _, urdf = imported_urdf(ImportSource(file, meshes=MeshOptions(unit=0.01)), tmp_path / "out")
     assert urdf.link("body").collisions[0].size == pytest.approx((0.07, 0.07, 0.07), abs=1e-5)

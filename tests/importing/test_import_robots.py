@@ -9,7 +9,7 @@ from made_robots import arm, ascii_stl, box_mesh, jaw, joint, link, snapshot, tw
 
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.errors import FileError
-from taskbuilder.importing.folders import Source, import_robot
+from taskbuilder.importing.folders import ImportSource, import_robot
 from taskbuilder.importing.writing import write_folder
 from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.schema.robots import load_robot
@@ -38,7 +38,7 @@ def test_a_ros_layout_is_found_upwards_and_beside(write, tmp_path):
     beside = MESH.format("package://gripper_stuff/meshes/finger.stl")
     inside = arm(up) + link("l7", package) + joint("j7", "l6", "l7")
     inside += link("l8", beside) + joint("f", "l7", "l8", kind="fixed", extra="")
-    robot = written(import_robot(Source(write(inside, {"part.stl": stl}))), tmp_path)
+    robot = written(import_robot(ImportSource(write(inside, {"part.stl": stl}))), tmp_path)
     assert robot.name == "my_arm"
     assert len(robot.arm) == 7
 
@@ -50,7 +50,7 @@ def test_meshes_of_every_format(kind, write, tmp_path):
     data = box_mesh((0.05, 0.04, 0.1)).export(file_type=kind)
     data = data.encode() if isinstance(data, str) else data
     file = write(arm(MESH.format(f"../meshes/part.{kind}")), {f"part.{kind}": data})
-    robot = written(import_robot(Source(file)), tmp_path)
+    robot = written(import_robot(ImportSource(file)), tmp_path)
     assert all(path.suffix == ".obj" for path in robot.urdf.meshes)
     shape = robot.urdf.link("l3").collisions[0]
     assert shape.kind == "box"
@@ -61,13 +61,13 @@ def test_the_source_is_untouched_and_the_second_run_gives_the_same_bytes(write, 
     mesh = box_mesh((0.05, 0.05, 0.1))
     file = write(arm(MESH.format("../meshes/p.ply")), {"p.ply": mesh.export(file_type="ply")})
     before = snapshot(package)
-    first = import_robot(Source(file)).files
-    assert import_robot(Source(file)).files == first
+    first = import_robot(ImportSource(file)).files
+    assert import_robot(ImportSource(file)).files == first
     assert snapshot(package) == before
 
 
 def test_mimic_joints_are_followed_and_pads_belong_to_fingers(write, tmp_path):
-    robot = written(import_robot(Source(write(arm() + two_fingers()))), tmp_path)
+    robot = written(import_robot(ImportSource(write(arm() + two_fingers()))), tmp_path)
     gripper = robot.spec.gripper
     assert gripper.fingers == (("finger_a", "pad_a"), ("finger_b", "pad_b"))
     assert gripper.joints["slide_a"].open == gripper.joints["slide_b"].open == 0.03
@@ -79,7 +79,7 @@ def test_mimic_joints_are_followed_and_pads_belong_to_fingers(write, tmp_path):
 
 
 def test_one_jaw_against_a_fixed_one_is_a_gripper(write, tmp_path):
-    imported = import_robot(Source(write(arm() + jaw())))
+    imported = import_robot(ImportSource(write(arm() + jaw())))
     robot = written(imported, tmp_path)
     assert [joint.name for joint in robot.arm] == [f"j{n}" for n in range(1, 7)] + ["wrist"]
     assert robot.spec.gripper.fingers == (("moving_jaw",), ("l7",))
@@ -92,7 +92,7 @@ def test_one_jaw_against_a_fixed_one_is_a_gripper(write, tmp_path):
 
 def test_a_head_is_no_arm_and_is_held(write, tmp_path):
     head = link("head", '<box size="0.1 0.1 0.1"/>') + joint("pan", "l0", "head", "0.1 0 0.1")
-    imported = import_robot(Source(write(arm() + two_fingers() + head)))
+    imported = import_robot(ImportSource(write(arm() + two_fingers() + head)))
     robot = written(imported, tmp_path)
     assert [joint.name for joint in robot.arm] == [f"j{n}" for n in range(1, 7)]
     assert robot.urdf.joint("pan").type == "fixed"
@@ -103,7 +103,7 @@ def test_a_rotor_before_the_fingers_is_no_finger(write, tmp_path):
     rotor = link("prop", '<cylinder radius="0.02" length="0.1"/>') + joint(
         "spin", "l6", "prop", axis="0 0 1", kind="continuous", extra=""
     )
-    imported = import_robot(Source(write(arm() + rotor + two_fingers())))
+    imported = import_robot(ImportSource(write(arm() + rotor + two_fingers())))
     robot = written(imported, tmp_path)
     assert len(robot.spec.gripper.fingers) == 2
     assert robot.urdf.joint("spin").type == "fixed"
@@ -111,7 +111,7 @@ def test_a_rotor_before_the_fingers_is_no_finger(write, tmp_path):
 
 def test_fingers_without_collision_get_it(write, tmp_path):
     fingers = two_fingers().replace("<collision>", "<!--").replace("</collision>", "-->")
-    imported = import_robot(Source(write(arm() + fingers)))
+    imported = import_robot(ImportSource(write(arm() + fingers)))
     robot = written(imported, tmp_path)
     assert robot.urdf.link("finger_a").collisions
     assert [row.subject for row in rows(imported, "collision")][:1] == ["link finger_a"]
@@ -122,7 +122,7 @@ def test_empty_material_names_and_joint_names(write, tmp_path):
         "</visual>", '<material name=""><color rgba="1 0 0 1"/></material></visual>'
     )
     text = text.replace('name="j3"', 'name=""')
-    imported = import_robot(Source(write(text + two_fingers())))
+    imported = import_robot(ImportSource(write(text + two_fingers())))
     robot = written(imported, tmp_path)
     assert "l3_joint" in [joint.name for joint in robot.arm]
     assert rows(imported, "name")
@@ -131,7 +131,7 @@ def test_empty_material_names_and_joint_names(write, tmp_path):
 def test_a_mirrored_scale_is_baked_in(write, tmp_path):
     stl = ascii_stl(box_mesh((0.05, 0.05, 0.1), (0.01, 0, 0)))
     geometry = '<mesh filename="../meshes/p.stl" scale="-1 1 1"/>'
-    imported = import_robot(Source(write(arm(geometry), {"p.stl": stl})))
+    imported = import_robot(ImportSource(write(arm(geometry), {"p.stl": stl})))
     robot = written(imported, tmp_path)
     (shape,) = robot.urdf.link("l2").visuals
     assert shape.size == (1, 1, 1)
@@ -144,7 +144,7 @@ def test_colours_of_mtl_files_are_kept(write, tmp_path):
     obj = b"mtllib p.mtl\nusemtl red\n" + mesh.encode().replace(b"mtllib", b"# mtllib")
     mtl = b"newmtl red\nKd 0.8 0.1 0.2\n"
     imported = import_robot(
-        Source(write(arm(MESH.format("../meshes/p.obj")), {"p.obj": obj, "p.mtl": mtl}))
+        ImportSource(write(arm(MESH.format("../meshes/p.obj")), {"p.obj": obj, "p.mtl": mtl}))
     )
     (material,) = [text for name, text in imported.files.items() if name.endswith(".mtl")]
     assert b"Kd 0.8 0.102 0.2" in material or b"Kd 0.8 0.1 0.2" in material
@@ -152,7 +152,7 @@ def test_colours_of_mtl_files_are_kept(write, tmp_path):
 
 def test_placeholder_inertias_are_computed(write, tmp_path):
     text = arm().replace('ixx="0.01" iyy="0.01" izz="0.01"', 'ixx="1" iyy="1" izz="1"')
-    imported = import_robot(Source(write(text + two_fingers())))
+    imported = import_robot(ImportSource(write(text + two_fingers())))
     assert len(rows(imported, "inertia")) >= 7
     robot = written(imported, tmp_path)
     moments = next(robot.urdf.tree.all("link")).first("inertial").first("inertia").attributes
@@ -163,7 +163,9 @@ def test_placeholder_inertias_are_computed(write, tmp_path):
 
 def test_millimetres_are_recognised_and_said(write, tmp_path):
     stl = ascii_stl(box_mesh((50, 50, 100)))
-    imported = import_robot(Source(write(arm(MESH.format("../meshes/p.stl")), {"p.stl": stl})))
+    imported = import_robot(
+        ImportSource(write(arm(MESH.format("../meshes/p.stl")), {"p.stl": stl}))
+    )
     (row,) = {row.after for row in rows(imported, "unit")}
     assert row == "taken for millimetres"
     shape = written(imported, tmp_path).urdf.link("l1").collisions[0]
@@ -176,7 +178,9 @@ def test_a_drawing_mesh_is_decimated(write, tmp_path):
 
     ball = trimesh.creation.icosphere(subdivisions=5, radius=0.05)
     data = ball.export(file_type="stl")
-    imported = import_robot(Source(write(arm(MESH.format("../meshes/b.stl")), {"b.stl": data})))
+    imported = import_robot(
+        ImportSource(write(arm(MESH.format("../meshes/b.stl")), {"b.stl": data}))
+    )
     (row,) = rows(imported, "triangles")
     assert row.before == "20,480"
     assert int(row.after.replace(",", "")) <= 8000
@@ -195,19 +199,19 @@ def test_a_gripper_is_mounted_on_an_arm(write, package, tmp_path):
     file = write(arm())
     gripper = package / "urdf" / "gripper.urdf"
     gripper.write_text(f'<robot name="hand">{GRIPPER}</robot>')
-    imported = import_robot(Source(file, gripper=gripper, flange="l6@0,0,0.1"))
+    imported = import_robot(ImportSource(file, gripper=gripper, flange="l6@0,0,0.1"))
     robot = written(imported, tmp_path)
     assert len(robot.arm) == 6
     assert robot.spec.gripper is not None
     assert robot.spec.tcp.link == "palm"
     assert robot.spec.tcp.position[2] > 0.1
-    alone = import_robot(Source(gripper))
+    alone = import_robot(ImportSource(gripper))
     assert alone.proposal is None
     assert "robot.yaml" not in alone.files
     with pytest.raises(FileError, match=r'no link "l66".*did you mean "l6"'):
-        import_robot(Source(file, gripper=gripper, flange="l66"))
+        import_robot(ImportSource(file, gripper=gripper, flange="l66"))
     with pytest.raises(FileError, match="no gripper"):
-        import_robot(Source(file, gripper=_fixed(package), flange="l6"))
+        import_robot(ImportSource(file, gripper=_fixed(package), flange="l6"))
 
 
 def _fixed(package):
@@ -217,7 +221,7 @@ def _fixed(package):
 
 
 def test_the_robot_file_is_what_is_read(write):
-    text = import_robot(Source(write(arm() + two_fingers()), name="mine")).files["robot.yaml"]
+    text = import_robot(ImportSource(write(arm() + two_fingers()), name="mine")).files["robot.yaml"]
     data = yaml.safe_load(text)
     assert data["robot"] == "mine"
     assert data["urdf"] == "mine.urdf"

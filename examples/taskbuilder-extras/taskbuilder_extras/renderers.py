@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from taskbuilder.sim.pictures import Drawn, Shot, draw_with
+from taskbuilder.sim.pictures import RenderedShot, Shot, draw_with
 
 COLOURS = np.array(
     [[31, 119, 180], [255, 127, 14], [44, 160, 44], [214, 39, 40], [148, 103, 189], [140, 86, 75]],
@@ -21,7 +21,7 @@ class Silhouettes:
 
     ray_in_pixel = (0.0, 1.0)
 
-    def draw(self, shot: Shot) -> Drawn:
+    def draw(self, shot: Shot) -> RenderedShot:
         """Draw a picture."""
         drawing = draw_with("tiny", shot)
         painted = COLOURS[drawing.bodies % len(COLOURS)]
