@@ -15,10 +15,11 @@ from taskbuilder.errors import Finding
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedShape, Link, Role
-from taskbuilder.importing.fitting import Choice, Fit, fit, hull_of
+from taskbuilder.importing.fitting import Choice, Fit, fit
 from taskbuilder.importing.mesh_files import UNITS, MeshFile, Up, load_mesh
 from taskbuilder.importing.mesh_output import compound_obj, decimated, obj_files
 from taskbuilder.importing.packages import Packages
+from taskbuilder.importing.primitives import box_corners, primitive_part
 from taskbuilder.importing.surfaces import Floats, Part, is_closed, placed, volume, welded_mesh
 
 LARGEST_M, SMALLEST_M = 5.0, 0.0005
@@ -126,7 +127,7 @@ class Geometry:
         reference: Floats | None,
     ) -> Sequence[ImportedShape]:
         if shape.kind != "mesh":
-            self._note_solid(link.name, role, _primitive_part(shape), Pose())
+            self._note_solid(link.name, role, primitive_part(shape), Pose())
             if role == "visual":
                 return [self._painted(shape, link)]
             return [replace(shape, color=None, texture="")]
@@ -283,7 +284,7 @@ class Geometry:
             self.changes.note(name, "up axis", said, "Z up", f"{mesh.path.suffix} states it")
             return turn
         if reference is not None:
-            corners = _corners(mesh.bounds)
+            corners = box_corners(mesh.bounds)
             misfits = []
             for candidate in (np.eye(3), turn):
                 moved = (corners @ candidate.T) * factors
@@ -313,9 +314,9 @@ class Geometry:
                     return None
                 low_high = mesh.bounds * np.array(shape.size) * (mesh.unit_m or 1.0)
             else:
-                points, _ = _primitive_part(replace(shape, pose=Pose()))
+                points, _ = primitive_part(replace(shape, pose=Pose()))
                 low_high = np.stack([points.min(axis=0), points.max(axis=0)])
-            corners += list(placed(shape.pose, _corners(low_high)))
+            corners += list(placed(shape.pose, box_corners(low_high)))
         if not corners:
             return None
         return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
@@ -394,33 +395,6 @@ def links_without_collision(description: ImportedBody) -> list[str]:
 def link_parts(geometry: Geometry, link: str) -> list[Part]:
     """What a link looks like or, where nothing is seen, what of it collides; in its frame."""
     return geometry.solids.get(link) or geometry.solids.get(f"{link}/collision") or []
-
-
-def _primitive_part(shape: ImportedShape) -> Part:
-    """A primitive as triangles in the frame of its link."""
-    size = shape.size
-    if shape.kind == "box":
-        corners = _corners(np.array([[-s / 2 for s in size], [s / 2 for s in size]]))
-    else:
-        angles = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
-        ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(16)], axis=1) * size[0]
-        if shape.kind == "sphere":
-            rings = [ring, ring[:, [2, 0, 1]], ring[:, [0, 2, 1]]]
-        else:
-            half = size[1] / 2.0
-            up = np.array([0.0, 0.0, half])
-            rings = [ring + up, ring - up]
-            if shape.kind == "capsule":
-                tip = half + size[0]
-                rings.append(np.array([[0.0, 0.0, tip], [0.0, 0.0, -tip]]))
-        corners = np.concatenate(rings)
-    points, faces = hull_of(corners)
-    return placed(shape.pose, points), faces
-
-
-def _corners(low_high: Floats) -> Floats:
-    (a, b, c), (x, y, z) = low_high
-    return np.array([[i, j, k] for i in (a, x) for j in (b, y) for k in (c, z)])
 
 
 def _error_words(found: Fit) -> str:

@@ -27,6 +27,7 @@ from taskbuilder.geometry import (
     turn_onto,
     unit,
 )
+from taskbuilder.importing import mjcf_elements as elements
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import (
     ImportedBody,
@@ -35,15 +36,6 @@ from taskbuilder.importing.description import (
     Inertial,
     Link,
     Rgba,
-)
-from taskbuilder.importing.mjcf_elements import (
-    all_below,
-    compiler_of,
-    defaults_of,
-    numbers,
-    one_number,
-    vector,
-    with_includes,
 )
 from taskbuilder.importing.packages import Packages
 from taskbuilder.wording import quoted
@@ -60,7 +52,7 @@ def read_mjcf(packages: Packages, root: Element, changes: Changes) -> ImportedBo
     Raises:
         FileError: It has none, or something in it has no counterpart.
     """
-    root = with_includes(packages, packages.file, root, [0])
+    root = elements.with_includes(packages, packages.file, root, [0])
     for child in root.children:
         if child.tag not in _READ:
             changes.leave_out(f"<{child.tag}>")
@@ -73,8 +65,8 @@ class _MjcfReader:
     def __init__(self, packages: Packages, root: Element, changes: Changes) -> None:
         self._file, self._root, self._changes = packages.file, root, changes
         self._findings: list[Finding] = []
-        self._compiler = compiler_of(root)
-        self._defaults = dict(defaults_of(root))
+        self._compiler = elements.compiler_of(root)
+        self._defaults = dict(elements.defaults_of(root))
         assets = [one for each in root.all("asset") for one in each.children]
         self._meshes = {
             one.get("name") or Path(one.get("file") or "").stem: self._with_default(one, "main")
@@ -92,7 +84,7 @@ class _MjcfReader:
         if not tops:
             place = Location(self._file, self._root.line)
             raise FileError([Finding(codes.NOT_IMPORTED, "has no <body>", "", place)])
-        tops.sort(key=lambda body: -sum(1 for _ in all_below(body, "joint")))
+        tops.sort(key=lambda body: -sum(1 for _ in elements.all_below(body, "joint")))
         for other in tops[1:]:
             self._changes.leave_out(f"body {other.get('name')}, the one with most joints is read")
         self._body(tops[0], None, "main")
@@ -134,7 +126,7 @@ class _MjcfReader:
         shift = Pose()
         for index, joint in enumerate(joints):
             last = index == len(joints) - 1
-            at = numbers(joint.get("pos")) or [0.0, 0.0, 0.0]
+            at = elements.numbers(joint.get("pos")) or [0.0, 0.0, 0.0]
             anchor: Vec3 = (at[0], at[1], at[2])
             child = name if last else self._unused(f"{name}_{index + 1}")
             # A link of a URDF has its frame in the joint above it.
@@ -171,12 +163,12 @@ class _MjcfReader:
     def _joint(self, joint: Element, parent: str, child: str, pose: Pose) -> None:
         slides = joint.get("type") == "slide"
         name = self._unused(joint.get("name") or f"{child}_joint")
-        axis = numbers(joint.get("axis")) or [0.0, 0.0, 1.0]
+        axis = elements.numbers(joint.get("axis")) or [0.0, 0.0, 1.0]
         direction: Vec3 = (axis[0], axis[1], axis[2])
         if norm(direction) < 1e-6:
             self._refuse(joint, f"joint {name}", "the axis has no length; write such as 0 0 1")
             return
-        ends = numbers(joint.get("range"))
+        ends = elements.numbers(joint.get("range"))
         limited = joint.get("limited") == "true" or (
             joint.get("limited") in (None, "auto") and bool(ends) and self._compiler.autolimits
         )
@@ -187,7 +179,7 @@ class _MjcfReader:
         if slides and lower is None:
             self._refuse(joint, f"joint {name}", 'slides without limits; write range="… …"')
             return
-        force = numbers(joint.get("actuatorfrcrange"))
+        force = elements.numbers(joint.get("actuatorfrcrange"))
         self._places.append((name, joint.get("name") or name))
         self._joints.append(
             ImportedJoint(
@@ -202,8 +194,8 @@ class _MjcfReader:
                 upper,
                 abs(force[1]) if len(force) == 2 else None,
                 None,
-                one_number(joint.get("damping")) or 0.0,
-                one_number(joint.get("frictionloss")) or 0.0,
+                elements.one_number(joint.get("damping")) or 0.0,
+                elements.one_number(joint.get("frictionloss")) or 0.0,
             )
         )
 
@@ -212,8 +204,8 @@ class _MjcfReader:
         inertial = None
         if stated is not None:
             full, diagonal = (
-                numbers(stated.get("fullinertia")),
-                numbers(stated.get("diaginertia")),
+                elements.numbers(stated.get("fullinertia")),
+                elements.numbers(stated.get("diaginertia")),
             )
             moments = None
             if len(full) == 6:
@@ -222,7 +214,7 @@ class _MjcfReader:
             elif len(diagonal) == 3:
                 moments = (diagonal[0], 0.0, 0.0, diagonal[1], 0.0, diagonal[2])
             inertial = Inertial(
-                one_number(stated.get("mass")) or 0.0, shift @ self._pose(stated), moments
+                elements.one_number(stated.get("mass")) or 0.0, shift @ self._pose(stated), moments
             )
         visuals: list[ImportedShape] = []
         collisions: list[ImportedShape] = []
@@ -245,7 +237,7 @@ class _MjcfReader:
 
     def _geom(self, geom: Element, link: str, shift: Pose) -> ImportedShape | None:
         kind = geom.get("type") or ("mesh" if geom.get("mesh") else "sphere")
-        size = numbers(geom.get("size"))
+        size = elements.numbers(geom.get("size"))
         pose, place = shift @ self._pose(geom), self._at(geom)
         color = self._rgba(geom)
         if kind == "mesh":
@@ -255,14 +247,14 @@ class _MjcfReader:
                     geom, f"link {link}", f"the mesh {quoted(geom.get('mesh') or '')} names no file"
                 )
                 return None
-            given = numbers(mesh.get("scale")) or [1.0, 1.0, 1.0]
-            own = Pose(vector(numbers(mesh.get("refpos"))))
+            given = elements.numbers(mesh.get("scale")) or [1.0, 1.0, 1.0]
+            own = Pose(elements.vector(elements.numbers(mesh.get("refpos"))))
             reference = str(Path(self._compiler.meshdir) / (mesh.get("file") or ""))
             factors = (given[0], given[1], given[2])
             return ImportedShape("mesh", factors, pose @ own.inverse(), place, reference, color)
-        ends = numbers(geom.get("fromto"))
+        ends = elements.numbers(geom.get("fromto"))
         if len(ends) == 6 and kind in ("capsule", "cylinder", "box"):
-            a, b = vector(ends[:3]), vector(ends[3:])
+            a, b = elements.vector(ends[:3]), elements.vector(ends[3:])
             along = subtract(b, a)
             turn = turn_onto((0.0, 0.0, 1.0), along) if norm(along) > 1e-9 else NO_TURN
             pose = shift @ Pose(scale(add(a, b), 0.5), turn)
@@ -297,7 +289,7 @@ class _MjcfReader:
                     f"the equality <{equality.tag}> {equality.get('name') or ''}"
                 )
                 continue
-            terms = [*numbers(equality.get("polycoef")), 0.0, 0.0][:2] or [0.0, 1.0]
+            terms = [*elements.numbers(equality.get("polycoef")), 0.0, 0.0][:2] or [0.0, 1.0]
             if not equality.get("polycoef"):
                 terms = [0.0, 1.0]
             if terms[1]:
@@ -309,7 +301,7 @@ class _MjcfReader:
     def _keyframes(self) -> Iterator[tuple[str, Mapping[str, float]]]:
         """The joint positions of keyframes, where each joint has one number of qpos."""
         for key in (one for each in self._root.all("keyframe") for one in each.children):
-            values = numbers(key.get("qpos"))
+            values = elements.numbers(key.get("qpos"))
             extra = len(values) - len(self._places)
             if extra in (0, 7):  # behind the pose of a base that is free
                 positions = dict(zip((n for n, _ in self._places), values[extra:], strict=True))
@@ -326,11 +318,11 @@ class _MjcfReader:
         return replace(element, attributes={**given, **element.attributes})
 
     def _pose(self, element: Element) -> Pose:
-        position = vector(numbers(element.get("pos")))
+        position = elements.vector(elements.numbers(element.get("pos")))
         return Pose(position, self._turn(element))
 
     def _turn(self, element: Element) -> Quat:
-        values = {name: numbers(element.get(name)) for name in _TURNS}
+        values = {name: elements.numbers(element.get(name)) for name in _TURNS}
         if len(values["quat"]) == 4:
             w, x, y, z = values["quat"]
             return normalized((x, y, z, w))
@@ -348,25 +340,25 @@ class _MjcfReader:
                 turn_ = multiply(turn_, step) if letter.islower() else multiply(step, turn_)
             return turn_
         if len(values["xyaxes"]) == 6:
-            x_axis = unit(vector(values["xyaxes"][:3]))
-            y_raw = vector(values["xyaxes"][3:])
+            x_axis = unit(elements.vector(values["xyaxes"][:3]))
+            y_raw = elements.vector(values["xyaxes"][3:])
             along = sum(a * b for a, b in zip(x_axis, y_raw, strict=True))
             y_axis = unit(subtract(y_raw, scale(x_axis, along)))
             x, y, z = x_axis
             a, b, c = y_axis
             return from_axes(x_axis, y_axis, (y * c - z * b, z * a - x * c, x * b - y * a))
         if len(values["zaxis"]) == 3:
-            return turn_onto((0.0, 0.0, 1.0), vector(values["zaxis"]))
+            return turn_onto((0.0, 0.0, 1.0), elements.vector(values["zaxis"]))
         return NO_TURN
 
     def _angle(self, value: float, slides: bool) -> float:
         return math.radians(value) if self._compiler.degrees and not slides else value
 
     def _rgba(self, geom: Element) -> Rgba | None:
-        values = numbers(geom.get("rgba"))
+        values = elements.numbers(geom.get("rgba"))
         material = self._materials.get(geom.get("material")) if geom.get("material") else None
         if not values and material is not None:
-            values = numbers(self._with_default(material, "main").get("rgba"))
+            values = elements.numbers(self._with_default(material, "main").get("rgba"))
             if material.get("texture"):
                 self._changes.leave_out(f"the texture of material {material.get('name')}")
         if len(values) != 4:
