@@ -182,9 +182,11 @@ def arrays_edited(file: Path, rng: Rng, _: Outside) -> None:
     about, arrays = _read(file)
     for _ in range(int(rng.integers(1, 4))):
         name = sorted(arrays)[int(rng.integers(len(arrays)))]
-        array = arrays[name]
+        array = np.atleast_1d(arrays[name])
+        with np.errstate(invalid="ignore"):  # zeros times infinity
+            infinite = array * np.inf
         others = [
-            *(array * np.nan, array * np.inf, array[None], array[:0], array.T, array.ravel()),
+            *(array * np.nan, infinite, array[None], array[:0], array.T, array.ravel()),
             *(array.astype(np.int64), array.astype(np.float64) * 1e300, array.astype("U8")),
             *(np.zeros((1, 2_000_000), np.float32), np.zeros((2_000_000, 1), np.float32)),
             *(np.zeros((2000, 1000), np.float32), np.float32(0), array.astype(np.float16)),
