@@ -215,6 +215,6 @@ def _found(
     asked = {key: told[key] for key in (*DISTURBANCES, "grasp") if key in told}
     if robots:
         asked["robots"] = robots
-    return find_subject(
-        player, task=task, trained=env_options(told), options=asked, catalogue=catalogue
-    )
+    # What the certificate leaves out is as in training, and is then a difference.
+    trained = {**player.options, **env_options(told)}
+    return find_subject(player, task=task, trained=trained, options=asked, catalogue=catalogue)

@@ -99,6 +99,18 @@ def test_an_edit_is_told_though_it_is_sealed(edit, told, verified):
     assert differs(ran) == told
 
 
+def test_an_option_of_the_policy_that_is_left_out_is_told(run):
+    one = ("--episodes", "1", "--controls", "0", "--jobs", "1")
+    assert run("evaluate", "zoo:handover/demos", *one, "--certificate", "z.json").status == 0
+    data = json.loads(Path("z.json").read_text())
+    frame = data["options"].pop("frame")
+    data["seals"] = seals(data)
+    Path("z.json").write_text(json.dumps(data))
+    ran = run("evaluate", "--verify", "z.json", "--jobs", "1", "--json")
+    assert ran.status == 1
+    assert differs(ran)["options"] == [f"option frame is {frame} here, not None"]
+
+
 def test_an_episode_does_not_count_twice(verified):
     ran = verified(twice)
     assert ran.status == 1
