@@ -332,5 +332,5 @@ def test_observations_are_disturbed_where_asked(run):
 def test_what_disturbs_is_told(run, policy):
     words = ("evaluate", "pushing.npz", "--episodes", "1", "--controls", "0", *HERE)
     ran = run(*words, "--noise", "0.2", "--randomize", "quantities")
-    assert "  disturbed  position_noise: 0.2, randomize: True\n" in ran.out
+    assert "  disturbed  randomize: True, position_noise: 0.2\n" in ran.out
     assert "disturbed" not in run(*words).out

@@ -83,7 +83,7 @@ def test_settings_fit_learning_from_nothing_and_with_demonstrations(run):
     assert learned["reset_networks_after"] == 10_000
 
     quick = ("bc_updates=2", "critic_warmup_updates=2", "regulariser=0.01")
-    assert run(*TRAIN, *quick, "--demos", "1", "--steps", "60", "--out", "shown").status == 0
+    assert run(*TRAIN, *quick, "--demos", "1", "--out", "shown").status == 0
     shown = plan_of("shown")["settings"]
     assert (shown["discount"], shown["n_step"], shown["regulariser"]) == (0.95, 3, 0.01)
     assert shown["reset_networks_after"] == 0
@@ -116,7 +116,7 @@ def test_a_run_that_diverges_says_so_and_keeps_its_logs(run):
 
 def test_settings_by_their_old_names_are_taken_with_a_warning(run):
     with pytest.warns(FutureWarning, match="the setting cloning is called bc_updates now"):
-        assert run(*TRAIN, "cloning=7", "--steps", "60", "--out", "old").status == 0
+        assert run(*TRAIN, "cloning=7", "--out", "old").status == 0
     assert plan_of("old")["settings"]["bc_updates"] == 7
     file = Path("old/run.json")
     file.write_text(file.read_text().replace("bc_updates", "cloning"))

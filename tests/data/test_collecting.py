@@ -254,7 +254,7 @@ def test_one_process_at_a_time_collects_into_a_folder(tmp_path):
         ({"variations": (7,)}, UsageError, "no variation 7; it has 0 to"),
         ({"tasks": ("reach", "reach")}, UsageError, "reach is named twice"),
         ({"tasks": ("rech",)}, UnknownNameError, 'no task "rech"; did you mean "reach"'),
-        ({"policies": (read_share("best"),)}, UsageError, 'no policy "best"'),
+        ({"policies": (read_share("best"),)}, UnknownNameError, 'no policy "best"'),
         ({"options": {"observe": "all"}}, UsageError, "observe"),
     ],
 )

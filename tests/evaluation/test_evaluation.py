@@ -138,7 +138,7 @@ def test_a_summary_of_failures_and_of_successes_only():
 
 def test_options_are_those_that_policies_see_by_and_never_starts():
     policy = sideways(env={**ENV, "observe": "scene", "opening_share": 0.5, "horizon": 3})
-    assert options_of(policy) == {**ENV, "observe": "scene"}
+    assert options_of(policy) == {**ENV, "observe": "scene", "horizon": 3}
     with pytest.raises(UsageError, match="does not say what its environment was"):
         options_of(sideways(env=None))
 

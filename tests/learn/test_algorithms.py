@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from taskbuilder.env.options import option_infos
 from taskbuilder.learn.algorithms import ALGORITHMS, find_algorithm
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.shapes import Shapes
@@ -84,7 +85,7 @@ def test_learners_that_act_have_a_discount(acting):
 
 def test_presets_and_refusals_speak_of_what_there_is(name):
     algorithm = find_algorithm(name)
-    plan = {field.name for field in fields(Plan)}
+    plan = {field.name for field in fields(Plan)} | {*option_infos()}
     settings = {field.name for field in fields(algorithm.settings)}
     assert algorithm.summary
     assert {*algorithm.cannot} <= plan

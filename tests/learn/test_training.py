@@ -240,7 +240,7 @@ def test_a_rate_that_falls_again_in_between_is_not_sure(tmp_path):
         rate = next(rates)
         return Evaluation(rate, {"success_rate": rate})
 
-    train(plan, load_task("handover"), tmp_path, judge, {})
+    train(RunSetup(plan, load_task("handover")), tmp_path, judge, {})
     rows = (tmp_path / "evaluations.csv").read_text().splitlines()
     assert [row.split(",")[0] for row in rows] == ["step", "20", "40", "60", "80"]
 
