@@ -60,7 +60,7 @@ def test_a_peg_that_slips_out_of_the_gripper_is_a_trouble_of_its_stage(player):
         for solo in solos(expert.env.task, expert.env.task.file.scenes[0])
         if str(solo.way) == "right alone, right_peg.top to right_hole"
     ]
-    tried = play_solo(expert, 10, solo)
+    tried = play_solo(expert, 11, solo)
     assert not tried.success
     assert tried.trouble.cause == "lost on the way"
     assert tried.trouble.message == "right holds nothing and cannot bring right_peg"
