@@ -353,7 +353,7 @@ def test_the_numbers_of_the_engine_stay_below(file):
     tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
     named = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
     wrong = [f"{file}:{node.lineno} .{node.attr}" for node in named if node.attr in NUMBERED]
-    # A body is told by its name, not by its number.
+    # Bodies are identified by name, not by number.
     wrong += [
         f"{file}:{n.lineno}" for n in named if ast.unparse(n).endswith(("body.id", "marker.id"))
     ]

@@ -214,6 +214,7 @@ class _SdfReader:
             elif solid.tag in ("cylinder", "capsule"):
                 size = (_number(solid, "radius") or 0.0, _number(solid, "length") or 0.0)
                 kind = "cylinder" if solid.tag == "cylinder" else "capsule"
+                # mypy infers `str` for what is one of two kinds.
                 yield ImportedShape(kind, size, pose, place, color=color)  # type: ignore[arg-type]
             elif solid.tag == "mesh":
                 scale = _numbers(_text(solid, "scale")) or [1.0, 1.0, 1.0]

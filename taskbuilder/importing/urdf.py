@@ -222,6 +222,7 @@ def _shape(
                 message = f"<{kind}> needs {', '.join(attributes)} above 0, in metres"
                 report.error(codes.GEOMETRY, solid, subject, message)
                 return
+            # The tag is a kind of shape, because `_SIZES` has it.
             yield ImportedShape(solid.tag, size, read_pose(element), place, "", color, texture)  # type: ignore[arg-type]
 
 

@@ -154,6 +154,7 @@ class Player:
             check_fits(self.trained, env, self.name, any_grasp=any_grasp)
         made = self.make(env)
         if isinstance(made, Expert | NoisyExpert) or self.kind == "served":
+            # `Policy` has no `close`; these kinds of policies do.
             stack.callback(made.close)  # type: ignore[attr-defined]
         return made
 

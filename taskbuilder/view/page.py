@@ -1,4 +1,4 @@
-"""The page: what is shown, what can be switched and played, and the loop that keeps it alive.
+"""The page: what is shown, what can be switched and played, and the loop that updates it.
 
 All physics run in the thread of `LivePage.run`. What a browser sends only puts a request into a
 queue.

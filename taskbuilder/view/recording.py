@@ -18,7 +18,7 @@ from taskbuilder.rollout.record import Rollout
 from taskbuilder.world.visible import LinkPoses
 
 MOST_FIGURES = 3
-"""Of a condition that holds, so many of its parts are told."""
+"""Of a condition that holds, at most this many parts are shown."""
 
 
 class ConditionState(NamedTuple):
