@@ -2,13 +2,16 @@
 
     python benchmarks/probes.py [--seeds 200] [--tasks reach handover ...]
 
-Plays every task of the library, and those of `tests/newcomers`, from each seed in these ways:
+Plays every task of the library, and those of `tests/newcomers`, in these ways:
 
 - the expert without one of the robots, each in turn;
 - the expert with one of its stages left out, each in turn;
 - the expert with some of its actions replaced by wild ones;
 - attempts of one robot alone, as the family "needs its robots" makes them;
 - random actions, and wild ones: at the bounds, with other signs at every step.
+
+The first two seeds of a task are played in all of them, and every other seed in one: the ways take
+turns.
 
 Whatever the robots do, an episode comes to its end. An error that is raised on the way is counted,
 with its traceback. A simulation that diverges is counted apart: the episode then ends, as it
@@ -51,8 +54,15 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "probes.json"
 SEEDS = 200
 
+WHOLE = 2
+"""So many seeds of a task are played in all ways."""
+
 BUMPS = 0.03
 """Share of the expert's actions that are replaced by wild ones."""
+
+
+Way = tuple[str, Callable[[], Rollout]]
+"""A way to play an episode: its name, and what plays it."""
 
 
 class WildActions:
@@ -91,7 +101,7 @@ class BumpedExpert:
         return self._wild.act(observations) if bumped else actions
 
 
-def plays_of(cache: EnvCache, seed: int) -> Iterator[tuple[str, Callable[[], Rollout]]]:
+def plays_of(cache: EnvCache, seed: int) -> Iterator[Way]:
     """The ways to play from a seed, by name; the variations take turns."""
     task = cache.task
     variation = seed % len(task.file.scenes)
@@ -122,6 +132,17 @@ def plays_of(cache: EnvCache, seed: int) -> Iterator[tuple[str, Callable[[], Rol
         yield str(solo.way), lambda solo=solo: play_solo(expert, seed, solo)
 
 
+def turn(ways: list[Way], seed: int) -> list[Way]:
+    """Those that are played from a seed.
+
+    As many seeds as there are ways play each once; the next as many begin one later, so that a way
+    does not always meet the same variation.
+    """
+    if seed < WHOLE:
+        return ways
+    return [ways[(seed + seed // len(ways)) % len(ways)]]
+
+
 def probe(name: str, before: dict[str, Any], seeds: int) -> dict[str, Any]:
     """Play a task from the seeds that have not been played yet."""
     first = before.get("seeds", 0)
@@ -130,7 +151,7 @@ def probe(name: str, before: dict[str, Any], seeds: int) -> dict[str, Any]:
     started = time.process_time()
     with closing(EnvCache(load_task(name))) as cache:
         for seed in tqdm(range(first, seeds), desc=Path(name).stem, disable=None, leave=False):
-            for way, play_it in plays_of(cache, seed):
+            for way, play_it in turn(list(plays_of(cache, seed)), seed):
                 plays += 1
                 try:
                     diverged += play_it().exploded

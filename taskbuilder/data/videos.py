@@ -179,7 +179,12 @@ def check_header(content: bytes, size: VideoSize, *, depth: bool = False) -> Non
         with _opened(content, _DEPTH if depth else _COLOUR, size):
             pass
     except (av.FFmpegError, *_DAMAGED) as error:
-        raise VideoError(f"a video is damaged ({error})") from None
+        raise VideoError(_damaged(error)) from None
+
+
+def _damaged(error: Exception) -> str:
+    """What is wrong with a video, without the number and the empty file name of FFmpeg's errors."""
+    return f"a video is damaged ({getattr(error, 'strerror', None) or error})"
 
 
 class _Kind(NamedTuple):
@@ -214,7 +219,7 @@ def _frames(content: bytes, kind: _Kind, size: VideoSize) -> Iterator[Any]:
                     raise VideoError(_not_as_recorded("more images", size))
                 yield frame
     except (av.FFmpegError, *_DAMAGED) as error:
-        raise VideoError(f"a video is damaged ({error})") from None
+        raise VideoError(_damaged(error)) from None
     if count < size.frames:
         raise VideoError(_not_as_recorded(f"{count} images", size))
 
@@ -318,7 +323,7 @@ def joined(
                         output.mux(packet)
                         shown += 1
     except (av.FFmpegError, *_DAMAGED) as error:
-        raise VideoError(f"a video is damaged ({error})") from None
+        raise VideoError(_damaged(error)) from None
     return file.getvalue()
 
 
