@@ -83,11 +83,43 @@ def test_the_repository_and_the_archive_of_sources_are_light(archive):
     assert sum(file.stat().st_size for file in files if file.is_file()) <= MOST_TREE_BYTES
 
 
-def test_a_wheel_has_all_that_is_read_as_data(tmp_path):
-    with zipfile.ZipFile(built("wheel", tmp_path)) as wheel:
-        packed = set(wheel.namelist())
-    needed = {"taskbuilder/py.typed", "taskbuilder/tasks/handover.yaml"}
-    assert needed | {f"taskbuilder/validate/html/{name}" for name in PAGES} <= packed
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `pip install` unpacks."""
+    folder = tmp_path_factory.mktemp("wheel")
+    with zipfile.ZipFile(built("wheel", folder)) as file:
+        file.extractall(folder / "unpacked")
+    return folder / "unpacked"
+
+
+def test_a_wheel_has_every_module(wheel):
+    modules = [file for file in (ROOT / "taskbuilder").rglob("*.py")]
+    assert len(modules) > 400
+    assert [
+        str(file.relative_to(ROOT))
+        for file in modules
+        if not (wheel / file.relative_to(ROOT)).is_file()
+    ] == []
+
+
+def test_a_wheel_has_all_that_is_read_as_data(wheel):
+    needed = {"py.typed", "tasks/handover.yaml", *(f"validate/html/{name}" for name in PAGES)}
+    needed |= {"policies/models/handover/demos.npz", "objects/mug/object.yaml"}
+    assert [name for name in needed if not (wheel / "taskbuilder" / name).is_file()] == []
+
+
+def test_what_a_wheel_installs_works_away_from_the_checkout(wheel, tmp_path):
+    code = (
+        f"import sys; sys.path.insert(0, {str(wheel)!r}); import taskbuilder; "
+        f"assert taskbuilder.__file__.startswith({str(wheel)!r}); "
+        "from taskbuilder.cli import main; "
+        "sys.exit(main(['evaluate', 'zoo:handover/demos', '--episodes', '1', '--controls', '0', '--jobs', '1']))"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert "handover" in ran.stdout
 
 
 def test_the_text_of_a_package_index_leads_nowhere_that_an_index_has_not(sources):
