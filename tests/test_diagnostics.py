@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 import yaml
+from families_of_codes import families_for
 
 from taskbuilder.assets import codes as asset_codes
 from taskbuilder.diagnostics import CODES, Example
@@ -101,29 +102,10 @@ OF_THE_ENVIRONMENT = {
 }
 OF_TASKBUILDER = {"TB317"}
 WITHOUT_A_VERDICT = {"TB561"}
-FAMILIES = {
-    "TB50": ("repeat",),
-    "TB51": ("reach",),
-    "TB52": ("contract",),
-    "TB57": ("contract",),
-    "TB58": ("contract",),
-    "TB53": ("solvable",),
-    "TB534": (),
-    "TB54": ("needs its robots",),
-    "TB545": ("reach",),
-    "TB55": ("pays for success",),
-    "TB553": ("needs its robots", "pays for success"),
-    "TB554": ("needs its robots", "pays for success"),
-}
-"""A code, or its first letters -> the families that it takes to find it."""
 TAKES_TRIAL = {"TB213"}
 """Takes an import on trial in another process, which lasts longer than most validations."""
 TAKES_PROCESS = {"TB315"}
 """Would end the process that plays."""
-
-
-def families_for(code: str) -> tuple[str, ...] | None:
-    return FAMILIES.get(code, FAMILIES.get(code[:4]))
 
 
 WITH_EXAMPLE = sorted(code for code, entry in CODES.items() if entry.example)

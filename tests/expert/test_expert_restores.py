@@ -63,6 +63,7 @@ def test_every_moment_of_a_stacking_can_be_gone_back_to(tmp_path):
     env.close()
 
 
+@pytest.mark.slow  # tests/library goes back to every ninth moment
 @pytest.mark.parametrize("name", TASKS)
 def test_every_moment_of_the_librarys_tasks_can_be_gone_back_to(name):
     env = parallel_env(name)

@@ -63,9 +63,9 @@ def test_forward_kinematics_agrees_with_the_simulation(arm, chain):
 
 def test_nearly_every_reachable_pose_is_found(chain):
     rng = np.random.default_rng(2)
-    targets = [chain.forward(rng.uniform(chain.lower, chain.upper)) for _ in range(200)]
+    targets = [chain.forward(rng.uniform(chain.lower, chain.upper)) for _ in range(100)]
     results = [solve(chain, target, start=middle(chain), rng=rng) for target in targets]
-    assert sum(result.ok for result in results) >= 198
+    assert sum(result.ok for result in results) >= 99
     for target, result in zip(targets, results, strict=True):
         if result.ok:
             assert chain.within_limits(result.joints)
@@ -83,7 +83,7 @@ def test_the_same_generator_gives_the_same_solution(chain):
 
 
 def test_no_more_chance_is_used_than_the_attempts_that_it_took(chain):
-    for seed in range(30):
+    for seed in range(10):
         target = chain.forward(np.random.default_rng(seed).uniform(chain.lower, chain.upper))
 
         def found(attempts, seed=seed, target=target):
