@@ -30,6 +30,32 @@ class Location:
 
 
 @dataclass(frozen=True)
+class Fix:
+    """A correction that needs no decision: other text in place of what was written.
+
+    Attributes:
+        location: Where the text begins, in front of its quotation marks if it has any.
+        old: The text, without quotation marks.
+        new: The text that is right.
+    """
+
+    location: Location
+    old: str
+    new: str
+
+    def as_data(self) -> dict[str, str | int]:
+        """The fix as plain data."""
+        place = self.location
+        return {
+            "file": display_path(place.file),
+            "line": place.line,
+            "column": place.column,
+            "old": self.old,
+            "new": self.new,
+        }
+
+
+@dataclass(frozen=True)
 class Finding:
     """A problem, with its location and a suggested correction.
 
@@ -40,6 +66,7 @@ class Finding:
         location: File, line and column, or None for a finding that belongs to no file.
         severity: Whether the finding is an error or a warning.
         excerpt: Source line to show below the finding, or "".
+        fix: The correction, if it can be made without a decision; `taskbuilder fix` makes it.
     """
 
     code: str
@@ -48,6 +75,7 @@ class Finding:
     location: Location | None = None
     severity: Severity = "error"
     excerpt: str = ""
+    fix: Fix | None = None
 
     def __str__(self) -> str:
         where = f"{self.location}: " if self.location else ""
@@ -55,7 +83,7 @@ class Finding:
         line = f"{where}{self.severity}[{self.code}] {subject}{self.message}"
         return f"{line}\n    {self.excerpt}" if self.excerpt else line
 
-    def as_data(self) -> dict[str, str | int | None]:
+    def as_data(self) -> dict[str, Any]:
         """The finding as plain data, as ``--format json`` shows it."""
         place = self.location
         return {
@@ -66,6 +94,7 @@ class Finding:
             "line": place.line or None if place else None,
             "column": place.column or None if place else None,
             "path": self.path,
+            "fix": self.fix.as_data() if self.fix else None,
         }
 
     def at(self, location: Location | None) -> Finding:
@@ -113,7 +142,15 @@ class FileError(TaskbuilderError):
 
 
 class UnknownNameError(TaskbuilderError):
-    """There is no task, robot, file, camera or policy of this name."""
+    """There is no task, robot, file, camera or policy of this name.
+
+    Attributes:
+        meant: The name that was probably meant, if one is known to be like it.
+    """
+
+    def __init__(self, message: str, meant: str | None = None) -> None:
+        super().__init__(message)
+        self.meant = meant
 
 
 class UsageError(TaskbuilderError):

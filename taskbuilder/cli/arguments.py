@@ -17,6 +17,7 @@ from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
     add_bench,
     add_explain,
+    add_fix,
     add_objects,
     add_robots,
     add_schema,
@@ -41,6 +42,7 @@ _COMMANDS = (
     "show",
     "new",
     "validate",
+    "fix",
     "watch",
     "view",
     "render",
@@ -364,6 +366,7 @@ _ADDERS = {
     "show": _add_show,
     "new": _add_new,
     "validate": _add_validate,
+    "fix": add_fix,
     "watch": add_watch,
     "view": add_view,
     "render": _add_render,

@@ -130,6 +130,19 @@ def add_schema(adder: CommandAdder) -> None:
     )
 
 
+def add_fix(adder: CommandAdder) -> None:
+    """`taskbuilder fix`."""
+    parser = adder.command(
+        "correct misspelt names, keys and choices in the files of a task, after showing the "
+        "difference",
+        "my_task.yaml",
+    )
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
+    parser.add_argument(
+        "--yes", action="store_true", help="write the corrections without asking first"
+    )
+
+
 def add_watch(adder: CommandAdder) -> None:
     """`taskbuilder watch`."""
     parser = adder.command(

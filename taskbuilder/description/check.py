@@ -11,8 +11,9 @@ from taskbuilder.description.fitting import fits, wanted
 from taskbuilder.description.groups import of_groups
 from taskbuilder.description.measures import CustomMeasure, Measure
 from taskbuilder.description.node import Argument, Condition, Node
+from taskbuilder.description.origin import place_of_text
 from taskbuilder.description.rewards import Term
-from taskbuilder.errors import Finding, Location
+from taskbuilder.errors import Finding, Fix, Location
 from taskbuilder.schema.names import SceneNames
 
 DEEPEST = 100
@@ -163,7 +164,9 @@ def _check_node(node: Node, names: SceneNames, file: Location) -> Iterator[Findi
     subject = _headline(node)
     for kind, name in node.references():
         if problem := names.problem(kind, name, several=True):
-            yield Finding("TB207", problem, subject, where)
+            written = place_of_text(where, name) if problem.meant else None
+            fix = Fix(written, name, problem.meant) if written and problem.meant else None
+            yield Finding("TB207", problem.message, subject, where, fix=fix)
     wrong = list(_misfits(node, arguments)) or list(node.problems(names))
     yield from (Finding("TB212", problem, subject, where) for problem in wrong)
 

@@ -27,6 +27,7 @@ from taskbuilder.env.spaces import VECTOR, image_values, observation_space
 from taskbuilder.env.whole_scene import everything, surroundings
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.channels import Channel, default_channels, parse_channel
+from taskbuilder.schema.names import NameProblem
 from taskbuilder.schema.task import Noise
 from taskbuilder.task import Task
 from taskbuilder.world.pictures import capture
@@ -110,8 +111,8 @@ class Observer:
         readings, cameras = [], []
         for text in dict.fromkeys(channels):
             channel = parse_channel(text, agent, self._task.file.names)
-            if isinstance(channel, str):
-                raise UsageError(f"{text}: {channel}")
+            if isinstance(channel, NameProblem):
+                raise UsageError(f"{text}: {channel.message}")
             if is_camera(channel, self._world):
                 cameras.append(channel)
             else:

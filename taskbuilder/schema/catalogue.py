@@ -153,10 +153,11 @@ class Catalogue:
             return self._only(sort, reference)
         otherwise = _ALL.get(sort, "")
         help_ = suggestion(reference, known, what="there are", otherwise=otherwise)
+        meant = closest(reference, known)
         beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
         if beside and beside.is_file():
-            help_ = f"did you mean the file {display_path(beside)}?"
-        raise UnknownNameError(f'no {sort} "{reference}"; {help_}')
+            help_, meant = f"did you mean the file {display_path(beside)}?", None
+        raise UnknownNameError(f'no {sort} "{reference}"; {help_}', meant)
 
     def _only(self, sort: Sort, name: str) -> CatalogueEntry:
         """The one entry of a name."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from taskbuilder.extensions import CHANNELS
-from taskbuilder.schema.names import SceneNames
-from taskbuilder.wording import suggestion
+from taskbuilder.schema.names import NameProblem, SceneNames
+from taskbuilder.wording import closest, suggestion
 
 ROBOT_QUANTITIES = (
     "joints",
@@ -68,8 +68,8 @@ class Channel:
     added: str = ""
 
 
-def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | str:
-    """The channel that a text names, or a sentence that says what is wrong with it.
+def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | NameProblem:
+    """The channel that a text names, or what is wrong with it.
 
     Args:
         text: As written in the task file.
@@ -83,29 +83,36 @@ def parse_channel(text: str, agent: str | None, names: SceneNames) -> Channel | 
     if not subject and quantity in _added("episode"):
         return _addition(Channel("", quantity, frame or "world"), "episode")
     if not subject:
-        return f'"{what}" is no channel; write subject.quantity, such as self.tcp or stick.pose'
+        message = f'"{what}" is no channel; write subject.quantity, such as self.tcp or stick.pose'
+        return NameProblem(message)
     if "self" in (subject, frame.partition(".")[0]) and agent is None:
-        return '"self" means nothing in the state; name the robot'
-    subject = _own(subject, agent)
+        return NameProblem('"self" means nothing in the state; name the robot')
+    written, subject = subject, _own(subject, agent)
     frame = _own(frame, agent) or "world"
     if frame != "world" and (problem := names.problem("frame", frame)):
-        return problem
+        return NameProblem(problem.message)
     allowed = _quantities(subject, names)
     if allowed is None and names.members(subject) != ():
-        return _unknown(subject, names)
+        known = (*names.robots, *names.known("frame"), *names.cameras)
+        message = f'the scene has no "{subject}"; {suggestion(subject, known, what="it has")}'
+        near = closest(subject, known)
+        return NameProblem(message, near and text.replace(written, near, 1))
     if quantity not in (allowed or ()) and not _maybe_joint(subject, names):
         help_ = suggestion(quantity, allowed or (), what="it has")
-        return f'"{subject}" has no "{quantity}" to observe; {help_}{_misnamed(quantity)}'
+        message = f'"{subject}" has no "{quantity}" to observe; {help_}{_misnamed(quantity)}'
+        near = closest(quantity, allowed or ())
+        return NameProblem(message, near and text.replace(what, f"{written}.{near}", 1))
     channel, kind = Channel(subject, quantity, frame), _kind(subject, names)
     if kind and quantity not in _own_quantities(kind, subject, names) and quantity in _added(kind):
         return _addition(channel, kind)
     return channel
 
 
-def _addition(channel: Channel, kind: str) -> Channel | str:
+def _addition(channel: Channel, kind: str) -> Channel | NameProblem:
     """A channel that a package adds, or a sentence that says that two packages do."""
     name = f"{kind}.{channel.quantity}"
-    return CHANNELS.problem(name, OWN) or replace(channel, added=name)
+    twice = CHANNELS.problem(name, OWN)
+    return NameProblem(twice) if twice else replace(channel, added=name)
 
 
 def _added(kind: str) -> tuple[str, ...]:
@@ -162,11 +169,6 @@ def _own_quantities(kind: str, subject: str, names: SceneNames) -> tuple[str, ..
 def _maybe_joint(subject: str, names: SceneNames) -> bool:
     inside = names.objects.get(subject)
     return names.members(subject) == () or (inside is not None and inside.unread)
-
-
-def _unknown(subject: str, names: SceneNames) -> str:
-    known = (*names.robots, *names.known("frame"), *names.cameras)
-    return f'the scene has no "{subject}"; {suggestion(subject, known, what="it has")}'
 
 
 def default_channels(names: SceneNames, agent: str) -> tuple[str, ...]:

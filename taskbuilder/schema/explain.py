@@ -11,7 +11,7 @@ from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from taskbuilder.errors import Finding
+from taskbuilder.errors import Finding, Fix, Location
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.values import ONE, SEVERAL, Model, is_number
 from taskbuilder.wording import closest, suggestion
@@ -72,7 +72,35 @@ def _finding(detail: ErrorDetails, model: type[Model], source: Source) -> Findin
     if detail["type"] == "missing" and isinstance(path[-1], int):
         path = path[:-1]  # a list that is too short: the list is at fault, not its absent item
     place = path[:-1] if detail["type"] == "missing" and on_key else path
-    return Finding(code, message, dotted(path), source.locate(place, key=on_key))
+    location = source.locate(place, key=on_key)
+    return Finding(code, message, dotted(path), location, fix=_fix(detail, model, location))
+
+
+def _fix(detail: ErrorDetails, model: type[Model], location: Location) -> Fix | None:
+    """What to write in place of a misspelt key or choice, or of a number with a comma."""
+    kind, path, value = detail["type"], _model_path(detail), detail["input"]
+    if kind == "extra_forbidden":
+        parent = _type_at(model, path[:-1])
+        advised = path[-1] in getattr(parent, "INSTEAD", {})
+        written, near = str(path[-1]), None if advised else closest(str(path[-1]), _keys(parent))
+    elif kind in ("literal_error", "no_choice"):
+        written, near = str(value), closest(str(value), _choices(detail, model))
+    elif kind in ("float_type", "int_type") and _has_comma(value):
+        written, near = value, value.replace(",", ".")
+    else:
+        return None
+    return Fix(location, written, near) if near else None
+
+
+def _choices(detail: ErrorDetails, model: type[Model]) -> list[str]:
+    """What may stand where there is no choice like the one that is written."""
+    listed = detail.get("ctx", {}).get("choices")
+    return [_plain(c) for c in listed or get_args(_type_at(model, _model_path(detail)))]
+
+
+def _has_comma(value: Any) -> bool:
+    """Whether a text is a number with a comma in place of its point."""
+    return isinstance(value, str) and re.fullmatch(r"[-+]?\d+,\d+", value) is not None
 
 
 def _in_key(detail: ErrorDetails) -> bool:
@@ -113,7 +141,7 @@ def _say(detail: ErrorDetails, model: type[Model]) -> tuple[str, str, bool]:
         help_ = advice.format(_spelt(value)) if advice else suggestion(str(path[-1]), _keys(parent))
         return "TB102", f"unknown key; {help_}", True
     if kind in ("literal_error", "no_choice"):
-        choices = [_plain(c) for c in context.get("choices") or get_args(_type_at(model, path))]
+        choices = _choices(detail, model)
         help_ = suggestion(str(value), choices, what="choices")
         if "mean" in help_:
             help_ += f" (one of {', '.join(choices)})"
@@ -155,7 +183,7 @@ def _needed(kind: str, value: Any) -> str:
     needed = f"{_NEEDED[kind]} is needed"
     if not isinstance(value, str) or kind not in ("float_type", "int_type"):
         return needed
-    if re.fullmatch(r"[-+]?\d+,\d+", value):
+    if _has_comma(value):
         return f"{needed}, and decimals take a point: {value.replace(',', '.')}"
     number = re.match(r"[-+]?\d+(\.\d*)?([eE][-+]?\d+)?", value)
     if number and number[0] == value:

@@ -9,7 +9,7 @@ from pathlib import Path
 from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError, resolve
-from taskbuilder.errors import FileError, Finding, UnknownNameError
+from taskbuilder.errors import FileError, Finding, Fix, UnknownNameError
 from taskbuilder.schema.articulation import check_object, check_orders, check_surfaces
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.end_effectors import check_end_effectors
@@ -107,6 +107,12 @@ class _Loading:
     def report(self, code: str, message: str, path: Path_, *, key: bool = False) -> None:
         location = self.source.locate(path, key=key)
         self.findings.append(Finding(code, message, dotted(path), location))
+
+    def report_name(self, error: UnknownNameError, path: Path_) -> None:
+        """Report that a name of the catalogue stands for nothing."""
+        location, name = self.source.locate(path), self.source.get(*path)
+        fix = Fix(location, name, error.meant) if error.meant else None
+        self.findings.append(Finding("TB009", str(error), dotted(path), location, fix=fix))
 
 
 def read_task(entry: CatalogueEntry, catalogue: Catalogue) -> TaskFile:
@@ -214,7 +220,7 @@ def _read_robots(loading: _Loading) -> None:
                 models[entry.file] = load_robot(entry, loading.roots)
             loading.robots[name] = models[entry.file]
         except UnknownNameError as error:
-            loading.report("TB009", str(error), path)
+            loading.report_name(error, path)
         except AssetError as error:
             loading.report(error.code, error.message, path)
         except FileError as error:
@@ -242,7 +248,7 @@ def _read_objects(loading: _Loading) -> None:
                 )
                 loading.findings += assets.warnings
         except UnknownNameError as error:
-            loading.report("TB009", str(error), (*path, "object"))
+            loading.report_name(error, (*path, "object"))
         except AssetError as error:
             loading.report(error.code, error.message, (*path, "object"))
         except FileError as error:

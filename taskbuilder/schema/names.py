@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from taskbuilder.wording import suggestion
+from taskbuilder.wording import closest, suggestion
 
 Kind = Literal[
     "robot",
@@ -49,6 +49,18 @@ class Refers:
     kind: Kind
     besides: str | None = None
     several: bool = False
+
+
+class NameProblem(NamedTuple):
+    """What is wrong with a reference.
+
+    Attributes:
+        message: What is wrong, and what to do about it.
+        meant: The reference that was probably meant, if any is like it.
+    """
+
+    message: str
+    meant: str | None = None
 
 
 @dataclass(frozen=True)
@@ -107,7 +119,7 @@ class SceneNames:
             return None
         return tuple(f"{member}{dot}{inner}" for member in self.groups[owner])
 
-    def problem(self, kind: Kind, name: str, *, several: bool = False) -> str | None:
+    def problem(self, kind: Kind, name: str, *, several: bool = False) -> NameProblem | None:
         """What is wrong with a reference, or None if it resolves.
 
         Args:
@@ -122,38 +134,48 @@ class SceneNames:
         if name in known or self._may_be(kind, name):
             return None
         if name in self.known("robot") and kind == "frame":
-            return f'"{name}" is a robot; name a frame of it: {name}.tcp or {name}.base'
+            return NameProblem(
+                f'"{name}" is a robot; name a frame of it: {name}.tcp or {name}.base'
+            )
         plural = "bodies" if kind == "body" else f"{kind}s"
         if any(name in self.known(other) for other in _KNOWN):
-            return f'"{name}" is no {kind}; {suggestion(name, known, what=plural)}'
+            return NameProblem(f'"{name}" is no {kind}; {suggestion(name, known, what=plural)}')
         owner, _, inner = name.partition(".")
         if kind == "joint" and owner in self.objects and inner in self.objects[owner].fixed:
             moving = ", ".join(each for each in known if each.startswith(f"{owner}."))
-            return f'"{name}" is fixed; joints that move: {moving or "none"}'
+            return NameProblem(f'"{name}" is fixed; joints that move: {moving or "none"}')
         if inner and owner in (*self.objects, *self.robots):
             own = [other.partition(".")[2] for other in known if other.startswith(f"{owner}.")]
             has = suggestion(inner, own, what="it has") if own else f"it has no {plural}"
-            return f'"{owner}" has no {kind} "{inner}"; {has}'
+            near = closest(inner, own)
+            meant = f"{owner}.{near}" if near else None
+            return NameProblem(f'"{owner}" has no {kind} "{inner}"; {has}', meant)
         group, _, number = owner.rpartition("_")
         if number.isdigit() and (ours := self.groups.get(group)):
-            return f'"{group}" has no member "{owner}"; it has {ours[0]} to {ours[-1]}'
-        return f'the scene has no "{name}"; {suggestion(name, known, what="it has")}'
+            span = f"{ours[0]} to {ours[-1]}"
+            return NameProblem(f'"{group}" has no member "{owner}"; it has {span}')
+        message = f'the scene has no "{name}"; {suggestion(name, known, what="it has")}'
+        return NameProblem(message, closest(name, known))
 
     def _problem_of_group(
         self, kind: Kind, name: str, members: tuple[str, ...], *, several: bool
-    ) -> str | None:
+    ) -> NameProblem | None:
         if not members:
             return None  # what is wrong with it has been reported
         first = members[0]
         problem = self.problem(kind, first)
         inside = [known for known in self.known(kind) if known.startswith(f"{first}.")]
         if problem is not None and (several or not inside):
-            group = name.partition(".")[0]
-            return problem.replace(f'"{first.partition(".")[0]}', f'"{group}')
+            group, one = name.partition(".")[0], first.partition(".")[0]
+            meant = problem.meant and problem.meant.replace(one, group, 1)
+            return NameProblem(problem.message.replace(f'"{one}', f'"{group}'), meant)
         if several:
             return None
         one = first if problem is None else inside[0]
-        return f'"{name}" is a group of {len(members)} objects; name one of them, such as {one}'
+        count = len(members)
+        return NameProblem(
+            f'"{name}" is a group of {count} objects; name one of them, such as {one}'
+        )
 
     def joint_type(self, name: str) -> str | None:
         """The type of a joint (such as "prismatic"), or None where it is not known."""

@@ -12,12 +12,12 @@ from functools import cache
 from types import MappingProxyType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
-from taskbuilder.errors import Finding
+from taskbuilder.errors import Finding, Fix
 from taskbuilder.schema.bodies import BodySpec
 from taskbuilder.schema.channels import parse_channel
 from taskbuilder.schema.expert import STAGES, ExpertStage, directed, kind_of_stage
 from taskbuilder.schema.groups import member_names
-from taskbuilder.schema.names import ObjectNames, Refers, SceneNames
+from taskbuilder.schema.names import NameProblem, ObjectNames, Refers, SceneNames
 from taskbuilder.schema.order import Order
 from taskbuilder.schema.source import Path_, Source, dotted
 from taskbuilder.schema.task import TaskSpec
@@ -95,7 +95,9 @@ def check_names(source: Source, names: SceneNames) -> Iterator[Finding]:
         refers = reference.refers
         if problem := names.problem(refers.kind, reference.name, several=refers.several):
             location = source.locate(reference.path, key=reference.on_key)
-            yield Finding("TB201", problem, dotted(reference.path), location)
+            fix = Fix(location, reference.name, problem.meant) if problem.meant else None
+            path = dotted(reference.path)
+            yield Finding("TB201", problem.message, path, location, fix=fix)
     yield from _circles(source, names)
     yield from _channels(source, names)
 
@@ -249,6 +251,7 @@ def _channel(
     if not isinstance(text, str):
         return
     problem = parse_channel(text, agent, names)
-    if isinstance(problem, str):
+    if isinstance(problem, NameProblem):
         location = source.locate(path, key=path[0] == "observation_noise")
-        yield Finding("TB204", problem, dotted(path), location)
+        fix = Fix(location, text, problem.meant) if problem.meant else None
+        yield Finding("TB204", problem.message, dotted(path), location, fix=fix)

@@ -129,12 +129,13 @@ def test_things_may_stand_in_the_world_by_name(findings):
     ],
 )
 def test_a_problem_says_what_would_be_right(kind, name, problem):
-    assert SCENE.problem(kind, name) == problem
+    assert SCENE.problem(kind, name).message == problem
 
 
 def test_a_scene_without_anything_of_a_kind_says_so():
     assert (
-        SceneNames((), {}, {}).problem("site", "goal") == 'the scene has no "goal"; there are none'
+        SceneNames((), {}, {}).problem("site", "goal").message
+        == 'the scene has no "goal"; there are none'
     )
 
 
@@ -268,12 +269,14 @@ def test_a_channel_is_a_quantity_of_a_subject_seen_from_a_frame(text, channel):
     ],
 )
 def test_a_wrong_channel_says_what_would_be_right(text, problem):
-    assert parse_channel(text, "left", SCENE) == problem
+    assert parse_channel(text, "left", SCENE).message == problem
 
 
 @pytest.mark.parametrize("text", ["self.tcp", "tray.pose in self.tcp"])
 def test_the_state_belongs_to_nobody_so_self_means_nothing_in_it(text):
-    assert parse_channel(text, None, SCENE) == ('"self" means nothing in the state; name the robot')
+    assert parse_channel(text, None, SCENE).message == (
+        '"self" means nothing in the state; name the robot'
+    )
 
 
 @pytest.mark.parametrize(
