@@ -87,8 +87,6 @@ def own_robot(folder, name):
     "words",
     [
         ("--task-path", "mine", "own"),
-        ("own", "--task-path", "mine"),
-        ("--task-path", "mine", "mine/own/robot.yaml"),
         ("--json", "mine/own/robot.yaml"),
     ],
 )

@@ -9,10 +9,23 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from taskbuilder import catalogue, make_vec, parallel_env
+from taskbuilder import catalogue, load_task, make_vec, parallel_env
 
 TASKS = sorted(name for name, entry in catalogue().tasks.items() if entry.trusted)
 SEED = 3
+
+
+def first_of_its_kind() -> list[str]:
+    """A task of each number of robots, with groups of objects and without."""
+    first = {}
+    for name in TASKS:
+        scene = load_task(name).file.spec.scene
+        grouped = any(thing.count for thing in scene.objects.values())
+        first.setdefault((len(scene.robots), grouped), name)
+    return sorted(first.values())
+
+
+QUICK = first_of_its_kind()
 COPIES = {"deepcopy": copy.deepcopy, "pickle": lambda env: pickle.loads(pickle.dumps(env))}
 
 
@@ -37,7 +50,9 @@ def play(env, actions):
     return [told(seen, rewards, env.state()) for (seen, rewards, *_), env in steps]
 
 
-@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize(
+    "name", [*QUICK, *(pytest.param(t, marks=pytest.mark.slow) for t in TASKS if t not in QUICK)]
+)
 def test_a_copy_and_a_worker_play_the_same(name):
     with closing(parallel_env(name)) as env, closing(make_vec(name, 1, workers=1)) as vec:
         env.reset(seed=SEED)

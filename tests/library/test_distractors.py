@@ -16,7 +16,7 @@ from taskbuilder.schema.task import LOOK_PARTS
 from taskbuilder.shapes import BoxShape
 
 MARGIN_M = 0.055
-SEEDS = range(10)
+SEEDS = range(4)
 
 
 def named_in(task) -> set[str]:

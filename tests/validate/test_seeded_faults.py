@@ -105,6 +105,7 @@ def test_sound_environments_pass_with_all_options_in_all_views(options, pair):
             assert check_env(VectorWrapper(env), raises=False) == ()
 
 
+@pytest.mark.slow  # proofs have asked the same of every task
 @pytest.mark.parametrize("name", TASKS)
 def test_every_task_of_the_library_is_what_its_scene_has(name):
     with closing(parallel_env(name, **SMALL)) as env:
