@@ -311,7 +311,9 @@ def weight(pieces: Pieces, mass: float) -> Weight:
     second = np.einsum("t,tki,tkj->ij", dets, corners, corners)
     second += np.einsum("t,ti,tj->ij", dets, sums, sums)
     covariance = second / 120 / volume - np.outer(center, center)
-    return Weight(mass, center, mass * (np.trace(covariance) * np.eye(3) - covariance))
+    tensor = mass * (np.trace(covariance) * np.eye(3) - covariance)
+    # What symmetry makes zero is left over by rounding, which differs between processors.
+    return Weight(mass, center, np.where(np.abs(tensor) < 1e-9 * np.trace(tensor), 0.0, tensor))
 
 
 def circle(radius: float, z: float, count: int = 40) -> Ring:
