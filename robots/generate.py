@@ -1,20 +1,31 @@
-"""Generate the robots that are built from the UR5e's parts and from primitives.
+"""Generate all robots of the library but the UR5e, which has a generator of its own.
 
-Run it as ``python robots/generate.py``; it rewrites the URDFs of ``ur5e_pusher``, ``ur5e_suction``,
-``gantry`` and ``mobile_ur5e``, byte for byte the same on every run. Masses and inertias follow from
-the solids that a link is made of; the UR5e's links are taken from its URDF as they are, and its
-meshes from its folder.
+Run it as ``python robots/generate.py``; it rewrites URDFs and meshes, byte for byte the same on
+every run. The arms of other makers are written in ``generator/robot_library``, a module each.
+``ur5e_pusher``, ``ur5e_suction``, ``gantry`` and ``mobile_ur5e`` are written here: they are built
+from the UR5e's parts and from primitives. Their masses and inertias follow from the solids that a
+link is made of; the UR5e's links are taken from its URDF as they are, and its meshes from its
+folder.
 """
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 ROBOTS = Path(__file__).resolve().parent
+# The robot library is data and not imported, so the generator is found by its folder.
+sys.path.insert(0, str(ROBOTS / "generator"))
+
+from robot_library.colors import COLORS
+from robot_modelling.modules import robot_files
+
+LIBRARY = ("ur10e",)
 UR5E = (ROBOTS / "ur5e" / "ur5e.urdf").read_text(encoding="utf-8")
 
 Vec3 = tuple[float, float, float]
@@ -318,9 +329,23 @@ def mobile() -> str:
 def generated_files() -> dict[str, str]:
     """Return every generated file's text by its path relative to this folder."""
     made = {"ur5e_pusher": pusher, "ur5e_suction": suction, "gantry": gantry, "mobile_ur5e": mobile}
-    return {f"{name}/{name}.urdf": make() for name, make in made.items()}
+    files = {f"{name}/{name}.urdf": make() for name, make in made.items()}
+    for name in LIBRARY:
+        source = importlib.import_module(f"robot_library.{name}")
+        files |= robot_files(name, source.MAKER, COLORS, source.robot())
+    return files
+
+
+def write(files: dict[str, str]) -> None:
+    """Write all files, and remove meshes that no robot has any more."""
+    folders = {(ROBOTS / file).parent for file in files if file.endswith(".obj")}
+    for stale in (mesh for folder in folders for mesh in folder.glob("*.obj")):
+        if str(stale.relative_to(ROBOTS)) not in files:
+            stale.unlink()
+    for file, text in files.items():
+        (ROBOTS / file).parent.mkdir(parents=True, exist_ok=True)
+        (ROBOTS / file).write_text(text, encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
-    for file, text in generated_files().items():
-        (ROBOTS / file).write_text(text, encoding="utf-8", newline="\n")
+    write(generated_files())

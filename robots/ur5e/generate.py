@@ -12,21 +12,20 @@ import argparse
 import sys
 from pathlib import Path
 
-# The robot library is data and not imported, so the generator is found beside this file.
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+# The robot library is data and not imported, so the generators are found by their folders.
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "generator")]
 
+from robot_modelling.urdf import mesh_files
 from ur5e_generator.robot import links
-from ur5e_generator.urdf import mesh_name, urdf_text
-from ur5e_generator.wavefront import merged, obj_text
+from ur5e_generator.urdf import urdf_text
 
 
 def generated_files() -> dict[str, str]:
     """Return every generated file's text by its path relative to this folder."""
     files = {"ur5e.urdf": urdf_text()}
     for link in links():
-        for color in dict.fromkeys(color for color, _ in link.parts):
-            mesh = merged(mesh for c, mesh in link.parts if c == color)
-            files[f"meshes/{mesh_name(link, color)}"] = obj_text(mesh, f"{link.name}, {color}")
+        files |= mesh_files(link)
     return files
 
 

@@ -18,7 +18,6 @@ FINGER_TRAVEL = 0.0425  # m
 PAD_WIDTH, PAD_HEIGHT = 0.022, 0.044  # m
 FINGER_DEPTH = 0.012  # m, thickness of a finger across the pad
 PALM_HEIGHT = 0.100  # m
-PAD_FRICTION = 1.2
 
 COLORS = {
     "tube": (0.79, 0.80, 0.81),

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from robot_modelling.urdf import Part
 from ur5e_generator.figures import (
     A2,
     A3,
@@ -15,7 +16,7 @@ from ur5e_generator.figures import (
     TCP_HEIGHT,
     UPPER_ARM_SIDE,
 )
-from ur5e_generator.solids import (
+from robot_modelling.solids import (
     ROUND_STEPS,
     Mesh,
     loft,
@@ -26,9 +27,6 @@ from ur5e_generator.solids import (
     rounded,
     turned,
 )
-
-Part = tuple[str, Mesh]  # (colour, mesh)
-
 
 def end_cap(radius: float, height: float, *, segments: int = 24) -> Mesh:
     """Return the blue lid that closes a joint housing: a flat dome on a rounded rim."""

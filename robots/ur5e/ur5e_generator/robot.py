@@ -9,8 +9,8 @@ Denavit-Hartenberg base frame of the published table is ``base_link`` turned by 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
+from robot_modelling.urdf import Joint, Link, Shape
 from ur5e_generator.figures import (
     A2,
     A3,
@@ -29,7 +29,6 @@ from ur5e_generator.figures import (
     UPPER_ARM_SIDE,
 )
 from ur5e_generator.looks import (
-    Part,
     base_parts,
     finger_parts,
     forearm_parts,
@@ -40,46 +39,6 @@ from ur5e_generator.looks import (
     wrist_3_parts,
     wrist_module,
 )
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A collision primitive: what it is in URDF, and where it lies in its link."""
-
-    geometry: str
-    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class Link:
-    """A link: its mass and inertia about the centre of mass, its shapes and its look."""
-
-    name: str
-    mass: float  # kg
-    inertia: tuple[float, float, float, float, float, float]  # kg m²: xx, xy, xz, yy, yz, zz
-    center: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the inertia's axes
-    shapes: tuple[Shape, ...] = ()
-    parts: list[Part] = field(default_factory=list)
-    is_pad: bool = False
-
-
-@dataclass(frozen=True)
-class Joint:
-    """A joint between two links; fixed where it has no axis."""
-
-    name: str
-    parent: str
-    child: str
-    xyz: tuple[float, float, float]
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    kind: str = "fixed"
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    lower: float = 0.0
-    upper: float = 0.0
-    effort: float = 0.0
-    speed: float = 0.0
 
 
 def capsule(radius: float, start: float, end: float) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ur5e_generator.solids import Array, Mesh, Triangles
+from robot_modelling.solids import Array, Mesh, Triangles
 
 CREASE = math.cos(math.radians(40.0))
 

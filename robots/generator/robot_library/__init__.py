@@ -1,0 +1,1 @@
+"""Arms and grippers as their makers publish them, in forms of our own."""

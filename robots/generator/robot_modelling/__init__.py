@@ -1,0 +1,1 @@
+"""What all generators of robots share: meshes of solids, forms, and robots as URDF."""
