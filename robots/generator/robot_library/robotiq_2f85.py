@@ -7,15 +7,14 @@ bar carries nothing here and is left out. With all joints at zero the gripper is
 
 from __future__ import annotations
 
-from robot_modelling.forms import Form, bar, block, hidden, plate
+from robot_modelling.forms import UPRIGHT_Y, Form, bar, block, hidden, plate
 from robot_modelling.modules import Module, Piece, module, with_tcp
-from robot_modelling.urdf import Joint, Vec3
+from robot_modelling.urdf import ORIGIN, Joint, Vec3, revolute
 
 FOLDER = "../robotiq_2f85/meshes"
 MASS = 0.925  # kg, all of it
-CLOSED = 0.8  # rad
-SPEED = 2.0  # rad/s
-EFFORT = 10.0  # N m
+REACH = 0.8757  # rad; it is closed at 0.8
+DRIVE = (10.0, 2.0)  # N m and rad/s
 
 KNUCKLE: Vec3 = (0.0, 0.0306011, 0.054904)  # where it turns
 FINGER: Vec3 = (0.0, 0.0376, 0.043)  # where the finger hangs, from there
@@ -58,9 +57,8 @@ def _knuckle(side: float) -> tuple[Form, ...]:
     corners = [(side * u, v, *rest) for u, v, *rest in outline]
     if side < 0:
         corners.reverse()
-    upright = (1.5707963267948966, 0.0, 1.5707963267948966)  # x to y, y to z
     cheeks = tuple(
-        plate(corners, 0.005, (x, y, z), "metal", turn=upright) for x in (-0.0135, 0.0135)
+        plate(corners, 0.005, (x, y, z), "metal", turn=UPRIGHT_Y) for x in (-0.0135, 0.0135)
     )
     touching = block((0.027, 0.016, 0.056), (0, y + side * 0.0365, z + 0.021), "metal")
     return (*cheeks, hidden(touching))
@@ -72,7 +70,6 @@ def _finger(side: float) -> tuple[Form, ...]:
     face = y + side * PAD[1]
     middle = z + PAD[2]
     tip = middle + PAD_SIZE[2] / 2.0
-    upright = (1.5707963267948966, 0.0, 1.5707963267948966)
     outline = [
         (side * (abs(y) - 0.0235), 0.006),
         (side * (abs(y) - 0.002), -0.007, 0.004),
@@ -85,18 +82,10 @@ def _finger(side: float) -> tuple[Form, ...]:
         outline.reverse()
     back = side * (PAD_SIZE[1] / 2.0 + 0.0045)
     return (
-        plate(outline, 0.020, (0, 0, z), "dark", turn=upright),
+        plate(outline, 0.020, (0, 0, z), "dark", turn=UPRIGHT_Y),
         block(PAD_SIZE, (0, face, middle), "pad", touches=False, bevel=0.0008),
         hidden(block((PAD_SIZE[0], 0.0154, PAD_SIZE[2]), (0, face + back, middle), "pad")),
     )
-
-
-def _turning(name: str, parent: str, child: str, xyz: Vec3, side: float, low: float) -> Joint:
-    axis = (side, 0.0, 0.0)
-    return Joint(
-        name, parent, child, xyz, kind="revolute", axis=axis, lower=low, upper=0.8757,
-        effort=EFFORT, speed=SPEED,
-    )  # fmt: skip
 
 
 def gripper() -> Module:
@@ -112,9 +101,12 @@ def gripper() -> Module:
             Piece(finger, FINGER_MASS, forms=_finger(side), is_pad=True),
         ]
         at = (0.0, side * KNUCKLE[1], KNUCKLE[2])
+        axis = (side, 0.0, 0.0)
         on = (0.0, side * FINGER[1], FINGER[2])
         joints += [
-            _turning(joint, "robotiq_base", knuckle, at, side, 0.0),
-            _turning(f"{finger}_joint", knuckle, finger, on, side, -0.8757),
+            revolute(joint, ("robotiq_base", knuckle), at, ORIGIN, (0.0, REACH), *DRIVE, axis),
+            revolute(
+                f"{finger}_joint", (knuckle, finger), on, ORIGIN, (-REACH, REACH), *DRIVE, axis
+            ),
         ]
     return with_tcp(module(pieces, joints, FOLDER), "robotiq_base", (0.0, 0.0, TCP_HEIGHT))

@@ -11,7 +11,7 @@ import math
 
 from robot_modelling.forms import Form, bar, dome, hidden
 from robot_modelling.modules import Module, Piece, module, mounted
-from robot_modelling.urdf import ORIGIN, Joint, Vec3
+from robot_modelling.urdf import ORIGIN, Joint, Vec3, revolute
 
 from robot_library.robotiq_2f85 import gripper
 
@@ -87,10 +87,9 @@ def joints() -> list[Joint]:
         name: str, parent: str, child: str, xyz: Vec3, rpy: Vec3, effort: float, deg_s: float,
         reach: float = 2 * PI,
     ) -> Joint:  # fmt: skip
-        return Joint(
-            f"{name}_joint", f"{parent}_link", f"{child}_link", xyz, rpy, "revolute",
-            (0.0, 0.0, 1.0), -reach, reach, effort, math.radians(deg_s),
-        )  # fmt: skip
+        between = (f"{parent}_link", f"{child}_link")
+        limits = (-reach, reach)
+        return revolute(f"{name}_joint", between, xyz, rpy, limits, effort, math.radians(deg_s))
 
     return [
         turning("shoulder_pan", "base", "shoulder", (0, 0, D1), (0, 0, PI), 330, 120),

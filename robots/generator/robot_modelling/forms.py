@@ -41,6 +41,10 @@ class Form:
     pose: Matrix
     touches: bool = True
 
+    def moved(self, by: Matrix) -> Form:
+        """Return the form moved by a transform (4, 4)."""
+        return replace(self, pose=by @ self.pose)
+
     @property
     def volume(self) -> float:
         """In m³."""
@@ -210,6 +214,10 @@ def plate(
     return Form(color, mesh, size, pose, touches)
 
 
+UPRIGHT_X: Vec3 = (math.pi / 2, 0.0, 0.0)  # of a plate whose outline is (x, z)
+UPRIGHT_Y: Vec3 = (math.pi / 2, 0.0, math.pi / 2)  # of one whose outline is (y, z)
+
+
 def hidden(form: Form) -> Form:
     """Return the form as a primitive that touches but is not drawn."""
     return replace(form, mesh=(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)))
@@ -218,7 +226,7 @@ def hidden(form: Form) -> Form:
 def placed_in(frame: Matrix, forms: Iterable[Form]) -> list[Form]:
     """Return forms of the root's frame in the frame of a link at ``frame``."""
     into = np.linalg.inv(frame)
-    return [replace(form, pose=into @ form.pose) for form in forms]
+    return [form.moved(into) for form in forms]
 
 
 def seen(form: Form) -> Mesh:

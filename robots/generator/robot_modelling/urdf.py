@@ -57,6 +57,34 @@ class Joint:
     speed: float = 0.0
 
 
+def revolute(
+    name: str,
+    between: tuple[str, str],
+    xyz: Vec3,
+    rpy: Vec3,
+    limits: tuple[float, float],
+    effort: float,
+    speed: float,
+    axis: Vec3 = (0.0, 0.0, 1.0),
+) -> Joint:
+    """Return a joint that turns between a parent and its child: rad, N m and rad/s."""
+    return Joint(name, *between, xyz, rpy, "revolute", axis, *limits, effort, speed)
+
+
+def prismatic(
+    name: str,
+    between: tuple[str, str],
+    xyz: Vec3,
+    axis: Vec3,
+    limits: tuple[float, float],
+    effort: float,
+    speed: float,
+    rpy: Vec3 = ORIGIN,
+) -> Joint:
+    """Return a joint that slides between a parent and its child: m, N and m/s."""
+    return Joint(name, *between, xyz, rpy, "prismatic", axis, *limits, effort, speed)
+
+
 def numbers(values: Iterable[float]) -> str:
     """Return numbers as URDF wants them, ten significant digits and no minus zero."""
     return " ".join(f"{value + 0.0:.10g}" for value in values)
