@@ -24,6 +24,7 @@ SHOULDER, ELBOW, WRIST = (0.0304, 0.1166), (0.0584, 0.2292), (0.1933, 0.2344)  #
 AXIS_Z = 0.2344  # of the forearm and the gripper at zero
 FACE_Z = AXIS_Z - 0.0079  # of the fixed jaw
 PIVOT = (0.2778, 0.0, 0.2546)  # of the moving jaw
+PAD_X, PAD = 0.2544 + 0.094, 0.0105  # where the moving jaw touches, and its radius there
 CLOSED = -0.174533
 FROM_FACE = 0.018  # how far before the fixed jaw the tcp lies, in m
 
@@ -111,9 +112,10 @@ def moving_jaw() -> tuple[Form, ...]:
     """Return the moving jaw as it is at zero; it lies on the fixed one when it is closed."""
     outline = [
         (0.2700, 0.2480, 0.004),
-        (0.3060, FACE_Z),
-        (0.3605, FACE_Z),
-        (0.3605, FACE_Z + 0.006, 0.003),
+        (0.3060, FACE_Z + 0.003),
+        (0.3380, FACE_Z, 0.02),
+        (0.3570, FACE_Z + 0.001, 0.008),
+        (0.3570, FACE_Z + 0.010, 0.003),
         (0.3220, FACE_Z + 0.021, 0.008),
         (0.2850, 0.2640, 0.006),
         (0.2700, 0.2630, 0.006),
@@ -122,8 +124,9 @@ def moving_jaw() -> tuple[Form, ...]:
         plate(outline, 0.024, (0, 0, 0), PRINT, turn=UPRIGHT_X),
         bar((PIVOT[0], -0.019, PIVOT[2]), (PIVOT[0], 0.019, PIVOT[2]), 0.0105, "dark", lip=0.001,
             touches=False),
-        hidden(block((0.0545, 0.024, 0.010), (0.33325, 0, FACE_Z + 0.005), PRINT)),
-        hidden(block((0.050, 0.024, 0.016), (0.294, 0, FACE_Z + 0.0225), PRINT,
+        # A round pad touches the upright side of an object flat, however wide the jaw is open.
+        hidden(bar((PAD_X, -0.013, FACE_Z + PAD), (PAD_X, 0.013, FACE_Z + PAD), PAD, PRINT)),
+        hidden(block((0.060, 0.024, 0.012), (0.304, 0, FACE_Z + 0.020), PRINT,
                      turn=(0.0, 0.28, 0.0))),
     )  # fmt: skip
     about = transform(PIVOT) @ transform(turn=(0.0, CLOSED, 0.0)) @ transform([-p for p in PIVOT])
@@ -177,4 +180,4 @@ def robot() -> Module:
     """Return the arm with its tcp before the fixed jaw, near the tips."""
     arm = module(pieces(), joints())
     # The gripper's frame has its z axis back along the arm and its x axis from jaw to jaw.
-    return with_tcp(arm, "gripper", (-0.0079 + FROM_FACE, 0.0002, -0.0900), (PI, 0.0, QUARTER))
+    return with_tcp(arm, "gripper", (-0.0079 + FROM_FACE, 0.0002, 0.2544 - PAD_X), (PI, 0.0, QUARTER))

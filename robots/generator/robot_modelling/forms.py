@@ -20,7 +20,7 @@ from robot_modelling.urdf import ORIGIN, Inertia, Shape, Vec3
 Matrix = NDArray[np.float64]
 
 SEGMENTS = 16
-CAPSULE_FROM = 1.15  # times its diameter a round form is long before a capsule touches for it
+CAPSULE_FROM = 1.25  # times its diameter a round form is long before a capsule touches for it
 
 
 @dataclass(frozen=True)
