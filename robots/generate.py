@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROBOTS / "generator"))
 from robot_library.colors import COLORS
 from robot_modelling.modules import robot_files
 
-LIBRARY = ("so101", "ur10e", "viperx300s", "xarm7")
+LIBRARY = ("gen3", "iiwa14", "piper", "so101", "ur10e", "viperx300s", "xarm7")
 UR5E = (ROBOTS / "ur5e" / "ur5e.urdf").read_text(encoding="utf-8")
 
 Vec3 = tuple[float, float, float]
