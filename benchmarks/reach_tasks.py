@@ -8,6 +8,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+REACHES = {
+    "gen3": 0.5,
+    "iiwa14": 0.6,
+    "piper": 0.3,
+    "sawyer": 0.55,
+    "so101": 0.18,
+    "ur10e": 0.6,
+    "viperx300s": 0.38,
+    "xarm7": 0.5,
+}
+"""How far from its base the tool of each arm works with ease, pointing down, in m."""
+
+KINDS = ("pick_place", "handover")
+
 HEAD = """\
 task: {name}
 summary: Made by benchmarks/reach_tasks.py for a reach of {reach} m.
@@ -122,7 +136,7 @@ def write_task(folder: Path, kind: str, model: str, reach: float) -> Path:
     cube = 0.03 if reach < 0.3 else 0.045
     width = 0.024 if reach < 0.3 else 0.03
     common = {
-        "model": model, "table": TABLE, "above": 0.4 + 0.45 * reach, "aside": 0.4 * reach,
+        "model": model, "table": TABLE, "above": 0.4 + 0.32 * reach, "aside": 0.4 * reach,
         "area": 0.2 * reach, "lift": 0.02 + 0.08 * reach,
         "approach": 0.01 + 0.14 * reach, "mass": 0.02 if reach < 0.3 else 0.08,
     }  # fmt: skip

@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROBOTS / "generator"))
 from robot_library.colors import COLORS
 from robot_modelling.modules import robot_files
 
-LIBRARY = ("gen3", "iiwa14", "piper", "so101", "ur10e", "viperx300s", "xarm7")
+LIBRARY = ("gen3", "iiwa14", "piper", "sawyer", "so101", "ur10e", "viperx300s", "xarm7")
 UR5E = (ROBOTS / "ur5e" / "ur5e.urdf").read_text(encoding="utf-8")
 
 Vec3 = tuple[float, float, float]
@@ -343,8 +343,10 @@ def write(files: dict[str, str]) -> None:
         if str(stale.relative_to(ROBOTS)) not in files:
             stale.unlink()
     for file, text in files.items():
-        (ROBOTS / file).parent.mkdir(parents=True, exist_ok=True)
-        (ROBOTS / file).write_text(text, encoding="utf-8", newline="\n")
+        path = ROBOTS / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_bytes() != text.encode():
+            path.write_text(text, encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
