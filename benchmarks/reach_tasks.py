@@ -47,9 +47,14 @@ PICK_PLACE = """\
       mass: {mass}
       color: red
       grasps: {{top: {{at: [0, 0, {grasp_at}], across: y}}}}
-      place: {{surface: table, center: [0, {aside:.3f}], size: [{area:.3f}, {area:.3f}], yaw_deg: [-40, 40]}}
+      place:
+        surface: table
+        center: [0, {aside:.3f}]
+        size: [{area:.3f}, {area:.3f}]
+        yaw_deg: [-40, 40]
   sites:
-    mark: {{place: {{center: [0, -{aside:.3f}, {rests:.4f}], size: [{area:.3f}, {area:.3f}, 0]}}}}
+    mark:
+      place: {{center: [0, -{aside:.3f}, {rests:.4f}], size: [{area:.3f}, {area:.3f}, 0]}}
 expert:
   - arm: {{grasp: cube.top, approach: {approach:.3f}}}
   - arm: {{bring: cube, to: mark, above: {lift:.3f}}}
@@ -75,10 +80,17 @@ HANDOVER = """\
       grasps:
         left_end: {{at: [-{end:.3f}, 0, {grasp_at}], across: y}}
         right_end: {{at: [{end:.3f}, 0, {grasp_at}], across: y}}
-      place: {{surface: table, center: [-{pick:.3f}, {aside:.3f}], size: [{area:.3f}, {area:.3f}], yaw_deg: [-15, 15]}}
+      place:
+        surface: table
+        center: [-{pick:.3f}, {aside:.3f}]
+        size: [{area:.3f}, {area:.3f}]
+        yaw_deg: [-15, 15]
   sites:
     meeting: {{position: [0, 0, {meet:.3f}]}}
-    goal: {{place: {{center: [{pick:.3f}, -{aside:.3f}, {meet:.3f}], size: [{area:.3f}, {area:.3f}, 0.02]}}}}
+    goal:
+      place:
+        center: [{pick:.3f}, -{aside:.3f}, {meet:.3f}]
+        size: [{area:.3f}, {area:.3f}, 0.02]
 expert:
   - left: {{grasp: stick.left_end, approach: {approach:.3f}}}
   - {{left: {{bring: stick, to: meeting}}, right: {{reach: stick.right_end, above: {lift:.3f}}}}}

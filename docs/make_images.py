@@ -1,14 +1,14 @@
 """Make the pictures of the documentation.
 
-    python docs/make_images.py [TASK | POLICY | curves | objects ...]
+    python docs/make_images.py [TASK | POLICY | robot:NAME | curves | objects ...]
 
 Writes, to docs/images/, for each task of the library the film of its expert, the film's strip and
 the chart of its reward, and for those of the README a picture, all from the first camera of the
 task file; the film of each policy of the zoo; the curves of each task's training; the stages
 reached in the ablation of Handover; a picture of each robot; objects.png, all objects of the shelf;
 and tasks.png, the three tasks of the README side by side. Given tasks or policies of the zoo, such
-as zoo:handover/demos, it makes theirs only, given `curves` the curves and the chart of the ablation
-only, and given `objects` those only.
+as zoo:handover/demos, it makes theirs only, given `robot:` and a name the picture of that robot
+only, given `curves` the curves and the chart of the ablation only, and given `objects` those only.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
 from kept_runs import unpack
 
-CURVES, OBJECTS = "curves", "objects"
+CURVES, OBJECTS, ROBOT = "curves", "objects", "robot:"
 COLORS = 256
 """Colours of a still: a fifth of the size, and no difference to be seen."""
 
@@ -142,6 +142,9 @@ def make_all() -> None:
     """Make every picture anew."""
     IMAGES.mkdir(exist_ok=True)
     catalogue = Catalogue()
+    for robot, entry in catalogue.robots.items():
+        if entry.module:
+            make_robot(robot)
     for name, entry in catalogue.tasks.items():
         if entry.module:
             make_task(name)
@@ -150,13 +153,16 @@ def make_all() -> None:
     make_curves()
     make_ablation()
     with tempfile.TemporaryDirectory() as folder:
-        for name, entry in catalogue.robots.items():
-            if entry.module:
-                _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
-                _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
         save_image(Path(folder, "tasks.png"), _side_by_side())
         _keep(Path(folder, "tasks.png"), "tasks.png")
     make_objects()
+
+
+def make_robot(name: str) -> None:
+    """Draw a robot at home, with the axes of its tcp."""
+    with tempfile.TemporaryDirectory() as folder:
+        _call("robots", "check", name, "--out", str(Path(folder, f"{name}.png")))
+        _keep(Path(folder, f"{name}.png"), f"robot-{name}.png")
 
 
 def make_objects() -> None:
@@ -266,6 +272,8 @@ if __name__ == "__main__":
             make_ablation()
         elif name == OBJECTS:
             make_objects()
+        elif name.startswith(ROBOT):
+            make_robot(name.removeprefix(ROBOT))
         elif name.startswith("zoo:"):
             make_policy(name)
         else:

@@ -18,13 +18,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-ROBOTS = Path(__file__).resolve().parent
 # The robot library is data and not imported, so the generator is found by its folder.
-sys.path.insert(0, str(ROBOTS / "generator"))
+sys.path.insert(0, str(Path(__file__).resolve().parent / "generator"))
 
 from robot_library.colors import COLORS
 from robot_modelling.modules import robot_files
 
+ROBOTS = Path(__file__).resolve().parent
 LIBRARY = ("gen3", "iiwa14", "piper", "sawyer", "so101", "ur10e", "viperx300s", "xarm7")
 UR5E = (ROBOTS / "ur5e" / "ur5e.urdf").read_text(encoding="utf-8")
 

@@ -25,6 +25,7 @@ from generators import (
     options,
     results,
     robots,
+    swaps,
     tasks,
     training,
 )
@@ -57,6 +58,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "learning": training.learning,
     "manners": keys.manners,
     "options": options.options,
+    "own reach": swaps.own,
     "nodes": vocabulary.nodes,
     "objects": objects.library,
     "phases": training.phases,
@@ -65,6 +67,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "scaffold": commands.scaffold,
     "robust": training.robust,
     "stopping": results.stopping,
+    "swaps": swaps.swaps,
     "task": tasks.page,
     "verbs": keys.verbs,
     "view": vocabulary.view,

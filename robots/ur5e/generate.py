@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 
 # The robot library is data and not imported, so the generators are found by their folders.
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "generator")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "generator"))
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from robot_modelling.urdf import mesh_files
 from ur5e_generator.robot import links

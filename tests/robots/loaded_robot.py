@@ -54,10 +54,12 @@ class LoadedRobot:
             pybullet.resetJointState(self.body, joint, position, physicsClientId=self.client)
 
     def move_gripper(self, key: str) -> None:
+        self.open_gripper({"open": 1.0, "closed": 0.0}[key])
+
+    def open_gripper(self, share: float) -> None:
         for name, ends in self.spec["gripper"]["joints"].items():
-            pybullet.resetJointState(
-                self.body, self.joints[name], ends[key], physicsClientId=self.client
-            )
+            at = ends["closed"] + share * (ends["open"] - ends["closed"])
+            pybullet.resetJointState(self.body, self.joints[name], at, physicsClientId=self.client)
 
     def link_pose(self, name: str) -> tuple[Array, Array]:
         """Position (3,) and rotation (3, 3) of a link's own frame in the base."""
@@ -95,6 +97,28 @@ class LoadedRobot:
             high = np.max([box[1] for box in boxes], axis=0)
             centers.append(rotation.T @ ((low + high) / 2 - position))
         return centers
+
+    def gap(self) -> float:
+        """What is left between the two fingers, in m."""
+        one, other = (self.links[links[0]] for links in self.spec["gripper"]["fingers"])
+        near = pybullet.getClosestPoints(
+            self.body, self.body, 1.0, one, other, physicsClientId=self.client
+        )
+        return float(min(point[8] for point in near))
+
+    def open_along_y(self) -> float:
+        """What is open between the fingers on the line along y through the tcp, in m."""
+        pybullet.performCollisionDetection(physicsClientId=self.client)
+        position, rotation = self.tcp_pose()
+        away = [0.2 * side * rotation[:, 1] for side in (1.0, -1.0)]
+        hits = [
+            pybullet.rayTest(position, position + way, physicsClientId=self.client)[0]
+            for way in away
+        ]
+        assert {hit[1] for hit in hits} == {
+            self.links[links[0]] for links in self.spec["gripper"]["fingers"]
+        }
+        return float(sum(0.2 * hit[2] for hit in hits))
 
 
 def load_robot(name: str) -> LoadedRobot:

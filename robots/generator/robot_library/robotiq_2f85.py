@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from robot_modelling.forms import UPRIGHT_Y, Form, bar, block, hidden, plate
 from robot_modelling.modules import Module, Piece, module, with_tcp
-from robot_modelling.urdf import ORIGIN, Joint, Vec3, revolute
+from robot_modelling.urdf import ORIGIN, Vec3, revolute
 
 FOLDER = "../robotiq_2f85/meshes"
 MASS = 0.925  # kg, all of it
@@ -80,7 +80,7 @@ def _finger(side: float) -> tuple[Form, ...]:
     ]
     if side < 0:
         outline.reverse()
-    back = side * (PAD_SIZE[1] / 2.0 + 0.0045)
+    back = side * (0.0154 - PAD_SIZE[1]) / 2.0
     return (
         plate(outline, 0.020, (0, 0, z), "dark", turn=UPRIGHT_Y),
         block(PAD_SIZE, (0, face, middle), "pad", touches=False, bevel=0.0008),

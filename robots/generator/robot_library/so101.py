@@ -180,4 +180,6 @@ def robot() -> Module:
     """Return the arm with its tcp before the fixed jaw, near the tips."""
     arm = module(pieces(), joints())
     # The gripper's frame has its z axis back along the arm and its x axis from jaw to jaw.
-    return with_tcp(arm, "gripper", (-0.0079 + FROM_FACE, 0.0002, 0.2544 - PAD_X), (PI, 0.0, QUARTER))
+    return with_tcp(
+        arm, "gripper", (-0.0079 + FROM_FACE, 0.0002, 0.2544 - PAD_X), (PI, 0.0, QUARTER)
+    )

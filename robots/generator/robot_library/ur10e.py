@@ -43,6 +43,11 @@ def tube(start: Vec3, end: Vec3, radius: float, to: float | None = None) -> Form
     return bar(start, end, radius, "silver", to=to, caps="none")
 
 
+def neck(start: Vec3, end: Vec3) -> Form:
+    """Return the short tube from one wrist to the next."""
+    return bar(start, end, 0.048, "gray", touches=False, caps="none")
+
+
 def pieces() -> list[Piece]:
     """Return all links, base first."""
     w1, w2 = D4, D1 - D5
@@ -67,11 +72,11 @@ def pieces() -> list[Piece]:
             *housing((WRIST, FORE - 0.050, D1), (WRIST, FORE + 0.074, D1), 0.049, 0.016),
         )),
         Piece("wrist_1_link", 2.1, (0.0, -0.018, 0.007), forms=(
-            bar((WRIST, w1 - 0.056, D1), (WRIST, w1, D1), 0.048, "gray", touches=False, caps="none"),
+            neck((WRIST, w1 - 0.056, D1), (WRIST, w1, D1)),
             *housing((WRIST, w1, D1 + 0.050), (WRIST, w1, D1 - 0.062), 0.049, 0.016),
         )),
         Piece("wrist_2_link", 1.98, (0.0, 0.018, -0.007), forms=(
-            bar((WRIST, w1, w2 + 0.056), (WRIST, w1, w2), 0.048, "gray", touches=False, caps="none"),
+            neck((WRIST, w1, w2 + 0.056), (WRIST, w1, w2)),
             *housing((WRIST, w1 - 0.050, w2), (WRIST, w1 + 0.060, w2), 0.049, 0.016),
         )),
         Piece("wrist_3_link", 0.615, (0.0, 0.0, -0.026), forms=(

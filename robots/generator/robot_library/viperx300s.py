@@ -56,8 +56,14 @@ def shoulder() -> tuple[Form, ...]:
 def upper_arm() -> tuple[Form, ...]:
     """Return the bar of the upper arm and the bracket that carries the elbow forward."""
     z = FOREARM_Z
-    outline = [(-0.022, z - 0.070), (0.022, z - 0.070), (0.078, z - 0.012, 0.008),
-               (0.078, z + 0.018, 0.012), (0.030, z + 0.020, 0.012), (-0.022, z - 0.012, 0.012)]
+    outline = [
+        (-0.022, z - 0.070),
+        (0.022, z - 0.070),
+        (0.078, z - 0.012, 0.008),
+        (0.078, z + 0.018, 0.012),
+        (0.030, z + 0.020, 0.012),
+        (-0.022, z - 0.012, 0.012),
+    ]
     return (
         bar((0, -0.058, SHOULDER_Z), (0, 0.058, SHOULDER_Z), 0.016, "metal", lip=0.002,
             touches=False),

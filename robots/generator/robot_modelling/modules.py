@@ -86,7 +86,9 @@ def with_tcp(bare: Module, parent: str, xyz: Vec3, rpy: Vec3 = ORIGIN) -> Module
     return Module((*bare.links, link), (*bare.joints, joint))
 
 
-def mounted(arm: Module, gripper: Module, on: str, xyz: Vec3 = ORIGIN, rpy: Vec3 = ORIGIN) -> Module:
+def mounted(
+    arm: Module, gripper: Module, on: str, xyz: Vec3 = ORIGIN, rpy: Vec3 = ORIGIN
+) -> Module:
     """Return an arm with a gripper fixed to one of its links."""
     joint = Joint("gripper_mount", on, gripper.links[0].name, xyz, rpy)
     return Module((*arm.links, *gripper.links), (*arm.joints, joint, *gripper.joints))

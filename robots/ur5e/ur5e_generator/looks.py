@@ -5,17 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-
-from robot_modelling.urdf import Part
-from ur5e_generator.figures import (
-    A2,
-    A3,
-    FOREARM_SIDE,
-    PAD_HEIGHT,
-    PAD_WIDTH,
-    TCP_HEIGHT,
-    UPPER_ARM_SIDE,
-)
 from robot_modelling.solids import (
     ROUND_STEPS,
     Mesh,
@@ -27,6 +16,18 @@ from robot_modelling.solids import (
     rounded,
     turned,
 )
+from robot_modelling.urdf import Part
+
+from ur5e_generator.figures import (
+    A2,
+    A3,
+    FOREARM_SIDE,
+    PAD_HEIGHT,
+    PAD_WIDTH,
+    TCP_HEIGHT,
+    UPPER_ARM_SIDE,
+)
+
 
 def end_cap(radius: float, height: float, *, segments: int = 24) -> Mesh:
     """Return the blue lid that closes a joint housing: a flat dome on a rounded rim."""

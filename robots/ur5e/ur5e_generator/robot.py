@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from robot_modelling.urdf import Joint, Link, Shape
+
 from ur5e_generator.figures import (
     A2,
     A3,

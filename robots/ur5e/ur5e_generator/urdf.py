@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robot_modelling.urdf import robot_text
+
 from ur5e_generator.figures import COLORS
 from ur5e_generator.robot import joints, links
 

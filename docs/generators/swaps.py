@@ -1,0 +1,74 @@
+"""The tables of arms in tasks of their own reach, and in tasks that were written for others."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from pathlib import Path
+
+from taskbuilder.reference.markdown import table
+
+RESULTS = Path(__file__).parents[2] / "benchmarks" / "results" / "swaps.csv"
+OWN = "at its own reach: "
+_SHORT = re.compile(r"(?:within|off by) ([\d.]+) (mm|cm|m)\b")
+_IN_CM = {"mm": 0.1, "cm": 1.0, "m": 100.0}
+
+Rows = list[dict[str, str]]
+
+
+def own(_: str) -> str:
+    """How often each arm succeeds in a task in proportion to its reach."""
+    rows = _rows()
+    head = ["robot", "Pick and Place", "Handover with itself"]
+    lines = [
+        [f"`{robot}`", *(_share(rows, OWN + kind, robot) for kind in ("pick_place", "handover"))]
+        for robot in sorted({row["robot"] for row in rows})
+    ]
+    return table(head, lines)
+
+
+def swaps(_: str) -> str:
+    """How often each arm succeeds in tasks of the library, and what it lacks."""
+    rows = [row for row in _rows() if not row["task"].startswith(OWN)]
+    robots = sorted({row["robot"] for row in rows})
+    lines = [
+        [
+            f"`{task}`",
+            *(_cell([r for r in rows if (r["task"], r["robot"]) == (task, n)]) for n in robots),
+        ]
+        for task in dict.fromkeys(row["task"] for row in rows)
+    ]
+    return table(["task", *(f"`{robot}`" for robot in robots)], lines)
+
+
+def _rows() -> Rows:
+    with RESULTS.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def _share(rows: Rows, task: str, robot: str) -> str:
+    played = [row for row in rows if (row["task"], row["robot"]) == (task, robot)]
+    solved = sum(row["success"] == "1" for row in played)
+    return f"{solved} of {len(played)}"
+
+
+def _cell(rows: Rows) -> str:
+    """Successes, and why there are not more: what most episodes lack, and the most they lack."""
+    if not rows:
+        return "–"
+    failed = [row for row in rows if row["success"] != "1"]
+    solved = str(len(rows) - len(failed))
+    if not failed:
+        return solved
+    cause = Counter(row["cause"] for row in failed).most_common(1)[0][0]
+    if cause not in ("home", "out of reach"):
+        return f"{solved}: {cause}"
+    lacks = [_lack(row["message"]) for row in failed if row["cause"] == cause]
+    return f"{solved}: {'home ' if cause == 'home' else ''}{max(lacks):.0f} cm"
+
+
+def _lack(message: str) -> float:
+    """How far a pose is out of reach by a message, in cm."""
+    found = _SHORT.search(message)
+    return float(found[1]) * _IN_CM[found[2]] if found else 0.0
