@@ -58,7 +58,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "learning": training.learning,
     "manners": keys.manners,
     "options": options.options,
-    "own reach": swaps.own,
+    "own": swaps.own,
     "nodes": vocabulary.nodes,
     "objects": objects.library,
     "phases": training.phases,

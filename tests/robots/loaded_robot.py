@@ -49,6 +49,12 @@ class LoadedRobot:
         """What PyBullet tells of a joint."""
         return tuple(pybullet.getJointInfo(self.body, joint, physicsClientId=self.client))
 
+    def go_home(self) -> None:
+        """Put the arm to home, and open the gripper."""
+        self.move_arm(self.home)
+        if self.gripper_joints:
+            self.move_gripper("open")
+
     def move_arm(self, joint_positions: Sequence[float]) -> None:
         for joint, position in zip(self.arm, joint_positions, strict=True):
             pybullet.resetJointState(self.body, joint, position, physicsClientId=self.client)
@@ -146,9 +152,7 @@ def load_robot(name: str) -> LoadedRobot:
         {info[1].decode(): info[0] for info in infos},
         {info[12].decode(): info[0] for info in infos},
     )
-    robot.move_arm(robot.home)
-    if robot.gripper_joints:
-        robot.move_gripper("open")
+    robot.go_home()
     return robot
 
 

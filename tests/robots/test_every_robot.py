@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 import pybullet
 import pytest
-from loaded_robot import ROBOTS, Load
+from loaded_robot import ROBOTS, Load, LoadedRobot, load_robot
 
 FILES = sorted(ROBOTS.glob("*/robot.yaml"))
 NAMES = [path.parent.name for path in FILES]
@@ -15,6 +16,27 @@ WITH_FINGERS = [path.parent.name for path in FILES if "\ngripper:" in path.read_
 WITH_ONE_JAW = {"so101"}  # which closes against a fixed one
 WITH_TWO_FINGERS = [name for name in WITH_FINGERS if name not in WITH_ONE_JAW]
 ENDS = {"gripper", "suction"}
+
+
+@pytest.fixture(scope="module")
+def loaded() -> Iterator[dict[str, LoadedRobot]]:
+    robots: dict[str, LoadedRobot] = {}
+    yield robots
+    for robot in robots.values():
+        pybullet.disconnect(physicsClientId=robot.client)
+
+
+@pytest.fixture
+def load(loaded: dict[str, LoadedRobot]) -> Load:
+    """Loads each robot once: these tests only pose it, and each finds it at home."""
+
+    def load_or_reuse(name: str) -> LoadedRobot:
+        if name not in loaded:
+            loaded[name] = load_robot(name)
+        loaded[name].go_home()
+        return loaded[name]
+
+    return load_or_reuse
 
 
 def test_library_has_its_robots() -> None:
