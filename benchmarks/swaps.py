@@ -64,7 +64,7 @@ def episodes(task: Task, seeds: int) -> Iterator[Row]:
             done = expert.play(seed)
             cause, message = "", ""
             if not done.success:
-                cause, message = "not yet done", "every stage was played, without success"
+                cause, message = "no success", "every stage was played, without success"
                 if done.trouble is not None:
                     cause, message = done.trouble.cause, done.trouble.message
             yield {

@@ -11,8 +11,7 @@ from taskbuilder.reference.markdown import table
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results" / "swaps.csv"
 OWN = "at its own reach: "
-_SHORT = re.compile(r"(?:within|off by) ([\d.]+) (mm|cm|m)\b")
-_IN_CM = {"mm": 0.1, "cm": 1.0, "m": 100.0}
+_SHORT = re.compile(r"(?:within|off by) ([\d.]+) cm and (\d+)°")
 
 Rows = list[dict[str, str]]
 
@@ -64,11 +63,8 @@ def _cell(rows: Rows) -> str:
     cause = Counter(row["cause"] for row in failed).most_common(1)[0][0]
     if cause not in ("home", "out of reach"):
         return f"{solved}: {cause}"
-    lacks = [_lack(row["message"]) for row in failed if row["cause"] == cause]
-    return f"{solved}: {'home ' if cause == 'home' else ''}{max(lacks):.0f} cm"
-
-
-def _lack(message: str) -> float:
-    """How far a pose is out of reach by a message, in cm."""
-    found = _SHORT.search(message)
-    return float(found[1]) * _IN_CM[found[2]] if found else 0.0
+    messages = [row["message"] for row in failed if row["cause"] == cause]
+    found = [match.groups() for message in messages if (match := _SHORT.search(message))]
+    off, angle = max((float(cm), int(degrees)) for cm, degrees in found)
+    lack = f"{off:.0f} cm" if off >= 1.0 else f"{off:.1f} cm" if off else f"{angle}°"
+    return f"{solved}: {'home ' if cause == 'home' else ''}{lack}"

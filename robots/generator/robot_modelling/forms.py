@@ -225,7 +225,7 @@ def hidden(form: Form) -> Form:
 
 def placed_in(frame: Matrix, forms: Iterable[Form]) -> list[Form]:
     """Return forms of the root's frame in the frame of a link at ``frame``."""
-    into = np.linalg.inv(frame)
+    into: Matrix = np.asarray(np.linalg.inv(frame), np.float64)
     return [form.moved(into) for form in forms]
 
 
