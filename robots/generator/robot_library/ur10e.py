@@ -33,7 +33,7 @@ def housing(back: Vec3, front: Vec3, radius: float, lid: float) -> tuple[Form, .
     seal = (front[0] - 0.008 * x, front[1] - 0.008 * y, front[2] - 0.008 * z)
     return (
         bar(back, front, radius, "gray", caps="end"),
-        dome(back, end, radius * 0.95, "blue"),
+        dome(back, end, radius * 0.995, "blue"),
         bar(front, seal, radius * 0.94, "dark", touches=False, caps="none"),
     )
 
@@ -54,7 +54,7 @@ def pieces() -> list[Piece]:
     return [
         Piece("base_link", 4.0, forms=(
             bar((0, 0, 0), (0, 0, 0.015), 0.095, "dark", touches=False),
-            bar((0, 0, 0.013), (0, 0, 0.090), 0.088, "gray", to=0.080, touches=False, caps="none"),
+            bar((0, 0, 0.013), (0, 0, 0.090), 0.088, "gray", to=0.080, touches=False, caps="end"),
             hidden(bar((0, 0, 0), (0, 0, 0.090), 0.088, "gray")),
         )),
         Piece("shoulder_link", 7.369, (0.021, -0.027, 0.0), forms=(

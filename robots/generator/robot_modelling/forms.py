@@ -19,7 +19,10 @@ from robot_modelling.urdf import ORIGIN, Inertia, Shape, Vec3
 
 Matrix = NDArray[np.float64]
 
-SEGMENTS = 16
+SEGMENTS, FEWER = 16, 12  # flat sides of a circle, and of one that is thin
+THIN = 0.045  # m
+ROUNDED_FROM = 0.0055  # how far edges are broken, in m, before a mesh is drawn for them
+SMOOTH_FROM = 0.055  # radius in m from which the flat sides of the engine's cylinders are seen
 CAPSULE_FROM = 1.25  # times its diameter a round form is long before a capsule touches for it
 
 
@@ -33,6 +36,7 @@ class Form:
         size: Radius and length along z of a round form, edges of a square one, in m.
         pose: Its frame, (4, 4), whose origin is its centre.
         touches: Whether it collides.
+        is_plain: Whether it is drawn as a cylinder or box, without a mesh.
     """
 
     color: str
@@ -40,6 +44,7 @@ class Form:
     size: tuple[float, ...]
     pose: Matrix
     touches: bool = True
+    is_plain: bool = False
 
     def moved(self, by: Matrix) -> Form:
         """Return the form moved by a transform (4, 4)."""
@@ -65,6 +70,15 @@ class Form:
             own = np.diag([across, across, radius**2 / 2.0])
         turn = self.pose[:3, :3]
         return np.asarray(turn @ own @ turn.T)
+
+    @property
+    def drawn(self) -> Shape:
+        """The cylinder or box that is drawn for it."""
+        if len(self.size) == 3:
+            return self.shape
+        radius, length = self.size
+        geometry = f'<cylinder radius="{radius:g}" length="{round(length, 5):g}"/>'
+        return Shape(geometry, position(self.pose), rpy(self.pose))
 
     @property
     def shape(self) -> Shape:
@@ -120,6 +134,7 @@ def lathed(
     radius: float,
     touches: bool = True,
     caps: str = "both",
+    is_plain: bool = False,
 ) -> Form:
     """Return a turned form along the way from ``start`` to ``end``.
 
@@ -131,14 +146,16 @@ def lathed(
         radius: Of the primitive.
         touches: Whether it collides.
         caps: Which ends are closed: none, start, end or both.
+        is_plain: Whether a cylinder is drawn in its place.
     """
     way = np.array(end) - np.array(start)
     length = float(np.linalg.norm(way))
     middle = (np.array(start) + np.array(end)) / 2.0
     turn = (0.0, math.atan2(math.hypot(way[0], way[1]), way[2]), math.atan2(way[1], way[0]))
     corners = [(corner[0], corner[1] - length / 2.0, *corner[2:]) for corner in profile]
-    mesh = turned(corners, segments=SEGMENTS, caps=caps)
-    return Form(color, mesh, (radius, length), transform(middle, turn), touches)
+    segments = FEWER if radius < THIN else SEGMENTS
+    mesh = turned(corners, segments=segments, caps=caps)
+    return Form(color, mesh, (radius, length), transform(middle, turn), touches, is_plain)
 
 
 def bar(
@@ -154,7 +171,8 @@ def bar(
 ) -> Form:
     """Return a tube or housing with broken edges, which may taper to the radius ``to``.
 
-    An end that lies inside another form is neither closed nor broken, which saves its triangles.
+    An end that lies inside another form is neither closed nor broken. If it is thin and has
+    neither a taper nor round edges, it is drawn as a cylinder.
     """
     length = math.dist(start, end)
     last = radius if to is None else to
@@ -163,14 +181,17 @@ def bar(
     finish = [(last, length - lip), (last - lip, length)] if caps in ("end", "both") else []
     profile = [*begin, *(finish or [(last, length)])]
     middle = (radius + last) / 2.0
-    return lathed(start, end, profile, color, radius=middle, touches=touches, caps=caps)
+    plain = to in (None, radius) and lip < ROUNDED_FROM and radius < SMOOTH_FROM
+    return lathed(
+        start, end, profile, color, radius=middle, touches=touches, caps=caps, is_plain=plain
+    )
 
 
 def dome(start: Vec3, end: Vec3, radius: float, color: str) -> Form:
     """Return a lid: a flat dome that rises from ``start`` to ``end``; it is only seen."""
     height = math.dist(start, end)
-    profile = [(radius, 0.0), (radius * 0.97, height * 0.6), (radius * 0.8, height), (0.0, height)]
-    return lathed(start, end, profile, color, radius=radius, touches=False)
+    profile = [(radius, 0.0), (radius * 0.97, height * 0.6), (radius * 0.8, height)]
+    return lathed(start, end, profile, color, radius=radius, touches=False, caps="end")
 
 
 def block(
@@ -187,7 +208,8 @@ def block(
     x, y, z = (edge / 2.0 for edge in size)
     bevel = min(bevel, z / 2.0)
     mesh = milled(rectangle((-x, x), (-y, y), radius), -z, z, bevel=bevel)
-    return Form(color, mesh, size, transform(at, turn), touches)
+    plain = max(radius, bevel) < ROUNDED_FROM
+    return Form(color, mesh, size, transform(at, turn), touches, plain)
 
 
 def plate(
@@ -220,7 +242,8 @@ UPRIGHT_Y: Vec3 = (math.pi / 2, 0.0, math.pi / 2)  # of one whose outline is (y,
 
 def hidden(form: Form) -> Form:
     """Return the form as a primitive that touches but is not drawn."""
-    return replace(form, mesh=(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)))
+    nothing = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+    return replace(form, mesh=nothing, is_plain=False)
 
 
 def placed_in(frame: Matrix, forms: Iterable[Form]) -> list[Form]:

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from robot_modelling.forms import Form, Matrix, placed_in, seen, spread, transform
 from robot_modelling.urdf import ORIGIN, Inertia, Joint, Link, Vec3, mesh_files, robot_text
 
+DIGITS = (4, 2)
+"""Decimals of points and normals: a tenth of a millimetre is less than a pixel."""
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -64,9 +67,11 @@ def _link(piece: Piece, frame: Matrix, folder: str) -> Link:
         ORIGIN if center is None else center,
         piece.turn,
         tuple(form.shape for form in forms if form.touches),
-        [(form.color, seen(form)) for form in forms if len(form.mesh[0])],
+        [(form.color, seen(form)) for form in forms if len(form.mesh[0]) and not form.is_plain],
         piece.is_pad,
         folder,
+        tuple((form.color, form.drawn) for form in forms if form.is_plain),
+        DIGITS,
     )
 
 
@@ -109,7 +114,7 @@ def robot_files(
         f"Written by robots/generate.py; change it there. Metres, kilograms, radians. Kinematics, "
         f"limits and masses are those that {maker} publishes; the shapes are this project's own."
     )
-    used = {color for link in robot.links for color, _ in link.parts}
+    used = {color for link in robot.links for color, _ in (*link.parts, *link.plain)}
     shown = {color: rgb for color, rgb in materials.items() if color in used}
     files = {f"{name}.urdf": robot_text(name, note, shown, robot.links, robot.joints)}
     for link in robot.links:

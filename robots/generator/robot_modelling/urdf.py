@@ -38,6 +38,8 @@ class Link:
     parts: list[Part] = field(default_factory=list)
     is_pad: bool = False
     folder: str = "meshes"  # of its meshes, relative to the URDF
+    plain: tuple[tuple[str, Shape], ...] = ()  # primitives that are drawn, by colour
+    digits: tuple[int, int] = (5, 3)  # of points and normals of its meshes
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,9 @@ def mesh_files(link: Link) -> dict[str, str]:
     files = {}
     for color in colors(link):
         mesh = merged(mesh for c, mesh in link.parts if c == color)
-        files[f"{link.folder}/{mesh_name(link, color)}"] = obj_text(mesh, f"{link.name}, {color}")
+        files[f"{link.folder}/{mesh_name(link, color)}"] = obj_text(
+            mesh, f"{link.name}, {color}", link.digits
+        )
     return files
 
 
@@ -131,6 +135,14 @@ def link_lines(link: Link) -> list[str]:
         lines += [
             "    <visual>",
             f'      <geometry><mesh filename="{mesh}"/></geometry>',
+            f'      <material name="{color}"/>',
+            "    </visual>",
+        ]
+    for color, shape in link.plain:
+        lines += [
+            "    <visual>",
+            f"      {origin(shape.xyz, shape.rpy)}",
+            f"      <geometry>{shape.geometry}</geometry>",
             f'      <material name="{color}"/>',
             "    </visual>",
         ]

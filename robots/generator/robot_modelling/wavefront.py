@@ -56,15 +56,22 @@ def corner_normals(vertices: Array, faces: Triangles) -> Array:
     return normals
 
 
-def obj_text(mesh: Mesh, comment: str) -> str:
-    """Return a mesh as Wavefront OBJ with normals."""
+def obj_text(mesh: Mesh, comment: str, digits: tuple[int, int] = (5, 3)) -> str:
+    """Return a mesh as Wavefront OBJ with normals.
+
+    Args:
+        mesh: Vertices and triangles.
+        comment: The first line.
+        digits: Decimals of points and of normals.
+    """
     vertices, faces = mesh
-    normals = np.round(np.round(corner_normals(vertices, faces), 9), 3) + 0.0
+    point, normal = digits
+    normals = np.round(np.round(corner_normals(vertices, faces), 9), normal) + 0.0
     unique, number = np.unique(normals.reshape(-1, 3), axis=0, return_inverse=True)
     number = number.reshape(-1, 3)
     lines = [f"# {comment}; written by generate.py"]
-    lines += [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertices]
-    lines += [f"vn {x:.3f} {y:.3f} {z:.3f}" for x, y, z in unique]
+    lines += [f"v {x:.{point}f} {y:.{point}f} {z:.{point}f}" for x, y, z in vertices]
+    lines += [f"vn {x:.{normal}f} {y:.{normal}f} {z:.{normal}f}" for x, y, z in unique]
     lines += [
         "f " + " ".join(f"{v + 1}//{n + 1}" for v, n in zip(face, around, strict=True))
         for face, around in zip(faces, number, strict=True)
