@@ -13,8 +13,6 @@ import pytest
 ROBOTS = Path(__file__).resolve().parents[2] / "robots"
 ELSEWHERE = {"panda", "ur5e", "xarm6"}
 NAMES = sorted({path.parent.name for path in ROBOTS.glob("*/robot.yaml")} - ELSEWHERE)
-OF_OTHERS = [n for n in NAMES if n.startswith(("gen3", "iiwa", "piper", "sawyer", "so101"))]
-OF_OTHERS += ["ur10e", "viperx300s", "xarm7"]
 
 
 def test_generator_reproduces_the_committed_files():
