@@ -11,6 +11,7 @@ from taskbuilder._lazy import exported
 from taskbuilder._version import __version__
 
 if TYPE_CHECKING:
+    from taskbuilder.benchmark import benchmark
     from taskbuilder.data.collection import collect, export
     from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
     from taskbuilder.data.environment import make_from
@@ -63,6 +64,7 @@ __all__ = [
     "Verification",
     "World",
     "__version__",
+    "benchmark",
     "build_world",
     "catalogue",
     "check_env",
@@ -109,6 +111,7 @@ _HOMES = {
     "UsageError": "taskbuilder.errors",
     "Verification": "taskbuilder.evaluation.verify",
     "World": "taskbuilder.world.world",
+    "benchmark": "taskbuilder.benchmark",
     "build_world": "taskbuilder.world.building",
     "check_env": "taskbuilder.validate.environments",
     "collect": "taskbuilder.data.collection",

@@ -36,7 +36,8 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
-        *("view", "validate", "bench", "learn", "evaluation", "importing", "visual", "expert"),
+        *("view", "validate", "bench", "benchmark", "learn", "evaluation", "importing"),
+        *("visual", "expert"),
         *(
             "policies",
             "rollout",
@@ -66,6 +67,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("diagnostics", "jobs", "digests", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
+    "benchmark": (
+        *("learn", "evaluation", "data", "policies", "visual", "expert", "env"),
+        *("cluster", "jobs", "machine", "files", "untrusted", *SIMULATED),
+    ),
     "learn": (
         *("evaluation", "data", "policies", "visual", "expert", "rollout", "env"),
         *("jobs", "processes", "machine", "arrays", "files", "untrusted"),
@@ -127,7 +132,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "pybullet": ("taskbuilder/sim/bullet.py", "taskbuilder/sim/engine_output.py"),
     "pydantic": (
         *("taskbuilder/schema/", "taskbuilder/reference/", "taskbuilder/data/records.py"),
-        "taskbuilder/learn/settings.py",
+        *("taskbuilder/learn/settings.py", "taskbuilder/benchmark/"),
     ),
     "pydantic_core": ("taskbuilder/schema/",),
     "yaml": ("taskbuilder/schema/",),
@@ -142,7 +147,10 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "coacd": ("taskbuilder/importing/",),
     "xacro": ("taskbuilder/importing/",),
     "jinja2": ("taskbuilder/validate/html/templates.py",),
-    "matplotlib": ("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
+    "matplotlib": (
+        *("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
+        "taskbuilder/visual/profiles.py",
+    ),
     "pyarrow": ("taskbuilder/data/formats/lerobot_tables.py",),
     "av": ("taskbuilder/data/videos.py", "taskbuilder/visual/video.py"),
     "h5py": ("taskbuilder/data/formats/robomimic.py",),

@@ -24,7 +24,12 @@ from taskbuilder.cli.inspection_arguments import (
     add_view,
     add_watch,
 )
-from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
+from taskbuilder.cli.learning_arguments import (
+    add_benchmark,
+    add_evaluate,
+    add_plot,
+    add_train,
+)
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,
@@ -51,6 +56,7 @@ _COMMANDS = (
     "dataset",
     "train",
     "evaluate",
+    "benchmark",
     "plot",
     "bench",
     "robots",
@@ -375,6 +381,7 @@ _ADDERS = {
     "dataset": add_dataset,
     "train": add_train,
     "evaluate": add_evaluate,
+    "benchmark": add_benchmark,
     "plot": add_plot,
     "bench": add_bench,
     "robots": add_robots,
