@@ -8,6 +8,8 @@ import signal
 import time
 from pathlib import Path
 
+import numpy as np
+
 HERE = str(Path(__file__))
 
 
@@ -67,3 +69,15 @@ def stopped(mark):
 
 def refuse(what):
     raise ValueError(what)
+
+
+class Ending:
+    """A policy that ends the process in which it plays the task `sideways`."""
+
+    def reset(self, env, seed):
+        if env.task.name == "sideways":
+            os._exit(3)
+        self.sizes = {agent: env.action_space(agent).shape for agent in env.agents}
+
+    def act(self, observations):
+        return {agent: np.zeros(size, np.float32) for agent, size in self.sizes.items()}

@@ -24,7 +24,7 @@ from taskbuilder.benchmark.tables import (
 from taskbuilder.files import write_whole
 
 if TYPE_CHECKING:  # loads matplotlib
-    from taskbuilder.visual.profiles import Line
+    from taskbuilder.visual.profiles import MethodLine
 
 PAGE, PICTURE, TABLE, DATA = "README.md", "benchmark.png", "results.csv", "results.json"
 
@@ -71,11 +71,11 @@ def _subtitle(several: Sequence[MethodResults]) -> list[str]:
     ]
 
 
-def _lines(several: Sequence[MethodResults]) -> list[Line]:
-    from taskbuilder.visual.profiles import Line
+def _lines(several: Sequence[MethodResults]) -> list[MethodLine]:
+    from taskbuilder.visual.profiles import MethodLine
 
     return [
-        Line(
+        MethodLine(
             each.name,
             _ends(each.profile()),
             _ends(each.interquartile_mean()),
@@ -104,7 +104,7 @@ def _head(several: Sequence[MethodResults]) -> Iterator[str]:
         yield "**Not comparable with other results**: the track was shortened or changed."
     for each in several:
         if each.missing:
-            yield f"**Not complete**: {each.missing} cells of `{each.name}` are missing."
+            yield f"**Not complete**: cells of `{each.name}` are missing, {each.missing} in all."
         if len(each.states) > 1:
             yield f"**Made by different states of taskbuilder**: the cells of `{each.name}`."
     yield ""

@@ -221,22 +221,22 @@ def _cluster(address: str, pieces: int) -> AbstractContextManager[Map]:
 def _run(
     work: Work, tasks: Sequence[str], cells: Sequence[Cell], places: Places, report: Report
 ) -> None:
-    """Do everything that is not there yet."""
-    try:
-        with places(len(tasks)) as spread:
-            for _ in spread(partial(share, work), tasks):
-                pass
-    except LostError as gone:
-        raise BenchmarkError(f"{gone.item}: {gone}\n{_AGAIN}") from gone
+    """Do everything that is not there yet.
+
+    Raises:
+        BenchmarkError: Somebody ended a process, or what cells share took one with it.
+    """
     left = list(cells)
     while left:
         try:
             with places(len(left)) as spread:
-                for record in spread(partial(run_cell, work), list(left)):
+                for _ in spread(partial(share, work), tasks):
+                    pass
+                for record in spread(partial(run_cell, work), tuple(left)):
                     report(record)
                     left.pop(0)
-        except LostError as gone:  # left with its processes, before the next are begun
-            if gone.fault.outside:
+        except LostError as gone:  # its processes have ended, before others go on with the rest
+            if gone.fault.outside or gone.item not in left:
                 raise BenchmarkError(f"{gone}\n{_AGAIN}") from gone
             left.remove(gone.item)
             report(lost(work, gone.item, str(gone)))

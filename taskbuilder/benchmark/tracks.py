@@ -29,7 +29,7 @@ DEVELOPMENT = ("reach", "press_button", "insert_peg", "double_door", "handover")
 """Tasks on which methods may be tuned; results on others show what was not tuned."""
 
 
-class Demonstrations(Model):
+class DemonstrationSet(Model):
     """Episodes of the task's expert to learn from.
 
     Attributes:
@@ -82,7 +82,7 @@ class Track(Model):
     summary: Text
     cameras: int = Field(default=0, ge=0, le=16)
     camera_size: tuple[int, int] = (84, 84)
-    demonstrations: Demonstrations | None = None
+    demonstrations: DemonstrationSet | None = None
     training: Training
     episodes: Count = 300
     baseline_episodes: Count = 20
@@ -141,7 +141,7 @@ TRACKS: Mapping[str, Track] = MappingProxyType(
             Track(
                 name="imitation",
                 summary="Policies learn from states in demonstrations, without acting.",
-                demonstrations=Demonstrations(),
+                demonstrations=DemonstrationSet(),
                 training=Training(
                     steps=15_000, evaluate_every=3_000, evaluate_episodes=50, cpu_minutes=5.0
                 ),
@@ -150,7 +150,7 @@ TRACKS: Mapping[str, Track] = MappingProxyType(
                 name="vision",
                 summary="Policies learn from pictures in demonstrations, without acting.",
                 cameras=2,
-                demonstrations=Demonstrations(episodes=200),
+                demonstrations=DemonstrationSet(episodes=200),
                 training=Training(
                     steps=15_000, evaluate_every=3_000, evaluate_episodes=20, cpu_minutes=40.0
                 ),

@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of, whole
+from taskbuilder.cli.benchmark_arguments import add_benchmark
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
@@ -24,12 +25,7 @@ from taskbuilder.cli.inspection_arguments import (
     add_view,
     add_watch,
 )
-from taskbuilder.cli.learning_arguments import (
-    add_benchmark,
-    add_evaluate,
-    add_plot,
-    add_train,
-)
+from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
     add_jobs,
     add_json,

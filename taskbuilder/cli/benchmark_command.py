@@ -125,7 +125,8 @@ def _print(several: Sequence[MethodResults], files: Sequence[Path]) -> None:
         for each in results.problems:
             print(f"{each.task}: {each.reason.partition(chr(10))[0]}")
         if results.missing:
-            print(f"{results.missing} cells are missing; the same command goes on")
+            what = "cell is" if results.missing == 1 else "cells are"
+            print(f"{results.missing} {what} missing; the same command without --only goes on")
     print_table(marks(several))
     if len(several) > 1:
         print()

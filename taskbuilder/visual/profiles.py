@@ -29,7 +29,7 @@ _BOLD: dict[str, Any] = {"color": INK, "fontsize": 10.5, "fontweight": "bold"}
 
 
 @dataclass(frozen=True)
-class Line:
+class MethodLine:
     """A method as it is drawn.
 
     Attributes:
@@ -47,7 +47,7 @@ class Line:
 
 
 def benchmark_picture(
-    title: str, subtitle: Sequence[str], scores: Numbers, lines: Sequence[Line]
+    title: str, subtitle: Sequence[str], scores: Numbers, lines: Sequence[MethodLine]
 ) -> bytes:
     """Performance profiles, interquartile means, and the runs of every task.
 
@@ -111,7 +111,7 @@ def _style(axes: Axes, title: str, *, grid: str) -> None:
     axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
 
 
-def _profiles(axes: Axes, scores: Numbers, lines: Sequence[Line]) -> None:
+def _profiles(axes: Axes, scores: Numbers, lines: Sequence[MethodLine]) -> None:
     _style(axes, "performance profile", grid="both")
     axes.set_ylim(0.0, 1.02)
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
@@ -128,7 +128,7 @@ def _profiles(axes: Axes, scores: Numbers, lines: Sequence[Line]) -> None:
         axes.step(scores, value, where="post", color=_color(number), linewidth=2.0, clip_on=False)
 
 
-def _means(axes: Axes, lines: Sequence[Line]) -> None:
+def _means(axes: Axes, lines: Sequence[MethodLine]) -> None:
     _style(axes, "interquartile mean of success at the last step", grid="x")
     axes.set_ylim(2.0 * len(lines) - 0.5, -0.5)
     axes.set_yticks([])
@@ -144,7 +144,7 @@ def _means(axes: Axes, lines: Sequence[Line]) -> None:
         axes.plot([value, value], [at - 0.3, at + 0.3], color=color, linewidth=2.4, clip_on=False)
 
 
-def _by_task(axes: Axes, tasks: Sequence[str], lines: Sequence[Line]) -> None:
+def _by_task(axes: Axes, tasks: Sequence[str], lines: Sequence[MethodLine]) -> None:
     _style(axes, "every run: success at the last step", grid="both")
     axes.set_ylim(len(tasks) - 0.5, -0.5)
     axes.set_yticks(range(len(tasks)), [_short(task) for task in tasks])
