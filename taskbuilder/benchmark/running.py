@@ -79,7 +79,7 @@ def benchmark(
         jobs: Number of processes. Results do not depend on it.
         ray: Address of a Ray cluster in place of processes; all nodes need the folder.
         catalogue: Where tasks are looked up; by default the catalogue of this installation.
-        command: The command that the report shows.
+        command: The command, to be recorded.
         report: Called with the record of every cell.
 
     Returns:

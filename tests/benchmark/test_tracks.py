@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from taskbuilder.benchmark.tracks import CLAIMS_FROM, DEVELOPMENT, TRACKS, Track, find_track
@@ -10,7 +12,7 @@ from taskbuilder.learn.checkpoint_evaluator import SEEDS_FROM as CHOICE_FROM
 from taskbuilder.schema.catalogue import Catalogue
 
 
-@pytest.mark.parametrize("track", TRACKS.values(), ids=str)
+@pytest.mark.parametrize("track", TRACKS.values(), ids=TRACKS)
 def test_seeds_of_claims_are_of_one_version_alone(track):
     later = track.model_copy(update={"version": track.version + 1})
     assert track.first_seed >= CLAIMS_FROM
@@ -47,3 +49,16 @@ def test_an_unknown_track_is_told_with_what_was_meant():
 def test_there_are_five_development_tasks_in_the_library():
     assert len(DEVELOPMENT) == 5
     assert set(DEVELOPMENT) <= set(Catalogue.discover().tasks)
+
+
+def test_the_page_shows_every_track_with_its_budgets():
+    page = (Path(__file__).parents[2] / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    table = page.partition("## Tracks")[2].partition("For all tracks")[0]
+    for track in TRACKS.values():
+        assert f"| `{track.name}` " in table
+        assert f"{track.training.steps:,} " in table
+        assert f"at most {track.training.cpu_minutes:g} CPU minutes" in table
+        if track.demonstrations:
+            assert f"| {track.demonstrations.episodes} of the task's expert " in table
+        assert f"it is {track.first_seed} for version {track.version}" in page
+        assert f"{track.episodes} episodes in each test variation" in page
