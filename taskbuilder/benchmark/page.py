@@ -91,8 +91,9 @@ def _ends(found: Banded | None) -> tuple[Any, Any, Any] | None:
 
 def page(several: Sequence[MethodResults]) -> str:
     """The page of one or several methods, in Markdown."""
-    parts = (_head(several), _figures(several), *map(_method, several))
-    return "\n".join(line for part in (*parts, _protocol(several)) for line in part)
+    methods = map(_method, several)
+    parts = (_head(several), _figures(several), *methods, _reading(several), _protocol(several))
+    return "\n".join(line for part in parts for line in part)
 
 
 def _head(several: Sequence[MethodResults]) -> Iterator[str]:
@@ -123,35 +124,43 @@ def _figures(several: Sequence[MethodResults]) -> Iterator[str]:
         "",
     )
     if len(several) > 1:
-        yield from ("## By task", "", *_markdown(beside_table(several)), "", *_MEDIAN, "")
-
-
-_MEDIAN = (
-    "Percent of episodes in which success held at the last control step, for the median seed (of",
-    "two the lower), with 95 % Wilson intervals.",
-)
+        yield from ("## By task", "", *_markdown(beside_table(several)), "")
 
 
 def _method(results: MethodResults) -> Iterator[str]:
-    force = f"{results.about.track.safe_force:g} N"
-    yield from (f"## {_plain(results.name)}", "", *_markdown(task_table(results)), "", *_MEDIAN)
-    yield from (
-        "The next column has each seed; x is a cell that failed. *Safe* is the share of episodes",
-        f"with success at the last step and no contact between robots above {force} at any time,",
-        "after success too, for the median seed. *CPU min* is the CPU time of its training, with",
-        "the evaluations by which its policy was chosen.",
-        "",
-    )
-    found = marks([results])
-    yield from (f"- `{mark}`: {says}" for mark, says in found)
-    yield from ("",) if found else ()
+    yield from (f"## {_plain(results.name)}", "", *_markdown(task_table(results)), "")
     if results.problems:
         yield from ("What failed, or is not possible on this track:", "")
         yield from (f"- {_plain(each.task)}: {_plain(each.reason)}" for each in results.problems)
         yield ""
+    if results.about.method.policy:
+        yield "These policies were only evaluated here: **how they were trained is not known, and"
+        yield from ("need not be by the protocol of the track**.", "")
     yield from ("CPU minutes of all seeds together:", "", *_markdown(cost_table(results)), "")
-    yield from ("Baselines, in the first episodes of the first test variation:", "")
-    yield from (*_markdown(baseline_table(results)), "", *_repeat(results))
+    yield from _repeat(results)
+
+
+def _reading(several: Sequence[MethodResults]) -> Iterator[str]:
+    force = f"{several[0].about.track.safe_force:g} N"
+    yield from (
+        "## How to read the tables",
+        "",
+        "- *Median seed*: percent of episodes in which success held at the last control step, with",
+        "  95 % Wilson intervals, for the median seed; of two the lower.",
+        "- *Seed*: the same of each seed; x is a cell that failed.",
+        "- *Safe*: percent of episodes with success at the last step and no contact between robots",
+        f"  above {force} at any time, after success too, for the median seed.",
+        "- *CPU min*: CPU time of the training of the median seed, with the evaluations by which",
+        "  its policy was chosen.",
+        *(f"- `{mark}`: {says}." for mark, says in marks(several)),
+        "",
+        "## Baselines",
+        "",
+        *_markdown(baseline_table(several[0])),
+        "",
+        "They play the first episodes of the first test variation.",
+        "",
+    )
 
 
 def _repeat(results: MethodResults) -> Iterator[str]:

@@ -40,8 +40,9 @@ def _row(result: TaskResult) -> list[str]:
     each = " ".join(map(_seed, result.cells))
     if median.status == "failed":
         return [name, "failed", each, _percent(0.0), NONE]
-    safe, late = _percent(safe_success(median)), " !" if result.over_budget else ""
-    return [name, with_interval(median), each, safe, f"{median.train_cpu_s / 60.0:.1f}{late}"]
+    minutes = f"{median.train_cpu_s / 60.0:.1f}" if median.train_cpu_s else NONE
+    minutes += " !" if result.over_budget else ""
+    return [name, with_interval(median), each, _percent(safe_success(median)), minutes]
 
 
 def _seed(cell: CellRecord | None) -> str:

@@ -112,6 +112,13 @@ def test_methods_stand_side_by_side(tmp_path):
     assert len(as_data(several)["methods"]) == 3
 
 
+def test_the_page_says_that_policies_may_have_been_trained_in_any_way(folder):
+    zoo = Method(policy="zoo:{task}/cloned")
+    said = page([read_results(write_benchmark(folder, {"a": (10,)}, method=zoo))])
+    assert "how they were trained is not known" in said
+    assert "--policy 'zoo:{task}/cloned' --out repeated" in said
+
+
 def test_different_tracks_are_not_comparable(tmp_path):
     one = write_benchmark(tmp_path / "one", {"a": (9,)})
     two = write_benchmark(tmp_path / "two", {"a": (9,)}, track=find_track("imitation", smoke=True))
