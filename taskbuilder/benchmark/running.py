@@ -210,7 +210,8 @@ def _locked(folder: Path) -> Iterator[None]:
 
 
 def _processes(jobs: int, pieces: int) -> AbstractContextManager[Map]:
-    return workers(min(jobs, pieces))
+    # A last cell that may end its process does not get this one, where several were asked for.
+    return workers(min(jobs, max(pieces, 2)))
 
 
 def _cluster(address: str, pieces: int) -> AbstractContextManager[Map]:
