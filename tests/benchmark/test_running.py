@@ -9,14 +9,18 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from threading import Thread
 
+import numpy as np
 import pytest
 from made_benchmarks import ACTING, QUICK, write_suite
+from websockets.sync.server import serve
 from work_elsewhere import Ending
 
 import taskbuilder
 from taskbuilder.benchmark.records import CELL, CellRecord, cell_folder, read
 from taskbuilder.errors import UnknownNameError, UsageError
+from taskbuilder.policies.messages import packed, unpacked
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.schema.catalogue import Catalogue
 
@@ -140,6 +144,31 @@ def test_policies_that_exist_are_only_evaluated(folder, catalogue, ran):
     assert results.missing == 1
 
 
+def test_a_policy_server_is_asked_for_every_task_and_has_no_certificate(folder, catalogue):
+    def handle(connection):
+        connection.send(packed({}))
+        for content in connection:
+            asked.append(unpacked(content)["prompt"])
+            connection.send(packed({"actions": np.zeros((12, 5), np.float32)}))
+
+    asked: list[str] = []
+    with serve(handle, "127.0.0.1", 0, compression=None, max_size=None) as server:
+        Thread(target=server.serve_forever).start()
+        results = taskbuilder.benchmark(
+            "few",
+            folder,
+            track=ACTING,
+            policy=f"ws://127.0.0.1:{server.socket.getsockname()[1]}/{{task}}",
+            catalogue=catalogue,
+        )
+        server.shutdown()
+    cells = [task.there[0] for task in results.tasks]
+    assert [(cell.status, cell.reason, cell.certificates) for cell in cells] == [
+        ("done", "", ())
+    ] * 2
+    assert len(asked) == 2 * ACTING.episodes
+
+
 def test_a_policy_of_ones_own_has_no_certificate(folder, catalogue):
     results = taskbuilder.benchmark(
         "few", folder, track=QUICK, policy=HoldStill(), only=["sideways"], catalogue=catalogue
@@ -170,6 +199,7 @@ def test_a_method_that_breaks_is_a_row_and_is_tried_again(folder, catalogue):
     assert (trace.parent / CELL).stat().st_mtime_ns > before
 
 
+@pytest.mark.slow
 def test_a_cell_that_ends_its_process_is_a_row_and_the_others_go_on(folder, catalogue):
     results = taskbuilder.benchmark(
         "few", folder, track=ACTING, policy=Ending(), jobs=2, catalogue=catalogue
