@@ -96,6 +96,8 @@ def benchmark(
     found = suite if isinstance(suite, Suite) else find_suite(suite, catalogue)
     if not found.tasks:
         raise UsageError(f'the suite "{found.name}" has no tasks')
+    if isinstance(track, Track) and smoke:
+        raise UsageError("smoke shortens a track of the library by its name; shorten yours itself")
     chosen = track if isinstance(track, Track) else find_track(track, smoke=smoke)
     method = _method(chosen, algorithm, policy, preset, settings)
     about = About(

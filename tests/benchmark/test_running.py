@@ -240,6 +240,10 @@ def test_learning_by_acting_has_no_demonstrations(folder, catalogue):
         ({"algorithm": "bc", "preset": "clonin"}, 'did you mean "cloning"'),
         ({"algorithm": "bc", "only": ["sidewise"]}, 'no task "sidewise"; did you mean "sideways"'),
         ({"algorithm": "bc", "seeds": ()}, "at least one seed"),
+        (
+            {"algorithm": "bc", "track": QUICK, "smoke": True},
+            "smoke shortens a track of the library",
+        ),
         ({"policy": "hold", "seeds": (1,)}, "hold is not trained here, so it has no seeds"),
         ({"policy": "hold", "settings": ("noise=0",)}, "a policy has no preset and no settings"),
     ],
