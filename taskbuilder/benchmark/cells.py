@@ -149,8 +149,7 @@ def _collected(work: Work, task: str, loaded: Task) -> dict[str, Any]:
         return {}
     folder = shared_folder(work.shared, task)
     clock = Clock(folder.with_name(f".{folder.name}.cpu.json"))
-    options: EnvOptions = track.options(about.suite.train[0])
-    del options["variation"]
+    options: EnvOptions = {**track.options}
     if track.cameras:
         options["cameras"] = _cameras(track, loaded)
         options["camera_size"] = track.camera_size
@@ -339,7 +338,7 @@ def _train(work: Work, cell: Cell, task: Task, folder: Path) -> float:
         given["data"] = shared_folder(work.shared, cell.task)
         given["cameras"] = _cameras(track, task) or None
     else:
-        given |= track.options(work.about.suite.train[0])
+        given |= {**track.options, "variation": work.about.suite.train[0]}
     planned = runs.set_up(task, method.settings, catalogue=work.catalogue, **given)
     with runs.locked(run, new=True):
         runs.create(run, planned, command=command_of(work.about, cell), catalogue=work.catalogue)

@@ -54,11 +54,6 @@ class TaskResult:
         return tuple(cell for cell in self.cells if cell is not None)
 
     @property
-    def complete(self) -> bool:
-        """Whether all cells have been finished."""
-        return len(self.there) == len(self.cells)
-
-    @property
     def impossible(self) -> bool:
         """Whether the track cannot have the task, which no figure of the suite counts."""
         return any(cell.status == "impossible" for cell in self.there)

@@ -120,18 +120,10 @@ class Track(Model):
         what = "smoke version" if self.smoke else "changed"
         return f"{self.name}, version {self.version}, {what}: not comparable"
 
-    def options(self, variation: int) -> EnvOptions:
-        """The options of the environments in which a method learns.
-
-        Args:
-            variation: Number of the variation.
-        """
-        return {
-            "variation": variation,
-            "observe": "scene",
-            "frame": "base",
-            "rotation": "matrix",
-        }
+    @property
+    def options(self) -> EnvOptions:
+        """The options of the environments in which a method learns, pictures apart."""
+        return {"observe": "scene", "frame": "base", "rotation": "matrix"}
 
 
 TRACKS: Mapping[str, Track] = MappingProxyType(

@@ -136,6 +136,7 @@ def test_shared_demonstrations_of_another_track_are_refused(ran, folder, catalog
 def test_policies_that_exist_are_only_evaluated(folder, catalogue, ran):
     text = f"{ran[0]}/cells/{{task}}-{{seed}}/run"
     known = {"track": QUICK, "only": ["sideways"], "catalogue": catalogue}
+    known |= {"shared": ran[0] / "shared"}
     results = taskbuilder.benchmark("few", folder, policy=text, seeds=(12,), **known)
     (cell,) = results.tasks[0].there
     was = read(cell_folder(ran[0], "sideways", 12) / CELL, CellRecord)
@@ -169,10 +170,10 @@ def test_a_policy_server_is_asked_for_every_task_and_has_no_certificate(folder, 
     assert len(asked) == 2 * ACTING.episodes
 
 
-def test_a_policy_of_ones_own_has_no_certificate(folder, catalogue):
-    results = taskbuilder.benchmark(
-        "few", folder, track=QUICK, policy=HoldStill(), only=["sideways"], catalogue=catalogue
-    )
+def test_a_policy_of_ones_own_has_no_certificate(ran, folder, catalogue):
+    known = {"track": QUICK, "only": ["sideways"], "catalogue": catalogue}
+    known |= {"shared": ran[0] / "shared"}
+    results = taskbuilder.benchmark("few", folder, policy=HoldStill(), **known)
     (cell,) = results.tasks[0].there
     assert (cell.seed, cell.status, cell.episodes, cell.certificates) == (11, "done", 4, ())
     assert results.name == "taskbuilder.rollout.players.HoldStill"
@@ -188,8 +189,9 @@ class Broken:
         return observations
 
 
-def test_a_method_that_breaks_is_a_row_and_is_tried_again(folder, catalogue):
+def test_a_method_that_breaks_is_a_row_and_is_tried_again(ran, folder, catalogue):
     known = {"track": QUICK, "only": ["sideways"], "catalogue": catalogue}
+    known |= {"shared": ran[0] / "shared"}
     (cell,) = taskbuilder.benchmark("few", folder, policy=Broken(), **known).tasks[0].there
     assert (cell.status, cell.reason) == ("failed", "FileNotFoundError: weights.bin")
     trace = cell_folder(folder, "sideways", 11) / "error.txt"
