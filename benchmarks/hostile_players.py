@@ -179,6 +179,8 @@ def try_kind(
     seed: int,
 ) -> list[dict[str, Any]]:
     """Give what is sound and then what is hostile to the commands of a kind."""
+    for name in ("run", "policy.npz", "certificate.json"):
+        restore(watch, name)
     sound = call_all(watch, kind, ports[hostile_servers.SOUND])
     for call in sound:
         if call.status or call.wrongs(call.memory_mb, MOST_MB):

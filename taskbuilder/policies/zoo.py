@@ -8,6 +8,7 @@ import numpy as np
 
 from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.policies.about import problem_of
 from taskbuilder.policies.chunk_policy import CHUNKS, ChunkPolicy
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.wording import suggestion
@@ -51,6 +52,8 @@ def load_policy(name: str) -> TrainedPolicy:
     for part, array in arrays.items():
         if not np.isfinite(array).all():
             raise StoreError(f"{display_path(path)}: {part} has numbers that are not finite")
+    if problem := problem_of(about):
+        raise StoreError(f"{display_path(path)}: {problem}")
     try:
         if CHUNKS in about:
             return ChunkPolicy.read(arrays, about)

@@ -11,6 +11,7 @@ import pytest
 from made_runs import DESCRIPTION, SCENE, sideways, write_run
 
 from taskbuilder.arrays import StoreError
+from taskbuilder.policies.about import problem_of
 from taskbuilder.policies.zoo import load_policy, save_policy
 
 MARK = "import pathlib\npathlib.Path('ran').touch()\n"
@@ -214,3 +215,28 @@ def test_a_bias_that_would_be_broadcast_is_refused(tmp_path):
     save_policy(tmp_path / "p.npz", replace(policy, networks={"arm": wide}))
     with pytest.raises(StoreError, match="lacks parts of a policy"):
         load_policy(str(tmp_path / "p.npz"))
+
+
+STRANGE = {
+    "a list of rules": ({"grasp_rules": [1]}, "grasp_rules is not as in policies"),
+    "a rule that there is not": ({"grasp_rules": {"arm": "glue"}}, "grasp_rules.arm is not as in"),
+    "a seed that is a text": ({"seed": "7"}, "seed is not as in policies"),
+    "pictures without networks": ({"env": {"cameras": ["front"] * 9}}, "has networks for none"),
+    "a camera that is a number": ({"env": {"cameras": [3]}}, "env.cameras.0 is not as in policies"),
+}
+
+
+@pytest.mark.parametrize(("strange", "said"), STRANGE.values(), ids=STRANGE)
+def test_what_a_policy_says_of_itself_is_checked(strange, said, run, tmp_path):
+    policy = sideways()
+    save_policy(tmp_path / "odd.npz", replace(policy, about={**policy.about, **strange}))
+    ran = run("evaluate", "odd.npz", "--episodes", "1")
+    assert (ran.status, ran.out) == (1, "")
+    assert ran.err.startswith("taskbuilder: odd.npz: ")
+    assert said in ran.err
+
+
+def test_pictures_that_a_policy_observes_are_bounded():
+    env = {"cameras": ["front"], "camera_size": [4096, 4096]}
+    assert "pictures of 4096x4096" in problem_of({"encoders": ["front"], "env": env})
+    assert problem_of({"encoders": ["front"], "env": env | {"camera_size": [84, 84]}}) is None
