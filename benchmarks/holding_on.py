@@ -27,7 +27,7 @@ from machine import describe_machine
 
 from taskbuilder import parallel_env, play
 from taskbuilder.expert import Expert, stall_after_stages
-from taskbuilder.expert.ways import EXPERT, NOTHING, Way
+from taskbuilder.expert.baselines import EXPERT, NOTHING, Baseline
 from taskbuilder.intervals import PairedDifference
 from taskbuilder.jobs import workers
 from taskbuilder.processes import cores
@@ -51,18 +51,18 @@ def play_all(job: tuple[str, int]) -> list[dict[str, Any]]:
     task, seed = job
     with closing(parallel_env(TASKS[task])) as env, closing(Expert(env)) as expert:
         whole = expert.play(seed)
-        plays: dict[Way, Rollout] = {EXPERT: whole, **stall_after_stages(env, whole)}
+        plays: dict[Baseline, Rollout] = {EXPERT: whole, **stall_after_stages(env, whole)}
         plays[NOTHING] = play(env, HoldStill(), seed)
     return [
         {
             "task": task,
-            "way": str(way),
+            "way": str(baseline),
             "seed": seed,
             "success": int(rollout.success),
             "return": f"{rollout.team_return:.6f}",
             "discounted_return": f"{rollout.discounted(DISCOUNT):.6f}",
         }
-        for way, rollout in plays.items()
+        for baseline, rollout in plays.items()
     ]
 
 
@@ -79,11 +79,11 @@ def summary(rows: list[dict[str, str]]) -> Iterator[dict[str, Any]]:
     groups: dict[tuple[str, str], dict[str, dict[str, str]]] = {}
     for row in rows:
         groups.setdefault((row["task"], row["way"]), {})[row["seed"]] = row
-    for (task, way), own in groups.items():
+    for (task, baseline), own in groups.items():
         expert = groups[task, str(EXPERT)]
         found: dict[str, Any] = {
             "task": task,
-            "way": way,
+            "way": baseline,
             "episodes": len(own),
             "successes": sum(row["success"] == "1" for row in own.values()),
         }
@@ -117,10 +117,10 @@ def main() -> None:
     found = list(summary(rows_of(file)))
     text = json.dumps({"machine": describe_machine(), "ways": found}, indent=2, ensure_ascii=False)
     (RESULTS / "holding_on.json").write_text(text + "\n", encoding="utf-8")
-    for way in found:
-        margin, half = way["discounted_return_behind"]
+    for row in found:
+        margin, half = row["discounted_return_behind"]
         print(
-            f"{way['task']:22} {way['way']:20} {way['return']:8.2f} {way['discounted_return']:8.2f}"
+            f"{row['task']:22} {row['way']:20} {row['return']:8.2f} {row['discounted_return']:8.2f}"
             f"  behind by {margin:.2f} ± {half:.2f}"
         )
 

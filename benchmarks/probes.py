@@ -129,7 +129,7 @@ def plays_of(cache: EnvCache, seed: int) -> Iterator[Way]:
     listed = solos(task, env.task.file.scenes[variation])
     for offset in range(min(MOST_SOLOS, len(listed))):
         solo = listed[(seed * MOST_SOLOS + offset) % len(listed)]
-        yield str(solo.way), lambda solo=solo: play_solo(expert, seed, solo)
+        yield str(solo.baseline), lambda solo=solo: play_solo(expert, seed, solo)
 
 
 def turn(ways: list[Way], seed: int) -> list[Way]:

@@ -30,7 +30,7 @@ from machine import describe_machine
 from numpy.typing import NDArray
 
 from taskbuilder import load_task
-from taskbuilder.expert.ways import EXPERT
+from taskbuilder.expert.baselines import EXPERT
 from taskbuilder.intervals import PairedDifference, student
 from taskbuilder.validate.checks import incentives, necessity
 from taskbuilder.validate.checks.rivals import LEAST_PAIRS
@@ -171,7 +171,7 @@ def replayed(task: str) -> dict[str, Any]:
     ):
         report = validate_task(task, only=FAMILIES, apart=False)
     probes = [probe for family in report.families for probe in family.probes]
-    expert = next(probe for probe in probes if probe.way == EXPERT)
+    expert = next(probe for probe in probes if probe.baseline == EXPERT)
     plan = looks(ENOUGH, len(load_task(task).file.scenes))
     differ, needed = [], Counter()
     for probe in probes:
@@ -183,7 +183,7 @@ def replayed(task: str) -> dict[str, Any]:
             stopped, took = verdict(expert, probe, plan, discounted=discounted)
             seeds = max(seeds, took)
             if stopped is not at_once:
-                differ.append(f"{probe.way}{' discounted' * discounted}")
+                differ.append(f"{probe.baseline}{' discounted' * discounted}")
         needed[seeds] += 1
     return {
         "ok": report.ok,

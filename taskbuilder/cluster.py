@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 from taskbuilder._library import folder
 from taskbuilder.digests import digest_of, digests_of_folder
 from taskbuilder.errors import UsageError
+from taskbuilder.extras import extra_needed
 from taskbuilder.jobs import DONE, LostError, Map, carry_out, packed
 from taskbuilder.processes import Fault
 
@@ -63,10 +64,8 @@ def _connected(address: str) -> Any:
         UsageError: Ray is missing, or there is no such cluster.
     """
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # it would tell its makers of the run
-    try:
+    with extra_needed("ray", "--ray"):
         import ray
-    except ModuleNotFoundError:
-        raise UsageError('--ray needs Ray; pip install "taskbuilder[ray]"') from None
     if address not in (LOCAL, "auto"):
         _check_answers(address)
     try:

@@ -11,7 +11,7 @@ from taskbuilder.description.reasons import Reason
 from taskbuilder.evaluation.comparison import Beside, Comparison
 from taskbuilder.evaluation.results import roles
 from taskbuilder.evaluation.summary import EvaluationSummary
-from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM
+from taskbuilder.expert.baselines import EXPERT, NOTHING, RANDOM
 from taskbuilder.rollout.record import Rollout
 
 BAR = 24

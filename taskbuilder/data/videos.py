@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.data.extras import extra_needed
 from taskbuilder.errors import TaskbuilderError
+from taskbuilder.extras import extra_needed
 
 Frames = NDArray[np.uint8]
 
@@ -45,7 +45,7 @@ def require_video() -> None:
     Raises:
         UsageError: PyAV is not installed.
     """
-    with extra_needed("recording cameras"):
+    with extra_needed("data", "recording cameras"):
         import av  # noqa: F401  # only to see whether it is installed
 
 
@@ -79,7 +79,7 @@ def _written(
     formats: tuple[str, str],
     options: dict[str, str],
 ) -> bytes:
-    with extra_needed("recording cameras"):
+    with extra_needed("data", "recording cameras"):
         import av
     file = io.BytesIO()
     # bitexact: the file does not tell when it was made.
@@ -173,7 +173,7 @@ def check_header(content: bytes, size: VideoSize, *, depth: bool = False) -> Non
         VideoError: It is damaged, or not what it must be.
         UsageError: PyAV is not installed.
     """
-    with extra_needed("reading cameras"):
+    with extra_needed("data", "reading cameras"):
         import av
     try:
         with _opened(content, _DEPTH if depth else _COLOUR, size):
@@ -205,7 +205,7 @@ _LARGEST_FILE = 128 << 20
 
 
 def _frames(content: bytes, kind: _Kind, size: VideoSize) -> Iterator[Any]:
-    with extra_needed("reading cameras"):
+    with extra_needed("data", "reading cameras"):
         import av
     count = 0
     try:
@@ -303,7 +303,7 @@ def joined(
     Raises:
         VideoError: One of them is damaged.
     """
-    with extra_needed("exporting cameras"):
+    with extra_needed("data", "exporting cameras"):
         import av
     file = io.BytesIO()
     shown = 0

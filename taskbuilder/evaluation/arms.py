@@ -10,25 +10,25 @@ from secrets import token_hex
 from typing import NamedTuple
 
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.expert.baselines import EXPERT, NOTHING, RANDOM, Baseline, BaselineKind
 from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.script.player import has_expert
-from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
 from taskbuilder.jobs import Map
 from taskbuilder.policies.grammar import Player, Word, player_of
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
 
-SUBJECT = Way(Kind.POLICY)
+SUBJECT = Baseline(BaselineKind.POLICY)
 """The arm of the evaluated policy."""
 
-CONTROLS: Mapping[Way, Word] = {
+BASELINES: Mapping[Baseline, Word] = {
     EXPERT: Word("expert", "expert"),
     RANDOM: Word("random", "random"),
     NOTHING: Word("hold", "hold"),
 }
 """The arms of the baselines, other than stalling, and who plays them."""
 
-Episodes = dict[Way, Rollout]
+Episodes = dict[Baseline, Rollout]
 """The episodes from one seed, by arm."""
 
 
@@ -81,7 +81,7 @@ class TrialPlayer:
         grasp = config.any_grasp
         self._policy = config.player.prepare(self._env, self._stack, any_grasp=grasp)
         self._envs: dict[int, TaskEnv] = {}
-        self._policies: dict[tuple[Way, int], Policy] = {}
+        self._policies: dict[tuple[Baseline, int], Policy] = {}
 
     def close(self) -> None:
         """Close all environments."""
@@ -96,14 +96,14 @@ class TrialPlayer:
             return episodes
         variation = subject.variation
         env = self._control_env(variation)
-        for way, word in CONTROLS.items():
-            if way == EXPERT and not has_expert(env.task):
+        for baseline, word in BASELINES.items():
+            if baseline == EXPERT and not has_expert(env.task):
                 continue
             if self._config.player.kind == word.kind:  # it has been played
-                episodes[way] = subject
+                episodes[baseline] = subject
                 continue
-            policy = self._control(way, variation)
-            episodes[way] = play(env, policy, job.seed, forces=True, explain=True)
+            policy = self._control(baseline, variation)
+            episodes[baseline] = play(env, policy, job.seed, forces=True, explain=True)
         if EXPERT in episodes:
             episodes |= stall_after_stages(env, episodes[EXPERT])
         return episodes
@@ -114,11 +114,11 @@ class TrialPlayer:
             self._envs[variation] = self._stack.enter_context(closing(made))
         return self._envs[variation]
 
-    def _control(self, way: Way, variation: int) -> Policy:
-        key = (way, variation)
+    def _control(self, baseline: Baseline, variation: int) -> Policy:
+        key = (baseline, variation)
         if key not in self._policies:
             env = self._control_env(variation)
-            self._policies[key] = player_of(CONTROLS[way]).prepare(env, self._stack)
+            self._policies[key] = player_of(BASELINES[baseline]).prepare(env, self._stack)
         return self._policies[key]
 
 
@@ -159,10 +159,10 @@ def jobs_of(seeds: Iterable[int], compared: int) -> list[Job]:
     return [Job(seed, number < compared) for number, seed in enumerate(seeds)]
 
 
-def by_arm(played: Iterable[Episodes]) -> Mapping[Way, tuple[Rollout, ...]]:
+def by_arm(played: Iterable[Episodes]) -> Mapping[Baseline, tuple[Rollout, ...]]:
     """The episodes of each arm, in order."""
-    arms: dict[Way, list[Rollout]] = {}
+    arms: dict[Baseline, list[Rollout]] = {}
     for episodes in played:
-        for way, rollout in episodes.items():
-            arms.setdefault(way, []).append(rollout)
-    return {way: tuple(rollouts) for way, rollouts in arms.items()}
+        for baseline, rollout in episodes.items():
+            arms.setdefault(baseline, []).append(rollout)
+    return {baseline: tuple(rollouts) for baseline, rollouts in arms.items()}

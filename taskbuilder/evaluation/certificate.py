@@ -78,7 +78,9 @@ def certificate_of(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
         "processor": processor(),
         "system": system(),
         "results": as_data(arms, stages),
-        "episodes": {str(way): [record(r) for r in played] for way, played in arms.items()},
+        "episodes": {
+            str(baseline): [record(r) for r in played] for baseline, played in arms.items()
+        },
     }
     plain: dict[str, Any] = json.loads(json.dumps(told))  # as it will be read
     return {**plain, "seals": seals(plain)}

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
-from taskbuilder.evaluation.arms import CONTROLS, SUBJECT
-from taskbuilder.expert.ways import EXPERT, RANDOM, Kind, Way
+from taskbuilder.evaluation.arms import BASELINES, SUBJECT
+from taskbuilder.expert.baselines import EXPERT, RANDOM, Baseline, BaselineKind
 from taskbuilder.rollout.record import Rollout
 
-Arms = Mapping[Way, Sequence[Rollout]]
+Arms = Mapping[Baseline, Sequence[Rollout]]
 """Episodes by arm; the baselines play the first seeds of the policy."""
 
 
@@ -27,7 +27,7 @@ class Beside:
         policy_return: Mean return of the policy, on the same seeds.
     """
 
-    arm: Way
+    arm: Baseline
     episodes: int
     success_rate: float
     success_at_end_rate: float
@@ -62,19 +62,21 @@ class Comparison:
 def compare(arms: Arms) -> Comparison:
     """Compare the policy of a trial with its baselines."""
     own = {rollout.seed: rollout for rollout in arms[SUBJECT]}
-    controls = tuple(_beside(way, arms[way], own) for way in CONTROLS if arms.get(way))
+    controls = tuple(
+        _beside(baseline, arms[baseline], own) for baseline in BASELINES if arms.get(baseline)
+    )
     stalls = []
-    for way, played in arms.items():
+    for baseline, played in arms.items():
         failed = [rollout for rollout in played if not rollout.success]
-        if way.kind is Kind.STALL and failed:
-            stalls.append(_beside(way, failed, own))
+        if baseline.kind is BaselineKind.STALL and failed:
+            stalls.append(_beside(baseline, failed, own))
     best = max(stalls, key=lambda beside: beside.mean_return, default=None)
     return Comparison(controls, best)
 
 
-def _beside(way: Way, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> Beside:
+def _beside(baseline: Baseline, played: Sequence[Rollout], own: Mapping[int, Rollout]) -> Beside:
     return Beside(
-        arm=way,
+        arm=baseline,
         episodes=len(played),
         success_rate=fmean(rollout.success for rollout in played),
         success_at_end_rate=fmean(rollout.success_at_end for rollout in played),

@@ -12,7 +12,7 @@ from taskbuilder.digests import digest
 from taskbuilder.evaluation.arms import SUBJECT
 from taskbuilder.evaluation.comparison import Arms, Beside, compare
 from taskbuilder.evaluation.summary import EvaluationSummary, summarise
-from taskbuilder.expert.ways import Kind
+from taskbuilder.expert.baselines import BaselineKind
 from taskbuilder.rollout.record import Rollout
 
 
@@ -83,7 +83,7 @@ def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
         "success_rate": beside.success_rate,
         "success_at_end_rate": beside.success_at_end_rate,
     }
-    if beside.arm.kind is Kind.STALL:
+    if beside.arm.kind is BaselineKind.STALL:
         return {"after_stage": beside.arm.stage, **told}
     played = arms[beside.arm]
     summary = summarise(played, len(played[0].stages))

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from taskbuilder.env.parallel import EnvState, TaskEnv
-from taskbuilder.expert.ways import Kind, Way
+from taskbuilder.expert.baselines import Baseline, BaselineKind
 from taskbuilder.rollout.play import Policy, replay, resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 
 
 def leave_after_stages(
-    env: TaskEnv, whole: Rollout, who: Callable[[int], Mapping[Kind, Policy]]
-) -> dict[Way, Rollout]:
+    env: TaskEnv, whole: Rollout, who: Callable[[int], Mapping[BaselineKind, Policy]]
+) -> dict[Baseline, Rollout]:
     """Replay an expert episode up to the end of each stage, and continue with other policies.
 
     Args:
@@ -36,15 +36,15 @@ def leave_after_stages(
 
     if ends:
         replay(env, whole.until(max(ends)), save)
-    plays: dict[Way, Rollout] = {}
+    plays: dict[Baseline, Rollout] = {}
     for number, step, state in saved:
         for kind, policy in policies[number].items():
             env.load_state(state)
-            plays[Way(kind, stage=number)] = resume(env, policy, whole.until(step))
+            plays[Baseline(kind, stage=number)] = resume(env, policy, whole.until(step))
     return plays
 
 
-def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[Way, Rollout]:
+def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[Baseline, Rollout]:
     """Stalls: the expert's episode up to the end of each stage but the last, then holding still.
 
     Args:
@@ -56,7 +56,7 @@ def stall_after_stages(env: TaskEnv, whole: Rollout) -> dict[Way, Rollout]:
     """
     last = len(env.task.file.spec.expert)  # after the last one the expert itself holds still
 
-    def who(number: int) -> Mapping[Kind, Policy]:
-        return {Kind.STALL: HoldStill()} if number < last else {}
+    def who(number: int) -> Mapping[BaselineKind, Policy]:
+        return {BaselineKind.STALL: HoldStill()} if number < last else {}
 
     return leave_after_stages(env, whole, who)

@@ -13,7 +13,7 @@ import numpy as np
 
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError
-from taskbuilder.importing.extras import extra_needed
+from taskbuilder.extras import extra_needed
 from taskbuilder.importing.packages import MAX_BYTES, Packages
 from taskbuilder.importing.surfaces import Floats, Integers, same_rows
 
@@ -117,7 +117,7 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
             f"{path.name}: meshes of type {suffix or '(none)'} are not read; "
             f"save it as one of {', '.join(FORMATS)}",
         )
-    with extra_needed("importing meshes"):
+    with extra_needed("import", "importing meshes"):
         import trimesh
     data = path.read_bytes()
     if len(data) > MAX_BYTES:
@@ -135,7 +135,7 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
         )
     resolver: Any = _Resolver(path, packages)
     try:
-        with np.errstate(all="ignore"), extra_needed(f"reading {suffix} files"):
+        with np.errstate(all="ignore"), extra_needed("import", f"reading {suffix} files"):
             scene = trimesh.load_scene(
                 io.BytesIO(data),
                 file_type=suffix[1:],

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from taskbuilder.importing.extras import extra_needed
+from taskbuilder.extras import extra_needed
 from taskbuilder.importing.mesh_files import Color, Piece
 from taskbuilder.importing.surfaces import Floats, Integers, nearest, welded_mesh
 
@@ -24,7 +24,7 @@ def decimated(pieces: Sequence[Piece], most: int) -> tuple[Piece, ...]:
     count = sum(len(piece.faces) for piece in pieces)
     if count <= most:
         return tuple(pieces)
-    with extra_needed("decimating meshes"):
+    with extra_needed("import", "decimating meshes"):
         import fast_simplification
     kept = []
     for piece in pieces:

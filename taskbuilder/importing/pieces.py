@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from taskbuilder.importing.extras import extra_needed
+from taskbuilder.extras import extra_needed
 from taskbuilder.importing.surfaces import Floats, Integers, welded_mesh
 from taskbuilder.interpreters import interpreter
 
@@ -28,10 +28,10 @@ def decomposed(points: Floats, faces: Integers) -> list[Floats]:
     Raises:
         UsageError: The extra is not installed.
     """
-    with extra_needed("cutting meshes into convex pieces"):
+    with extra_needed("import", "cutting meshes into convex pieces"):
         import coacd  # noqa: F401 - only to see whether it is there
     if len(faces) > _TRIANGLES:
-        with extra_needed("decimating meshes"):
+        with extra_needed("import", "decimating meshes"):
             import fast_simplification
         points, faces = fast_simplification.simplify(
             points.astype(np.float32), faces.astype(np.int32), target_count=_TRIANGLES

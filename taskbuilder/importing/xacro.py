@@ -19,7 +19,7 @@ from typing import Any
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import FileError, Finding, Location
-from taskbuilder.importing.extras import extra_needed
+from taskbuilder.extras import extra_needed
 from taskbuilder.importing.packages import Packages
 from taskbuilder.interpreters import interpreter
 from taskbuilder.wording import excerpt
@@ -49,7 +49,7 @@ def expand(packages: Packages, arguments: Mapping[str, str]) -> tuple[bytes, tup
         FileError: It cannot be expanded.
         UsageError: The extra is not installed.
     """
-    with extra_needed("xacro files"):
+    with extra_needed("import", "xacro files"):
         import xacro  # noqa: F401 - only to see whether it is there
     wanted = {
         "file": str(packages.file),

@@ -8,7 +8,7 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
-from taskbuilder.expert.ways import Way
+from taskbuilder.expert.baselines import Baseline
 from taskbuilder.jobs import Map
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
@@ -46,7 +46,7 @@ class Context:
     alive: Callable[[], None] = lambda: None
     measures: dict[str, float] = field(default_factory=dict)
     demonstrations: dict[Start, Rollout] = field(default_factory=dict)
-    plays: dict[Way, dict[Start, Rollout]] = field(default_factory=dict)
+    plays: dict[Baseline, dict[Start, Rollout]] = field(default_factory=dict)
     worlds: dict[int, World] = field(default_factory=dict)
 
     def world(self, variation: int) -> World:

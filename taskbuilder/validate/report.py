@@ -11,7 +11,7 @@ from taskbuilder.errors import Finding, in_reading_order
 from taskbuilder.geometry import total
 
 if TYPE_CHECKING:  # a static validation loads no physics
-    from taskbuilder.expert.ways import Way
+    from taskbuilder.expert.baselines import Baseline
     from taskbuilder.rollout.record import Rollout
 
 
@@ -51,7 +51,7 @@ class Probe:
     """The returns of a probe, or of the expert, over many episodes.
 
     Attributes:
-        way: Its way: ``expert``, ``stall after stage 2``, ``without left``, ``random``.
+        baseline: Who played: ``expert``, ``stall after stage 2``, ``without left``, ``random``.
         returns: Undiscounted return of the team in each episode.
         discounted: The same at a discount of 0.95.
         successes: Number of episodes in which success held at some step.
@@ -61,7 +61,7 @@ class Probe:
             for the expert, and for a probe that is not compared.
     """
 
-    way: Way
+    baseline: Baseline
     returns: tuple[float, ...]
     discounted: tuple[float, ...]
     successes: int
@@ -209,8 +209,8 @@ def _task_data(report: TaskReport) -> dict[str, Any]:
 
 def _probe_data(probe: Probe) -> dict[str, Any]:
     return {
-        "name": str(probe.way),
-        "way": probe.way.as_data(),
+        "name": str(probe.baseline),
+        "way": probe.baseline.as_data(),
         "return": _mean(probe.returns),
         "discounted_return": _mean(probe.discounted),
         "successes": probe.successes,

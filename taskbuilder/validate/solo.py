@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.expert.baselines import Baseline, BaselineKind
 from taskbuilder.expert.script.joints import displaced
 from taskbuilder.expert.script.player import Expert
-from taskbuilder.expert.ways import Kind, Way
 from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
@@ -69,9 +69,9 @@ class Solo:
         return f"{self.grasp} to {self.place}" if self.place else f"{self.grasp} up"
 
     @property
-    def way(self) -> Way:
+    def baseline(self) -> Baseline:
         """The key of this attempt among the probes."""
-        return Way(Kind.ALONE, robot=self.robot, attempt=self)
+        return Baseline(BaselineKind.ALONE, robot=self.robot, attempt=self)
 
     @property
     def thing(self) -> str:

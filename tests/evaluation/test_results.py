@@ -6,9 +6,9 @@ import pytest
 from made_rollouts import made_rollout
 
 from taskbuilder.evaluation.results import as_data, compare
-from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
+from taskbuilder.expert.baselines import EXPERT, NOTHING, RANDOM, Baseline, BaselineKind
 
-POLICY = Way(Kind.POLICY)
+POLICY = Baseline(BaselineKind.POLICY)
 
 
 def episodes(earned, *, success=()):
@@ -25,16 +25,16 @@ def arms():
         EXPERT: episodes(10.0, success=(3, 4)),
         RANDOM: episodes(2.0),
         NOTHING: episodes(1.0),
-        Way(Kind.STALL, stage=2): episodes(4.0),
-        Way(Kind.STALL, stage=12): episodes(8.0),
-        Way(Kind.STALL, stage=3): episodes(9.0, success=(3, 4)),
-        Way(Kind.FAIL, stage=4): episodes(20.0),
+        Baseline(BaselineKind.STALL, stage=2): episodes(4.0),
+        Baseline(BaselineKind.STALL, stage=12): episodes(8.0),
+        Baseline(BaselineKind.STALL, stage=3): episodes(9.0, success=(3, 4)),
+        Baseline(BaselineKind.FAIL, stage=4): episodes(20.0),
     }
 
 
 def test_the_best_stall_is_that_which_earns_most_without_success(arms):
     found = compare(arms)
-    assert found.best_stall.arm == Way(Kind.STALL, stage=12)
+    assert found.best_stall.arm == Baseline(BaselineKind.STALL, stage=12)
     assert [beside.arm for beside in found.controls] == [EXPERT, RANDOM, NOTHING]
     assert found.normalized_return == pytest.approx(0.5)
 

@@ -58,7 +58,7 @@ def test_a_peg_that_slips_out_of_the_gripper_is_a_trouble_of_its_stage(player):
     (solo,) = [
         solo
         for solo in solos(expert.env.task, expert.env.task.file.scenes[0])
-        if str(solo.way) == "right alone, right_peg.top to right_hole"
+        if str(solo.baseline) == "right alone, right_peg.top to right_hole"
     ]
     tried = play_solo(expert, 11, solo)
     assert not tried.success

@@ -7,7 +7,7 @@ from statistics import mean
 
 import pytest
 
-from taskbuilder.expert.ways import EXPERT, Kind, Way
+from taskbuilder.expert.baselines import EXPERT, Baseline, BaselineKind
 from taskbuilder.validate.runner import validate_task
 
 KEPT = Path(__file__).parent / "variants" / "handover_kept.yaml"
@@ -29,5 +29,7 @@ def test_a_handover_that_pays_less_than_holding_on_is_found_out(report):
 
 def test_the_expert_is_seen_to_earn_less_than_one_who_never_lets_go(report):
     (family,) = (family for family in report.families if family.probes)
-    probes = {probe.way: probe for probe in family.probes}
-    assert mean(probes[Way(Kind.STALL, stage=3)].returns) > mean(probes[EXPERT].returns)
+    probes = {probe.baseline: probe for probe in family.probes}
+    assert mean(probes[Baseline(BaselineKind.STALL, stage=3)].returns) > mean(
+        probes[EXPERT].returns
+    )

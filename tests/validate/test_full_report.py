@@ -12,7 +12,7 @@ from proof_tasks import DESCRIPTION, PAIR
 from taskbuilder import load_suite, validate_task
 from taskbuilder.diagnostics import CODES
 from taskbuilder.errors import UsageError
-from taskbuilder.expert.ways import EXPERT, NOTHING, RANDOM, Kind, Way
+from taskbuilder.expert.baselines import EXPERT, NOTHING, RANDOM, Baseline, BaselineKind
 from taskbuilder.validate.report import as_data
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
@@ -85,12 +85,12 @@ def test_every_figure_is_finite_and_on_the_right_side_of_its_limit(report):
 def test_what_every_way_of_playing_earns_is_told_the_expert_first(report):
     (pays,) = [family for family in report.families if family.probes]
     expert, *others = pays.probes
-    assert (pays.name, expert.way, expert.successes) == ("pays for success", EXPERT, SEEDS)
-    assert {probe.way for probe in others} == {
+    assert (pays.name, expert.baseline, expert.successes) == ("pays for success", EXPERT, SEEDS)
+    assert {probe.baseline for probe in others} == {
         *(NOTHING, RANDOM),
-        *(Way(Kind.WITHOUT, robot=robot) for robot in ("left", "right")),
-        Way(Kind.STALL, stage=1),
-        *(Way(Kind.FAIL, stage=stage) for stage in (1, 2)),
+        *(Baseline(BaselineKind.WITHOUT, robot=robot) for robot in ("left", "right")),
+        Baseline(BaselineKind.STALL, stage=1),
+        *(Baseline(BaselineKind.FAIL, stage=stage) for stage in (1, 2)),
     }
     for probe in pays.probes:
         assert len(probe.returns) == len(probe.discounted) == SEEDS
@@ -127,10 +127,10 @@ def test_the_report_is_plain_data(report):
 
 def test_a_way_of_playing_stands_in_the_data_by_its_text_and_by_its_key(report):
     (task,) = as_data([report])["tasks"]
-    ways = {probe["name"]: probe["way"] for probe in task["probes"]}
-    assert ways["expert"] == {"kind": "expert", "stage": None, "robot": None}
-    assert ways["fail after stage 2"] == {"kind": "fail", "stage": 2, "robot": None}
-    assert ways["without left"] == {"kind": "without", "stage": None, "robot": "left"}
+    baselines = {probe["name"]: probe["way"] for probe in task["probes"]}
+    assert baselines["expert"] == {"kind": "expert", "stage": None, "robot": None}
+    assert baselines["fail after stage 2"] == {"kind": "fail", "stage": 2, "robot": None}
+    assert baselines["without left"] == {"kind": "without", "stage": None, "robot": "left"}
     assert {"return", "discounted_return", "successes", "episodes"} < task["probes"][0].keys()
 
 

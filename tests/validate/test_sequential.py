@@ -9,7 +9,7 @@ import pytest
 from proof_tasks import DESCRIPTION, PAIR
 
 from taskbuilder import validate_task
-from taskbuilder.expert.ways import EXPERT, Kind
+from taskbuilder.expert.baselines import EXPERT, BaselineKind
 from taskbuilder.intervals import PairedDifference, student
 from taskbuilder.validate.checks.rivals import LEAST_PAIRS
 from taskbuilder.validate.report import as_data
@@ -98,7 +98,7 @@ class TestProbes:
         assert report.ok
         (pays,) = (family for family in report.families if family.probes)
         expert, *others = pays.probes
-        assert expert.way == EXPERT
+        assert expert.baseline == EXPERT
         assert expert.decided_after is None
         compared = [probe for probe in others if probe.decided_after]
         assert {probe.decided_after for probe in compared} <= {5, 10, 20, 40}
@@ -132,5 +132,5 @@ def test_a_probe_that_surely_earns_more_is_not_played_on(prove):
     (finding,) = report.findings
     assert finding.code == "TB552"
     (pays,) = (family for family in report.families if family.probes)
-    (stall,) = (probe for probe in pays.probes if probe.way.kind is Kind.STALL)
+    (stall,) = (probe for probe in pays.probes if probe.baseline.kind is BaselineKind.STALL)
     assert stall.decided_after < ENOUGH

@@ -108,7 +108,7 @@ class TestJoints:
 
     def test_are_moved_by_every_robot_to_where_they_are_not(self, task):
         found = solos(task, task.file.spec.scene)
-        names = [str(solo.way) for solo in found]
+        names = [str(solo.baseline) for solo in found]
         assert names == [
             "left alone, chest.grip along chest.hinge by +1.90",
             "right alone, chest.grip along chest.hinge by +1.90",

@@ -6,11 +6,11 @@ from contextlib import closing
 
 import pytest
 
-from taskbuilder.expert.ways import NOTHING, RANDOM, Kind
+from taskbuilder.expert.baselines import NOTHING, RANDOM, BaselineKind
 from taskbuilder.rollout.play import resume
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.task import load_task
-from taskbuilder.validate.checks.necessity import Tried, play_ways
+from taskbuilder.validate.checks.necessity import Tried, play_baselines
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.playing import DropAll, is_whole
 from taskbuilder.validate.solo import solos
@@ -36,12 +36,12 @@ def cache(request, write_pair, monkeypatch):
 def test_a_probe_comes_to_the_same_as_its_whole_episode(cache):
     for seed in (0, 3):
         start = Start(seed % 2, seed)
-        cut = play_ways(cache, Tried(start, whole=False))
-        ways = tuple(way for way in cut if way.kind is not Kind.ALONE)
-        assert {NOTHING, RANDOM} < set(ways)
-        for way, whole in play_ways(cache, Tried(start, ways)).items():
-            short = cut[way]
-            assert short.success == whole.success, way
+        cut = play_baselines(cache, Tried(start, whole=False))
+        baselines = tuple(baseline for baseline in cut if baseline.kind is not BaselineKind.ALONE)
+        assert {NOTHING, RANDOM} < set(baselines)
+        for baseline, whole in play_baselines(cache, Tried(start, baselines)).items():
+            short = cut[baseline]
+            assert short.success == whole.success, baseline
             assert (short.failed_at, short.first_success) == (whole.failed_at, whole.first_success)
             assert short.team_return == pytest.approx(whole.rewards[: short.steps].sum())
             assert is_whole(whole)

@@ -8,7 +8,7 @@ import pytest
 from made_up import NASTY
 
 from taskbuilder.errors import Finding, Location
-from taskbuilder.expert.ways import EXPERT, RANDOM, Kind, Way
+from taskbuilder.expert.baselines import EXPERT, RANDOM, Baseline, BaselineKind
 from taskbuilder.validate.report import Check, FamilyResult, Probe, TaskReport
 
 
@@ -72,6 +72,6 @@ def probes() -> tuple[Probe, ...]:
     """An expert, one way that pays better, and one that pays worse."""
     return (
         Probe(EXPERT, (60.0, 62.0), (20.0, 21.0), 2),
-        Probe(Way(Kind.STALL, stage=2), (64.0, 66.0), (19.0, 18.0), 0),
+        Probe(Baseline(BaselineKind.STALL, stage=2), (64.0, 66.0), (19.0, 18.0), 0),
         Probe(RANDOM, (-44.0, float("nan")), (-12.0, float("nan")), 1),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from taskbuilder.expert.ways import EXPERT, Kind, Way
+from taskbuilder.expert.baselines import EXPERT, Baseline, BaselineKind
 from taskbuilder.validate.html.chart import Axis, charts, lines
 from taskbuilder.validate.html.page import Page
 from taskbuilder.validate.html.templates import task_page
@@ -18,14 +18,16 @@ def drawn(*probes):
 
 
 def test_the_best_stands_on_top_and_what_beats_the_expert_is_told_apart(probes):
-    listed = [(str(line.way), line.role) for line in lines(probes, discounted=False)]
+    listed = [(str(line.baseline), line.role) for line in lines(probes, discounted=False)]
     assert listed == [("stall after stage 2", "rival"), ("expert", "expert"), ("random", "other")]
-    listed = [(str(line.way), line.role) for line in lines(probes, discounted=True)]
+    listed = [(str(line.baseline), line.role) for line in lines(probes, discounted=True)]
     assert listed == [("expert", "expert"), ("stall after stage 2", "other"), ("random", "other")]
 
 
 def test_the_seeds_that_a_comparison_needed_are_told():
-    stall = Probe(Way(Kind.STALL, stage=1), (1.0, 2.0), (0.5, 1.0), 0, decided_after=20)
+    stall = Probe(
+        Baseline(BaselineKind.STALL, stage=1), (1.0, 2.0), (0.5, 1.0), 0, decided_after=20
+    )
     assert "decided after 20 seeds" in drawn(Probe(EXPERT, (3.0,), (2.0,), 1), stall)
     assert "decided after" not in drawn(Probe(EXPERT, (3.0,), (2.0,), 1))
 
@@ -34,8 +36,8 @@ def test_what_is_not_finite_is_left_out(probes):
     random = lines(probes, discounted=False)[-1]
     assert (random.returns, random.mean, random.episodes) == ((-44.0,), -44.0, 2)
     wild = Probe(EXPERT, (float("inf"),), (0.0,), 0)
-    (way,) = lines([wild], discounted=False)
-    assert way.mean is None
+    (baseline,) = lines([wild], discounted=False)
+    assert baseline.mean is None
     assert "not finite" in drawn(wild)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.data.extras import extra_needed
+from taskbuilder.extras import extra_needed
 from taskbuilder.files import write_whole
 
 
@@ -20,7 +20,7 @@ def require_parquet() -> None:
     Raises:
         UsageError: PyArrow is not installed.
     """
-    with extra_needed("the format lerobot"):
+    with extra_needed("data", "the format lerobot"):
         import pyarrow.parquet  # noqa: F401  # only to see whether it is installed
 
 

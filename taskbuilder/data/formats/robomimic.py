@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.data.dataset import Dataset, RecordedEpisode
-from taskbuilder.data.extras import extra_needed
+from taskbuilder.extras import extra_needed
 
 VALID_EVERY = 10
 """Every tenth episode is for validation; of fewer, the last, as robomimic asks for one."""
@@ -33,7 +33,7 @@ def write_robomimic(dataset: Dataset, folder: Path) -> None:
         StoreError: The data set is damaged.
         OSError: It cannot be written.
     """
-    with extra_needed("the format robomimic"):
+    with extra_needed("data", "the format robomimic"):
         import h5py
     ((name, task),) = dataset.about["tasks"].items()
     with h5py.File(folder / f"{name.replace('/', '-')}.hdf5", "w") as file:

@@ -23,13 +23,13 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from taskbuilder.errors import Finding
+from taskbuilder.expert.baselines import EXPERT, Baseline, BaselineKind
 from taskbuilder.expert.leaving import leave_after_stages
-from taskbuilder.expert.ways import EXPERT, Kind, Way
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import in_words
-from taskbuilder.validate.checks.necessity import Tried, play_ways
+from taskbuilder.validate.checks.necessity import Tried, play_baselines
 from taskbuilder.validate.checks.rivals import (
     SORTS,
     Comparisons,
@@ -63,20 +63,24 @@ class Replayed(NamedTuple):
     Attributes:
         start: The start of the episode.
         rollout: The episode.
-        ways: The probes that are asked for; None for all.
+        baselines: The probes that are asked for; None for all.
     """
 
     start: Start
     rollout: Rollout
-    ways: frozenset[Way] | None = None
+    baselines: frozenset[Baseline] | None = None
 
 
 def pays_family(context: Context) -> FamilyResult:
     """Compare the returns of the expert with those of the probes."""
     plan = looks(context.seeds, context.variations)
     beside = Comparisons(_judged_sorts(context), plan)
-    known = {way: found for way, found in context.plays.items() if way.kind is not Kind.ALONE}
-    plays: dict[Way, dict[Start, Rollout]] = {}
+    known = {
+        baseline: found
+        for baseline, found in context.plays.items()
+        if baseline.kind is not BaselineKind.ALONE
+    }
+    plays: dict[Baseline, dict[Start, Rollout]] = {}
     bounded = _check_terms(context, known)
     if context.has_expert and bounded[0].ok:
         seeds = 0
@@ -91,8 +95,8 @@ def pays_family(context: Context) -> FamilyResult:
             seeds = look.seeds
     if not plays.get(EXPERT):
         plays = {
-            way: {start: play for start, play in found.items() if is_whole(play)}
-            for way, found in known.items()
+            baseline: {start: play for start, play in found.items() if is_whole(play)}
+            for baseline, found in known.items()
         }
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
@@ -101,7 +105,7 @@ def pays_family(context: Context) -> FamilyResult:
     results += signals
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
-    probes = tuple(_probe(way, found, beside) for way, found in plays.items() if found)
+    probes = tuple(_probe(baseline, found, beside) for baseline, found in plays.items() if found)
     if not bounded[0].ok:
         summary = "reward terms are not finite or huge"
     elif wrong := [check.name for check, _ in signals if not check.ok]:
@@ -109,7 +113,7 @@ def pays_family(context: Context) -> FamilyResult:
     elif plays.get(EXPERT):
         summary = _summary(beside)
     else:
-        summary = ", ".join(f"{probe.way} {mean(probe.returns):.1f}" for probe in probes)
+        summary = ", ".join(f"{probe.baseline} {mean(probe.returns):.1f}" for probe in probes)
     return FamilyResult(NAME, checks, findings, summary, probes=probes)
 
 
@@ -121,7 +125,7 @@ def _judged_sorts(context: Context) -> tuple[Sort, ...]:
 
 def _play_on(
     context: Context,
-    plays: dict[Way, dict[Start, Rollout]],
+    plays: dict[Baseline, dict[Start, Rollout]],
     beside: Comparisons,
     first: int,
     end: int,
@@ -130,74 +134,81 @@ def _play_on(
 
     Args:
         context: The validation.
-        plays: The episodes by way and start; added to.
+        plays: The episodes by baseline and start; added to.
         beside: The comparisons so far.
         first: Number of seeds that were played.
         end: Number of seeds to play.
     """
     label = f"{NAME}: undecided, playing {end} seeds" if first else NAME
-    ways = frozenset(beside.undecided) if first else None
+    baselines = frozenset(beside.undecided) if first else None
     starts = context.later_starts(first, end)
     played = zip(starts, context.demonstrate(starts, label), strict=True)
-    jobs = [Replayed(start, demo, ways) for start, demo in played if demo.success]
+    jobs = [Replayed(start, demo, baselines) for start, demo in played if demo.success]
     plays.setdefault(EXPERT, {}).update((job.start, job.rollout) for job in jobs)
-    for way, found in _left(context, jobs, label).items():
-        plays.setdefault(way, {}).update(found)
-    for way, found in _known(context, starts, ways, label).items():
-        plays.setdefault(way, {}).update(found)
+    for baseline, found in _left(context, jobs, label).items():
+        plays.setdefault(baseline, {}).update(found)
+    for baseline, found in _known(context, starts, baselines, label).items():
+        plays.setdefault(baseline, {}).update(found)
 
 
 def _left(context: Context, jobs: Sequence[Replayed], label: str) -> Plays:
     """The episodes that leave the expert's script."""
-    found: dict[Way, dict[Start, Rollout]] = {}
+    found: dict[Baseline, dict[Start, Rollout]] = {}
     starts = [job.start for job in jobs]
     asked = context.ask(leave_stages, starts, label, about=jobs)
     for start, plays in zip(starts, asked, strict=True):
-        for way, play in plays.items():
-            found.setdefault(way, {})[start] = play
-    return {way: found[way] for way in sorted(found, key=lambda way: (way.kind, way.stage))}
+        for baseline, play in plays.items():
+            found.setdefault(baseline, {})[start] = play
+    return {
+        baseline: found[baseline]
+        for baseline in sorted(found, key=lambda baseline: (baseline.kind, baseline.stage))
+    }
 
 
 def _known(
-    context: Context, starts: Sequence[Start], ways: Collection[Way] | None, label: str
+    context: Context, starts: Sequence[Start], baselines: Collection[Baseline] | None, label: str
 ) -> Plays:
     """The whole episodes of the probes of the family "needs its robots".
 
     Those that ended early there, as their success was decided, are played again up to their end.
     """
     asked = [
-        way for way in context.plays if way.kind is not Kind.ALONE and (ways is None or way in ways)
+        baseline
+        for baseline in context.plays
+        if baseline.kind is not BaselineKind.ALONE and (baselines is None or baseline in baselines)
     ]
-    found: dict[Way, dict[Start, Rollout]] = {way: {} for way in asked}
+    found: dict[Baseline, dict[Start, Rollout]] = {baseline: {} for baseline in asked}
     cut: list[Tried] = []
     for start in starts:
         missing = []
-        for way in asked:
-            play = context.plays[way].get(start)
+        for baseline in asked:
+            play = context.plays[baseline].get(start)
             if play is not None and is_whole(play):
-                found[way][start] = play
+                found[baseline][start] = play
             elif play is not None:
-                missing.append(way)
+                missing.append(baseline)
         if missing:
             cut.append(Tried(start, tuple(missing)))
     again = [job.start for job in cut]
-    for start, played in zip(again, context.ask(play_ways, again, label, about=cut), strict=True):
-        for way, play in played.items():
-            found[way][start] = context.plays[way][start] = play
+    for start, played in zip(
+        again, context.ask(play_baselines, again, label, about=cut), strict=True
+    ):
+        for baseline, play in played.items():
+            found[baseline][start] = context.plays[baseline][start] = play
     return found
 
 
-def _probe(way: Way, found: Mapping[Start, Rollout], beside: Comparisons) -> Probe:
+def _probe(baseline: Baseline, found: Mapping[Start, Rollout], beside: Comparisons) -> Probe:
     by_seed = sorted(found.items(), key=lambda item: item[0].seed)
     listed = [play for _, play in by_seed]
     return Probe(
-        way,
+        baseline,
         tuple(play.team_return for play in listed),
         tuple(play.discounted(DISCOUNT) for play in listed),
         sum(play.success for play in listed),
         tuple(start.seed for start, _ in by_seed),
         tuple(play.success for play in listed),
-        beside.needed(way),
+        beside.needed(baseline),
     )
 
 
@@ -211,11 +222,11 @@ def _summary(beside: Comparisons) -> str:
         f"by {closest.lead}" + (f" with discount {DISCOUNT:g}" if closest.discount < 1.0 else "")
     ]
     means = f"{closest.expert:.1f} to {closest.earned:.1f}"
-    ways = dict.fromkeys(rival.way for rival in rivals)
-    needed = Counter(beside.needed(way) or 0 for way in ways)
+    baselines = dict.fromkeys(rival.baseline for rival in rivals)
+    needed = Counter(beside.needed(baseline) or 0 for baseline in baselines)
     counts = ", ".join(f"{needed[seeds]} after {seeds}" for seeds in sorted(needed))
     return (
-        f"expert leads {closest.way} {lead[0]} ({means}, {_pairs(closest)}); "
+        f"expert leads {closest.baseline} {lead[0]} ({means}, {_pairs(closest)}); "
         f"decided by number of seeds: {counts}"
     )
 
@@ -223,20 +234,24 @@ def _summary(beside: Comparisons) -> str:
 # --- in each process
 
 
-def leave_stages(cache: EnvCache, job: Replayed) -> dict[Way, Rollout]:
+def leave_stages(cache: EnvCache, job: Replayed) -> dict[Baseline, Rollout]:
     """The episodes that leave the expert's script after its stages."""
     env, whole = cache.env(job.start.variation), job.rollout
     last = len(cache.task.file.spec.expert)
 
-    def who(number: int) -> Mapping[Kind, Policy]:
+    def who(number: int) -> Mapping[BaselineKind, Policy]:
         odd = job.start.seed // len(cache.task.file.scenes) % 2
-        ways: dict[Kind, Policy] = {Kind.FAIL: ThrowAll() if odd else DropAll()}
+        baselines: dict[BaselineKind, Policy] = {
+            BaselineKind.FAIL: ThrowAll() if odd else DropAll()
+        }
         if number < last:  # after the last stage the expert itself holds still
-            ways[Kind.STALL] = HoldStill()
-        wanted = job.ways
+            baselines[BaselineKind.STALL] = HoldStill()
+        wanted = job.baselines
         if wanted is None:
-            return ways
-        return {kind: ways[kind] for kind in ways if Way(kind, stage=number) in wanted}
+            return baselines
+        return {
+            kind: baselines[kind] for kind in baselines if Baseline(kind, stage=number) in wanted
+        }
 
     return leave_after_stages(env, whole, who)
 
@@ -246,17 +261,17 @@ def leave_stages(cache: EnvCache, job: Replayed) -> dict[Way, Rollout]:
 
 def _check_terms(context: Context, plays: Plays) -> Result:
     """Every reward term is finite, and not huge."""
-    wild: dict[str, tuple[float, Way, Start]] = {}
-    for way, found in plays.items():
+    wild: dict[str, tuple[float, Baseline, Start]] = {}
+    for baseline, found in plays.items():
         for start, play in found.items():
             for label, pay in wild_terms(play).items():
-                wild.setdefault(label, (pay, way, start))
+                wild.setdefault(label, (pay, baseline, start))
     findings = []
     for term in context.task.description.reward:
         if term.label in wild:
-            pay, way, start = wild[term.label]
+            pay, baseline, start = wild[term.label]
             message = (
-                f"{term.label} paid {pay:g} at a control step ({way}, {start}); from "
+                f"{term.label} paid {pay:g} at a control step ({baseline}, {start}); from "
                 f"{-LARGEST:,.0f} to {LARGEST:,.0f} is what learners can count with"
             )
             name = f"reward.{term.label}"
@@ -272,7 +287,7 @@ def _compared(context: Context, beside: Comparisons) -> Iterator[Result]:
         if not rivals:
             continue
         closest = min(rivals, key=closeness)
-        better = {rival.way for rival in rivals if not rival.lead.low > 0.0}
+        better = {rival.baseline for rival in rivals if not rival.lead.low > 0.0}
         findings = [_finding(context, sort, closest, len(better))] if better else []
         margin = closest.lead.low / closest.steps
         yield Check(sort.code, sort.name, not findings, margin, 0.0, "a step"), findings
@@ -290,7 +305,7 @@ def _finding(context: Context, sort: Sort, rival: Rival, better: int) -> Finding
     plural = "way pays" if better == 2 else "ways pay"
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
     message = (
-        f"{_in_words(context, rival.way)} earns {rival.earned:.1f} in the mean, the expert "
+        f"{_in_words(context, rival.baseline)} earns {rival.earned:.1f} in the mean, the expert "
         f"{rival.expert:.1f}{at}: its lead is {rival.lead} over {_pairs(rival)}, which is not "
         f"surely more than 0; pay more for success, or less for this{others}"
     )
@@ -298,15 +313,19 @@ def _finding(context: Context, sort: Sort, rival: Rival, better: int) -> Finding
     return finding_in_description(context.task, sort.code, message, "reward", term)
 
 
-def _in_words(context: Context, way: Way) -> str:
-    """What is done in a way of playing, with the stage after which the expert's way is left."""
-    match way.kind:
-        case Kind.NOTHING:
+def _in_words(context: Context, baseline: Baseline) -> str:
+    """What a baseline does, with the stage after which it leaves the expert."""
+    match baseline.kind:
+        case BaselineKind.NOTHING:
             return "doing nothing"
-        case Kind.RANDOM:
+        case BaselineKind.RANDOM:
             return "random play"
-        case Kind.WITHOUT:
-            return f"playing without {way.robot}"
-    what = "stalling" if way.kind is Kind.STALL else "dropping everything, or throwing it away,"
-    stage = context.task.file.spec.expert[way.stage - 1]
-    return f"{what} after stage {way.stage} ({in_words(stage)})"
+        case BaselineKind.WITHOUT:
+            return f"playing without {baseline.robot}"
+    what = (
+        "stalling"
+        if baseline.kind is BaselineKind.STALL
+        else "dropping everything, or throwing it away,"
+    )
+    stage = context.task.file.spec.expert[baseline.stage - 1]
+    return f"{what} after stage {baseline.stage} ({in_words(stage)})"

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
-from taskbuilder.expert.ways import NOTHING, RANDOM, Kind, Way
+from taskbuilder.expert.baselines import NOTHING, RANDOM, Baseline, BaselineKind
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.checks.belonging import must_cooperate
 from taskbuilder.validate.context import Context
@@ -46,37 +46,45 @@ class _Shortcut:
     Attributes:
         code: Of the check.
         name: What the check is about.
-        kind: The kind of its ways.
+        kind: The kind of its baselines.
         verb: What it does, for the message.
         mend: What would be right.
     """
 
     code: str
     name: str
-    kind: Kind
+    kind: BaselineKind
     verb: str
     mend: str
 
 
 _SHORTCUTS = (
     _Shortcut(
-        "TB544", "doing nothing does not succeed", Kind.NOTHING, "holding still", "ask for more"
+        "TB544",
+        "doing nothing does not succeed",
+        BaselineKind.NOTHING,
+        "holding still",
+        "ask for more",
     ),
     _Shortcut(
-        "TB543", "random play does not succeed", Kind.RANDOM, "playing at random", "ask for more"
+        "TB543",
+        "random play does not succeed",
+        BaselineKind.RANDOM,
+        "playing at random",
+        "ask for more",
     ),
     _Shortcut(
         "TB541",
         "every robot is needed",
-        Kind.WITHOUT,
-        "playing {way}",
+        BaselineKind.WITHOUT,
+        "playing {baseline}",
         "make its part matter, or write cooperation: optional",
     ),
     _Shortcut(
         "TB542",
         "no robot does it alone",
-        Kind.ALONE,
-        "{way}",
+        BaselineKind.ALONE,
+        "{baseline}",
         "put something out of its reach, or write cooperation: optional",
     ),
 )
@@ -87,10 +95,10 @@ def needs_family(context: Context) -> FamilyResult:
     starts = context.some_starts()
     first = looks(context.seeds, context.variations).first
     jobs = [Tried(start, whole=start.seed < first) for start in starts]
-    asked = context.ask(play_ways, starts, "needs its robots", about=jobs)
+    asked = context.ask(play_baselines, starts, "needs its robots", about=jobs)
     for start, plays in zip(starts, asked, strict=True):
-        for way, play in plays.items():
-            context.plays.setdefault(way, {})[start] = play
+        for baseline, play in plays.items():
+            context.plays.setdefault(baseline, {})[start] = play
     results = list(_judged(context))
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
@@ -98,22 +106,28 @@ def needs_family(context: Context) -> FamilyResult:
 
 
 def _summary(context: Context) -> str:
-    counts: Counter[Way] = Counter()
-    for way, plays in context.plays.items():
-        together = Way(way.kind) if way.kind is Kind.ALONE else way
+    counts: Counter[Baseline] = Counter()
+    for baseline, plays in context.plays.items():
+        together = Baseline(baseline.kind) if baseline.kind is BaselineKind.ALONE else baseline
         counts[together] += sum(play.success for play in plays.values())
-    order = sorted(counts, key=lambda way: (way in (NOTHING, RANDOM), way == NOTHING))
-    said = ", ".join(f"{_called(way)} {counts[way]}" for way in order)
-    if context.has_expert and len(context.task.agents) > 1 and Way(Kind.ALONE) not in counts:
+    order = sorted(
+        counts, key=lambda baseline: (baseline in (NOTHING, RANDOM), baseline == NOTHING)
+    )
+    said = ", ".join(f"{_called(baseline)} {counts[baseline]}" for baseline in order)
+    if (
+        context.has_expert
+        and len(context.task.agents) > 1
+        and Baseline(BaselineKind.ALONE) not in counts
+    ):
         said += "; success names nothing that a robot could take alone"
     return said
 
 
-def _called(way: Way) -> str:
-    """A way, or all ways of robots alone, in a word or two."""
-    if way.kind is Kind.WITHOUT:
-        return f"frozen {way.robot}"
-    return "solo" if way.kind is Kind.ALONE else str(way)
+def _called(baseline: Baseline) -> str:
+    """A baseline, or all baselines of robots alone, in a word or two."""
+    if baseline.kind is BaselineKind.WITHOUT:
+        return f"frozen {baseline.robot}"
+    return "solo" if baseline.kind is BaselineKind.ALONE else str(baseline)
 
 
 # --- in each process
@@ -124,45 +138,45 @@ class Tried(NamedTuple):
 
     Attributes:
         start: The start.
-        ways: The probes; None for all.
+        baselines: The probes; None for all.
         whole: Whether to play the episodes to their end although their success is decided.
     """
 
     start: Start
-    ways: tuple[Way, ...] | None = None
+    baselines: tuple[Baseline, ...] | None = None
     whole: bool = True
 
 
-def play_ways(cache: EnvCache, job: Tried) -> dict[Way, Rollout]:
+def play_baselines(cache: EnvCache, job: Tried) -> dict[Baseline, Rollout]:
     """Play probes that must not succeed, from a start."""
     env, seed = cache.env(job.start.variation), job.start.seed
     return {
-        way: play_solo(cache.expert(job.start.variation), seed, way.attempt)
-        if isinstance(way.attempt, Solo)
-        else _play_way(cache, env, job, way)
-        for way in job.ways or _ways(cache, env, seed)
+        baseline: play_solo(cache.expert(job.start.variation), seed, baseline.attempt)
+        if isinstance(baseline.attempt, Solo)
+        else _play_baseline(cache, env, job, baseline)
+        for baseline in job.baselines or _baselines(cache, env, seed)
     }
 
 
-def _ways(cache: EnvCache, env: TaskEnv, seed: int) -> Iterable[Way]:
+def _baselines(cache: EnvCache, env: TaskEnv, seed: int) -> Iterable[Baseline]:
     """All probes from a seed; the attempts of robots alone take turns."""
     yield from (NOTHING, RANDOM)
     task = cache.task
     if not cache.has_expert or len(task.agents) < 2:
         return
-    yield from (Way(Kind.WITHOUT, robot=robot) for robot in task.agents)
+    yield from (Baseline(BaselineKind.WITHOUT, robot=robot) for robot in task.agents)
     listed = solos(task, env.episode.world.scene)
     first = seed * MOST_SOLOS
     for offset in range(min(MOST_SOLOS, len(listed))):
-        yield listed[(first + offset) % len(listed)].way
+        yield listed[(first + offset) % len(listed)].baseline
 
 
-def _play_way(cache: EnvCache, env: TaskEnv, job: Tried, way: Way) -> Rollout:
+def _play_baseline(cache: EnvCache, env: TaskEnv, job: Tried, baseline: Baseline) -> Rollout:
     seed, short = job.start.seed, not job.whole
-    if way.kind is Kind.WITHOUT:
+    if baseline.kind is BaselineKind.WITHOUT:
         expert = cache.expert(job.start.variation)
-        return expert.play(seed, without={way.robot}, persist=True, until_decided=short)
-    if way == NOTHING:
+        return expert.play(seed, without={baseline.robot}, persist=True, until_decided=short)
+    if baseline == NOTHING:
         return play_nothing(env, seed, until_decided=short)
     return play_random(env, seed, until_decided=short)
 
@@ -173,10 +187,16 @@ def _play_way(cache: EnvCache, env: TaskEnv, job: Tried, way: Way) -> Rollout:
 def _judged(context: Context) -> Iterator[Result]:
     """Judge the probes, from the simplest on, up to the first that succeeds."""
     for shortcut in _SHORTCUTS:
-        plays = {way: found for way, found in context.plays.items() if way.kind is shortcut.kind}
+        plays = {
+            baseline: found
+            for baseline, found in context.plays.items()
+            if baseline.kind is shortcut.kind
+        }
         if not plays:
             continue
-        counts = {way: sum(p.success for p in found.values()) for way, found in plays.items()}
+        counts = {
+            baseline: sum(p.success for p in found.values()) for baseline, found in plays.items()
+        }
         total = sum(counts.values())
         excused = shortcut.code in ("TB541", "TB542") and not must_cooperate(context.task)
         findings: list[Finding] = []
@@ -184,7 +204,7 @@ def _judged(context: Context) -> Iterator[Result]:
             worst = max(counts, key=counts.__getitem__)
             start = next(start for start, play in plays[worst].items() if play.success)
             share = Proportion(counts[worst], len(plays[worst]))
-            verb = shortcut.verb.format(way=worst)
+            verb = shortcut.verb.format(baseline=worst)
             message = f"{verb} succeeds from {share} seeds ({start}); {shortcut.mend}"
             success = context.task.description.success
             findings = [

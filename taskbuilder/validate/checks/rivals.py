@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from taskbuilder.expert.ways import EXPERT, Kind, Way
+from taskbuilder.expert.baselines import EXPERT, Baseline, BaselineKind
 from taskbuilder.geometry import total
 from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.record import Rollout
@@ -16,10 +16,10 @@ from taskbuilder.validate.sequential import InterimLook, Looks
 LEAST_PAIRS = 3
 """Minimum number of unsuccessful episodes to compare a probe that often succeeds."""
 
-REPEATED = (Kind.STALL, Kind.FAIL)
+REPEATED = (BaselineKind.STALL, BaselineKind.FAIL)
 """Kinds of probes that are played from more seeds than were asked for, where those are few."""
 
-Plays = Mapping[Way, Mapping[Start, Rollout]]
+Plays = Mapping[Baseline, Mapping[Start, Rollout]]
 """Episodes by probe and start."""
 
 
@@ -35,14 +35,18 @@ class Sort:
 
     code: str
     name: str
-    kinds: tuple[Kind, ...]
+    kinds: tuple[BaselineKind, ...]
 
 
 SORTS = (
-    Sort("TB553", "success pays more than nothing and random play", (Kind.NOTHING, Kind.RANDOM)),
-    Sort("TB552", "success pays more than stalling", (Kind.STALL,)),
-    Sort("TB554", "success pays more than leaving out a robot", (Kind.WITHOUT,)),
-    Sort("TB555", "success pays more than failing on purpose", (Kind.FAIL,)),
+    Sort(
+        "TB553",
+        "success pays more than nothing and random play",
+        (BaselineKind.NOTHING, BaselineKind.RANDOM),
+    ),
+    Sort("TB552", "success pays more than stalling", (BaselineKind.STALL,)),
+    Sort("TB554", "success pays more than leaving out a robot", (BaselineKind.WITHOUT,)),
+    Sort("TB555", "success pays more than failing on purpose", (BaselineKind.FAIL,)),
 )
 
 
@@ -51,7 +55,7 @@ class Rival:
     """The returns of a probe and the expert, from the same seeds.
 
     Attributes:
-        way: Name of the probe.
+        baseline: The probe.
         discount: Discount of the returns.
         expert: Mean return of the expert.
         earned: Mean return of the probe.
@@ -61,7 +65,7 @@ class Rival:
         seeds: Number of seeds up to the look.
     """
 
-    way: Way
+    baseline: Baseline
     discount: float
     expert: float
     earned: float
@@ -82,10 +86,10 @@ class Comparisons:
     def __init__(self, sorts: Sequence[Sort], plan: Looks) -> None:
         self.sorts = sorts
         self._plan = plan
-        self._decided: dict[tuple[Way, float], Rival] = {}
-        self._open: dict[tuple[Way, float], Rival] = {}
-        self._short: set[Way] = set()
-        self._asked: set[Way] | None = None  # all, at the first look
+        self._decided: dict[tuple[Baseline, float], Rival] = {}
+        self._open: dict[tuple[Baseline, float], Rival] = {}
+        self._short: set[Baseline] = set()
+        self._asked: set[Baseline] | None = None  # all, at the first look
 
     def look(self, plays: Plays, look: InterimLook) -> None:
         """InterimLook at all comparisons that are undecided so far.
@@ -96,44 +100,46 @@ class Comparisons:
         """
         last = look == self._plan.listed[-1]
         self._short = set()
-        for way in plays:
-            if not self._sorted(way) or (self._asked is not None and way not in self._asked):
+        for baseline in plays:
+            if not self._sorted(baseline) or (
+                self._asked is not None and baseline not in self._asked
+            ):
                 continue
-            rivals = list(_beside_expert(way, plays[EXPERT], plays[way], look))
+            rivals = list(_beside_expert(baseline, plays[EXPERT], plays[baseline], look))
             if not rivals and not last and self._plan.both_ways:
-                self._short.add(way)
+                self._short.add(baseline)
             for rival in rivals:
-                key = (way, rival.discount)
+                key = (baseline, rival.discount)
                 if key in self._decided:
                     continue
                 self._open.pop(key, None)
-                decided = last or self._is_decided(way, rival.lead)
+                decided = last or self._is_decided(baseline, rival.lead)
                 (self._decided if decided else self._open)[key] = rival
         self._asked = self.undecided
 
-    def _is_decided(self, way: Way, lead: PairedDifference) -> bool:
+    def _is_decided(self, baseline: Baseline, lead: PairedDifference) -> bool:
         if self._plan.both_ways:
             return lead.pairs >= LEAST_PAIRS and (lead.low > 0.0 or lead.high < 0.0)
-        return way.kind not in REPEATED or lead.low > 0.0 or lead.mean <= 0.0
+        return baseline.kind not in REPEATED or lead.low > 0.0 or lead.mean <= 0.0
 
-    def _sorted(self, way: Way) -> bool:
-        return any(way.kind in sort.kinds for sort in self.sorts)
+    def _sorted(self, baseline: Baseline) -> bool:
+        return any(baseline.kind in sort.kinds for sort in self.sorts)
 
     @property
-    def undecided(self) -> set[Way]:
+    def undecided(self) -> set[Baseline]:
         """The probes to be played on: those that can change the result.
 
         A sort of probes is judged only where none before it has failed.
         """
-        found = {way for way, _ in self._open} | self._short
+        found = {baseline for baseline, _ in self._open} | self._short
         for number, sort in enumerate(self.sorts):
             if any(not rival.lead.low > 0.0 for rival in self._of(sort, self._decided)):
                 judged = {kind for one in self.sorts[: number + 1] for kind in one.kinds}
-                return {way for way in found if way.kind in judged}
+                return {baseline for baseline in found if baseline.kind in judged}
         return found
 
-    def _of(self, sort: Sort, found: Mapping[tuple[Way, float], Rival]) -> list[Rival]:
-        return [rival for (way, _), rival in found.items() if way.kind in sort.kinds]
+    def _of(self, sort: Sort, found: Mapping[tuple[Baseline, float], Rival]) -> list[Rival]:
+        return [rival for (baseline, _), rival in found.items() if baseline.kind in sort.kinds]
 
     def of(self, sort: Sort) -> list[Rival]:
         """The comparisons of a sort, in the order of the probes."""
@@ -144,9 +150,9 @@ class Comparisons:
         """All comparisons."""
         return [rival for sort in self.sorts for rival in self.of(sort)]
 
-    def needed(self, way: Way) -> int | None:
+    def needed(self, baseline: Baseline) -> int | None:
         """Number of seeds after which a probe was decided; None if it was not compared."""
-        both = [rival.seeds for (one, _), rival in self._decided.items() if one == way]
+        both = [rival.seeds for (one, _), rival in self._decided.items() if one == baseline]
         return max(both, default=None)
 
 
@@ -156,7 +162,10 @@ def closeness(rival: Rival) -> tuple[bool, float]:
 
 
 def _beside_expert(
-    way: Way, expert: Mapping[Start, Rollout], found: Mapping[Start, Rollout], look: InterimLook
+    baseline: Baseline,
+    expert: Mapping[Start, Rollout],
+    found: Mapping[Start, Rollout],
+    look: InterimLook,
 ) -> Iterator[Rival]:
     """Compare a probe with the expert, undiscounted and discounted.
 
@@ -176,7 +185,7 @@ def _beside_expert(
         weighted = steps if discount == 1.0 else (1.0 - discount**steps) / (1.0 - discount)
         lead = PairedDifference.of(ours, theirs, look.tail)
         earned, ahead = mean(theirs), mean(ours)
-        yield Rival(way, discount, ahead, earned, lead, successes, weighted, look.seeds)
+        yield Rival(baseline, discount, ahead, earned, lead, successes, weighted, look.seeds)
 
 
 def mean(values: Sequence[float]) -> float:

@@ -1,4 +1,4 @@
-"""The chart of what ways of playing a task earn: a line for each way, a dot for each episode."""
+"""The chart of what the expert and the baselines earn: a line for each, a dot for each episode."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from taskbuilder.expert.ways import EXPERT, Way
+from taskbuilder.expert.baselines import EXPERT, Baseline
 from taskbuilder.validate.report import Probe
 
 MOST_DOTS = 60
@@ -21,7 +21,7 @@ class ChartLine:
     """A line of the chart.
 
     Attributes:
-        way: The way of playing.
+        baseline: Who played.
         returns: What it earned, less what was not finite.
         mean: Of those; None where there are none.
         role: ``expert``, ``rival`` for what earns as much as the expert, or ``other``.
@@ -31,7 +31,7 @@ class ChartLine:
             None.
     """
 
-    way: Way
+    baseline: Baseline
     returns: tuple[float, ...]
     mean: float | None
     role: str
@@ -74,11 +74,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Chart:
-    """What each way earned, the best on top.
+    """What each baseline earned, the best on top.
 
     Attributes:
         title: What is shown.
-        lines: The ways.
+        lines: The baselines and the expert.
         axis: Of all lines.
         expert: What the expert earns in the mean, or None.
     """
@@ -93,7 +93,7 @@ def charts(probes: Sequence[Probe]) -> list[Chart]:
     """Undiscounted and discounted returns; none where nothing was played.
 
     Args:
-        probes: The ways; the expert's is what the others are held against.
+        probes: The baselines; the expert's is what the others are held against.
     """
     if not probes:
         return []
@@ -102,7 +102,7 @@ def charts(probes: Sequence[Probe]) -> list[Chart]:
 
 
 def _chart(title: str, listed: Sequence[ChartLine]) -> Chart:
-    expert = next((line.mean for line in listed if line.way == EXPERT), None)
+    expert = next((line.mean for line in listed if line.baseline == EXPERT), None)
     return Chart(title, listed, _axis(listed), expert)
 
 
@@ -111,13 +111,13 @@ def lines(probes: Sequence[Probe], *, discounted: bool) -> list[ChartLine]:
     measured = [
         (probe, _finite(probe.discounted if discounted else probe.returns)) for probe in probes
     ]
-    means = {probe.way: statistics.fmean(got) for probe, got in measured if got}
+    means = {probe.baseline: statistics.fmean(got) for probe, got in measured if got}
     listed = [
         ChartLine(
-            probe.way,
+            probe.baseline,
             got,
-            means.get(probe.way),
-            _role(probe.way, means),
+            means.get(probe.baseline),
+            _role(probe.baseline, means),
             probe.successes,
             len(probe.returns),
             probe.decided_after,
@@ -129,10 +129,10 @@ def lines(probes: Sequence[Probe], *, discounted: bool) -> list[ChartLine]:
     )
 
 
-def _role(way: Way, means: Mapping[Way, float]) -> str:
-    if way == EXPERT:
+def _role(baseline: Baseline, means: Mapping[Baseline, float]) -> str:
+    if baseline == EXPERT:
         return "expert"
-    return "rival" if means.get(way, -math.inf) >= means.get(EXPERT, math.inf) else "other"
+    return "rival" if means.get(baseline, -math.inf) >= means.get(EXPERT, math.inf) else "other"
 
 
 def _finite(returns: Sequence[float]) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Keys that identify how an episode was played: by the expert, at random, stalling and so on."""
+"""Keys that identify who played an episode: the expert, random actions, a stall and so on."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from enum import StrEnum
 from typing import Any
 
 
-class Kind(StrEnum):
-    """Kinds of ways; the values are stable, and stand in reports."""
+class BaselineKind(StrEnum):
+    """Kinds of baselines; the values are stable, and stand in reports."""
 
     POLICY = "policy"
     """The policy that is evaluated."""
@@ -32,35 +32,37 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True)
-class Way:
-    """A way of playing a task.
+class Baseline:
+    """Who plays an episode that others are compared with, or is the policy that is compared.
 
     Attributes:
-        kind: What kind of way.
-        stage: Stage of the expert, from 1, after which its way is left; 0 for other kinds.
+        kind: What kind of baseline.
+        stage: Stage of the expert, from 1, after which the expert is left; 0 for other kinds.
         robot: Who is left out, or tries something alone; "" for other kinds.
         attempt: What is tried alone; its ``str`` is shown.
     """
 
-    kind: Kind
+    kind: BaselineKind
     stage: int = 0
     robot: str = ""
     attempt: Hashable = None
 
     def __str__(self) -> str:
         match self.kind:
-            case Kind.STALL | Kind.FAIL:
+            case BaselineKind.STALL | BaselineKind.FAIL:
                 return f"{self.kind} after stage {self.stage}"
-            case Kind.WITHOUT:
+            case BaselineKind.WITHOUT:
                 return f"without {self.robot}"
-            case Kind.ALONE:
+            case BaselineKind.ALONE:
                 return f"{self.robot} alone, {self.attempt}"
             case _:
                 return self.kind.value
 
     def as_data(self) -> dict[str, Any]:
-        """The way as plain data; what is tried alone is left to the text."""
+        """The baseline as plain data; what is tried alone is left to the text."""
         return {"kind": self.kind.value, "stage": self.stage or None, "robot": self.robot or None}
 
 
-EXPERT, RANDOM, NOTHING = Way(Kind.EXPERT), Way(Kind.RANDOM), Way(Kind.NOTHING)
+EXPERT = Baseline(BaselineKind.EXPERT)
+RANDOM = Baseline(BaselineKind.RANDOM)
+NOTHING = Baseline(BaselineKind.NOTHING)
