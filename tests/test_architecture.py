@@ -65,7 +65,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "validate": (
         *("bench", "visual", "expert", "rollout", "env"),
-        *("diagnostics", "jobs", "digests", "files", "processes", *SIMULATED),
+        *("diagnostics", "jobs", "digests", "arrays", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
     "benchmark": (

@@ -2,14 +2,13 @@
 
 After each family of checks, the results so far are written to a file in the user's cache folder:
 ``$XDG_CACHE_HOME/taskbuilder/validations``, or ``~/.cache/taskbuilder/validations``. The folder
-belongs to this user alone, since the file is a pickle, and reading one may run what it contains.
+belongs to this user alone, since whoever can write the file decides what the report says.
 """
 
 from __future__ import annotations
 
 import logging
 import os
-import pickle
 import stat
 import sys
 from contextlib import suppress
@@ -17,14 +16,17 @@ from hashlib import blake2b
 from pathlib import Path
 
 from taskbuilder import __version__
+from taskbuilder.errors import TaskbuilderError
 from taskbuilder.files import write_whole
 from taskbuilder.schema.proofs import checksum
 from taskbuilder.validate.apart import Kept, ValidationConfig
 
 _log = logging.getLogger(__name__)
 
-_DAMAGED = (OSError, EOFError, ValueError, TypeError, LookupError, AttributeError, ImportError)
-"""What reading a damaged file, or one of another version, may raise, besides `PickleError`."""
+_KIND = "partial validation"
+
+_DAMAGED = (TaskbuilderError, OSError, ValueError, TypeError, LookupError, AttributeError)
+"""What reading a damaged file may raise."""
 
 
 class PartialResult:
@@ -53,29 +55,38 @@ class PartialResult:
 
     def load(self) -> tuple[Kept | None, str]:
         """The results so far, if they are there and of use, and what is to be said about them."""
+        from taskbuilder.arrays import read_arrays  # a static validation loads no NumPy
+        from taskbuilder.validate.plain_data import from_plain
+
         if not self.path.exists():
             return None, "nothing was interrupted; starting from the beginning"
         if not _is_own(self.path.parent) or not _is_own(self.path):
             return None, f"{self.path} could be written by others; starting anew"
         try:
-            summed, kept = pickle.loads(self.path.read_bytes())  # noqa: S301  # this user's own
+            arrays, about = read_arrays(self.path, _KIND)
+            kept = Kept(*from_plain(about["kept"], arrays))
             families = [family.name for family in kept.report.families]
-        except (*_DAMAGED, pickle.PickleError):
+        except _DAMAGED:
             return None, f"{self.path} is damaged; starting anew"
-        if summed != self._checksum:
+        if about.get("checksum") != self._checksum:
             return None, "its files have changed since it was interrupted; starting anew"
         return kept, f"going on after {families[-1]}"
 
     def save(self, kept: Kept) -> None:
         """Keep the results so far; warns if they cannot be kept."""
+        from taskbuilder.arrays import packed_arrays
+        from taskbuilder.validate.plain_data import to_plain
+
         try:
             self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             if not _is_own(self.path.parent):
                 _log.warning("%s could be written by others; nothing is kept", self.path.parent)
                 return
-            write_whole(self.path, pickle.dumps((self._checksum, kept)))
+            data, arrays = to_plain((kept.report, kept.state))
+            about = {"kind": _KIND, "checksum": self._checksum, "kept": data}
+            write_whole(self.path, packed_arrays(arrays, about))
             self.path.chmod(0o600)
-        except OSError as error:
+        except (OSError, TypeError) as error:
             _log.warning("the results so far cannot be kept for --resume: %s", error)
 
     def remove(self) -> None:

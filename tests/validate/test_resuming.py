@@ -7,8 +7,9 @@ import pickle
 import pytest
 
 from taskbuilder import validate_task
+from taskbuilder.arrays import packed_arrays
 from taskbuilder.cli import main
-from taskbuilder.validate.checks import build, reset
+from taskbuilder.validate.checks import build, incentives, reset
 from taskbuilder.validate.report import FamilyResult
 
 OPTIONS = {"level": "build", "seeds": 2}
@@ -90,13 +91,24 @@ def test_the_command_says_where_it_goes_on_and_removes_what_is_done(
 
 
 class Boom:
-    """Raises an error when it is read back."""
+    """Raises an error when it is unpickled."""
 
     def __reduce__(self):
         return (eval, ("1 / 0",))
 
 
-@pytest.mark.parametrize("content", [b"", b"junk", pickle.dumps(("", 3)), pickle.dumps(None)])
+def another(kept):
+    """What a file of results would contain with other content."""
+    return packed_arrays({}, {"kind": "partial validation", "checksum": "", "kept": kept})
+
+
+FOREIGN = {"mapping": [["system", {"Popen": ["true"]}]]}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"junk", pickle.dumps(Boom()), another(None), another([1, 2]), another(FOREIGN)],
+)
 def test_a_damaged_file_starts_anew(content, interrupted, cached, monkeypatch, capfd):
     (kept,) = cached.iterdir()
     kept.write_bytes(content)
@@ -107,8 +119,31 @@ def test_a_damaged_file_starts_anew(content, interrupted, cached, monkeypatch, c
 
 def test_what_others_could_have_written_is_not_read(interrupted, cached, monkeypatch, capfd):
     (kept,) = cached.iterdir()
-    kept.write_bytes(pickle.dumps(Boom()))
     kept.chmod(0o666)
     monkeypatch.setattr("taskbuilder.validate.runner.CHILDREN", False)
     assert main(["validate", str(interrupted), *WORDS, "--resume"]) == 1
     assert "could be written by others; starting anew" in capfd.readouterr().err
+
+
+def test_episodes_are_read_back_as_they_were_kept(write_pair, cached, monkeypatch):
+    """The families after the interruption find the same demonstrations and probes, to the bit."""
+    states = []
+
+    def interrupt(context):
+        states.append(context.state)
+        raise KeyboardInterrupt
+
+    file, only = write_pair(), ("needs its robots", "pays for success")
+    monkeypatch.setattr(incentives, "pays_family", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        validate_task(file, seeds=1, only=only, keep=True, apart=False)
+    with pytest.raises(KeyboardInterrupt):
+        validate_task(file, seeds=1, only=only, resume=True, apart=False)
+    (measures, demonstrations, plays), again = states
+    assert (measures, list(demonstrations), list(plays)) == (again[0], [*again[1]], [*again[2]])
+    assert {baseline.kind for baseline in plays} >= {"without", "alone", "random"}
+    episodes = [*demonstrations.items(), *((s, r) for p in plays.values() for s, r in p.items())]
+    kept = [*again[1].items(), *((s, r) for p in again[2].values() for s, r in p.items())]
+    for (start, rollout), (kept_start, read) in zip(episodes, kept, strict=True):
+        assert (start, type(start)) == (kept_start, type(kept_start))
+        assert rollout.equals(read)
