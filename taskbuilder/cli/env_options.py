@@ -17,12 +17,12 @@ from taskbuilder.cli.argument_types import (
     whole,
 )
 from taskbuilder.env import options as env_options
-from taskbuilder.env.option_info import Kind, OptionInfo
+from taskbuilder.env.option_info import OptionInfo, OptionKind
 from taskbuilder.env.options import Variation, option_fields, option_infos, options_about
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.choices import OtherRobots
 
-PLAYED: tuple[Kind, ...] = ("scene", "observed", "reward")
+PLAYED: tuple[OptionKind, ...] = ("scene", "observed", "reward")
 """Kinds of options that every command takes that plays episodes."""
 
 
@@ -62,7 +62,9 @@ def add_env_options(
         )
 
 
-def asked_options(arguments: argparse.Namespace, kinds: Sequence[Kind] = PLAYED) -> dict[str, Any]:
+def asked_options(
+    arguments: argparse.Namespace, kinds: Sequence[OptionKind] = PLAYED
+) -> dict[str, Any]:
     """The options of environments that the command line gives, by name, besides the variation.
 
     Args:

@@ -16,7 +16,7 @@ from taskbuilder.learn.logs import RunLog, read_run
 from taskbuilder.learn.other_curves import OtherCurves, read_curves
 from taskbuilder.learn.run_groups import (
     WINDOW,
-    Line,
+    RunCurve,
     RunGroup,
     aggregate,
     episodes_at,
@@ -112,7 +112,7 @@ def _drawn_other(other: OtherCurves) -> Group:
     return Group(other.name, other.seeds, success, None, team_return, {}, None)
 
 
-def _curve(lines: Sequence[Line]) -> Curve:
+def _curve(lines: Sequence[RunCurve]) -> Curve:
     """Runs and what they have in common; the same draws for all, so that pictures repeat."""
     from taskbuilder.visual.curves import Curve
 

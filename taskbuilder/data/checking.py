@@ -97,8 +97,8 @@ def check_dataset(
         with closing(_Replayer(dataset, catalogue, trust)) as replayer:
             elsewhere += replayer.changed_files()
             for episode in chosen:
-                if said := replayer.difference(episode):
-                    differs[episode.name] = said
+                if difference := replayer.difference(episode):
+                    differs[episode.name] = difference
     except TaskbuilderError as error:
         return CheckResult(files, (), (), unplayed=str(error), elsewhere=tuple(elsewhere))
     names = tuple(episode.name for episode in chosen)
@@ -128,14 +128,14 @@ def _damaged(folder: Path) -> Iterator[str]:
             yield f"{name} is new"
         elif name not in there:
             yield f"{name} is gone"
-        elif said := _changed(folder, name, files[name]):
-            yield f"{name} {said}"
+        elif change := _changed(folder, name, files[name]):
+            yield f"{name} {change}"
 
 
-def _changed(folder: Path, name: str, known: str) -> str:
+def _changed(folder: Path, name: str, recorded: str) -> str:
     """What is wrong with a file, or ""."""
     try:
-        return "" if layout.digest_file(folder, name) == known else "was changed"
+        return "" if layout.digest_file(folder, name) == recorded else "was changed"
     except StoreError as error:
         return f"cannot be read ({error})"
 
@@ -191,11 +191,11 @@ class _Replayer:
 
     def changed_files(self) -> Sequence[str]:
         """Files of the tasks that are not those that the data set was collected with."""
-        told = []
+        changes = []
         for name, about in self._dataset.about["tasks"].items():
             here = digests_of_task(self._env(name, 0).task)
-            told += [f"task {name}: {file}" for file in differences(about["files"], here)]
-        return told
+            changes += [f"task {name}: {file}" for file in differences(about["files"], here)]
+        return changes
 
     def difference(self, episode: RecordedEpisode) -> str:
         """What differs if an episode is played again, or ""."""

@@ -229,7 +229,7 @@ def _play_here(
     job: CollectJob, player: EpisodePlayer, attempts: Sequence[Attempt]
 ) -> Generator[AttemptResult, None, None]:
     for attempt in attempts:
-        yield job.found(attempt) or job.write(player.play(attempt))
+        yield job.earlier(attempt) or job.write(player.play(attempt))
 
 
 def _play_in_processes(
@@ -242,7 +242,7 @@ def _play_on_nodes(
     job: CollectJob, nodes: Map, attempts: Sequence[Attempt]
 ) -> Generator[AttemptResult, None, None]:
     """Have attempts played that are not in the folder yet, and write them here."""
-    there = {attempt: job.found(attempt) for attempt in attempts}
+    there = {attempt: job.earlier(attempt) for attempt in attempts}
     missing = [attempt for attempt, result in there.items() if result is None]
     played = nodes(partial(play_elsewhere, job), missing)
     for attempt in attempts:
@@ -328,14 +328,14 @@ def _episodes(folder: Path) -> Iterator[Path]:
 
 def _disk_words(error: OSError, folder: Path) -> str:
     where = display_path(folder)
-    said = error.strerror or str(error)
+    reason = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return (
             f"the disk of {where} is full\n{_there(folder)}; free space and run the same "
             "command again to continue"
         )
     if error.errno in (errno.EROFS, errno.EACCES, errno.EPERM):
-        return f"nothing can be written to {where}: {said}; name another folder"
+        return f"nothing can be written to {where}: {reason}; name another folder"
     if error.errno in (errno.ENOTDIR, errno.EEXIST):
         return f"{where} is no folder; name another to write to"
-    return f"{where}: {said}\n{_there(folder)}; run the same command again to continue"
+    return f"{where}: {reason}\n{_there(folder)}; run the same command again to continue"

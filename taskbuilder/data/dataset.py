@@ -265,9 +265,9 @@ class RecordedEpisode:
         return layout.read_file(self._folder, name, self.video_size(camera).largest_file)
 
     def _check_recorded(self, camera: str, what: str) -> None:
-        known = [name for name, files in self.about["cameras"].items() if files.get(what)]
-        if camera not in known:
-            help_ = suggestion(camera, known, what="it has")
+        recorded = [name for name, files in self.about["cameras"].items() if files.get(what)]
+        if camera not in recorded:
+            help_ = suggestion(camera, recorded, what="it has")
             raise UnknownNameError(f'{self.name} has no {what} of "{camera}"; {help_}')
 
     @contextmanager

@@ -146,9 +146,9 @@ def carried_task(about: Mapping[str, Any], folder: Path, task: str) -> CarriedTa
     if record is None:
         return None
     files, left = {}, LARGEST
-    for name, known in record["files"].items():
+    for name, digest in record["files"].items():
         file = f"{layout.TASKS}/{task}/{name}"
-        if layout.digest_file(folder, file) != known:
+        if layout.digest_file(folder, file) != digest:
             raise StoreError(f"{display_path(folder / file)} is not as it was written")
         files[name] = layout.read_file(folder, file, left)
         left -= len(files[name])
@@ -170,8 +170,10 @@ def tasks_to_trust(
         StoreError: A file of a task is missing, or is not as it was written.
     """
     names = [task] if task is not None else list(about["tasks"])
-    found = (carried_task(about, folder, name) for name in names if name not in catalogue.tasks)
-    return [carried for carried in found if carried is not None]
+    carried_tasks = (
+        carried_task(about, folder, name) for name in names if name not in catalogue.tasks
+    )
+    return [carried for carried in carried_tasks if carried is not None]
 
 
 def where_carried(folder: Path, carried: CarriedTask) -> str:

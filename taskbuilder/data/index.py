@@ -34,13 +34,13 @@ def make_index(folder: Path, names: Sequence[str], failed: Sequence[str]) -> dic
 
 def success_rates(index: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]:
     """By task and policy: the attempts that succeeded, and all attempts."""
-    found: dict[str, dict[str, tuple[int, int]]] = {}
+    rates: dict[str, dict[str, tuple[int, int]]] = {}
     outcomes = [(each, bool(each["success"])) for each in index["episodes"]]
     for each, success in (*outcomes, *((each, False) for each in index["not_kept"])):
-        of_task = found.setdefault(each["task"], {})
+        of_task = rates.setdefault(each["task"], {})
         won, played = of_task.get(each["policy"], (0, 0))
         of_task[each["policy"]] = (won + success, played + 1)
-    return found
+    return rates
 
 
 class VariationCount(NamedTuple):

@@ -91,8 +91,8 @@ def _reading(folder: Path, name: str) -> Iterator[None]:
 
 
 def _cannot(error: OSError) -> str:
-    said = error.strerror or str(error)
-    return said if said.startswith(("is ", "has ", "leads ")) else f"cannot be read: {said}"
+    reason = error.strerror or str(error)
+    return reason if reason.startswith(("is ", "has ", "leads ")) else f"cannot be read: {reason}"
 
 
 def read_json(folder: Path, name: str, largest: int = _LARGEST_JSON) -> dict[str, Any]:
@@ -130,8 +130,10 @@ def read_about(folder: Path) -> dict[str, Any]:
     if about.get("kind") != KIND:
         raise UsageError(f"{display_path(folder)} is no data set of taskbuilder")
     if about.get("format") != FORMAT:
-        found = about.get("format")
-        raise UsageError(f"{display_path(folder)} has format {found}; this version reads {FORMAT}")
+        version = about.get("format")
+        raise UsageError(
+            f"{display_path(folder)} has format {version}; this version reads {FORMAT}"
+        )
     records.check_about(about, display_path(file))
     return about
 
@@ -276,7 +278,7 @@ def is_whole(folder: Path, name: str) -> bool:
         files = read_episode(folder, name)["files"]
         there = {file.name for file in (folder / place).iterdir()} - {EPISODE}
         return there == set(files) and all(
-            digest_file(folder, f"{place}/{file}") == known for file, known in files.items()
+            digest_file(folder, f"{place}/{file}") == digest for file, digest in files.items()
         )
     except (StoreError, OSError, KeyError, TypeError, AttributeError):
         return False

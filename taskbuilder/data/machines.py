@@ -36,11 +36,11 @@ def machine_of_episode(machine: Mapping[str, Any]) -> dict[str, str]:
     Args:
         machine: As `machine_here` has it; a data set says the same of the machine that began it.
     """
-    told = {name: value for name, value in machine["system"].items() if name != _KERNEL}
+    system = {name: value for name, value in machine["system"].items() if name != _KERNEL}
     name = machine["processor"].get("name") or machine["processor"].get("architecture", "")
     return {
         "processor": str(name),
-        "digest": digest_of([machine["versions"], machine["processor"], told]),
+        "digest": digest_of([machine["versions"], machine["processor"], system]),
     }
 
 

@@ -189,8 +189,8 @@ def _check_task(plan: CollectPlan, task: Task) -> None:
 
 def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
     """What a data set says of itself; the same for the same plan, files and machine."""
-    told = dict(_described(plan, task) for task in tasks)
-    drawn = {about.pop("renderer") for about in told.values()}
+    described = dict(_described(plan, task) for task in tasks)
+    drawn = {about.pop("renderer") for about in described.values()}
     return {
         "kind": KIND,
         "format": FORMAT,
@@ -210,7 +210,7 @@ def describe(plan: CollectPlan, tasks: Sequence[Task]) -> dict[str, Any]:
         },
         "options": _listed(plan.options),
         "renderer": drawn.pop() if plan.cameras.names else None,
-        "tasks": told,
+        "tasks": described,
         "library": digest_of(digests_of_library()),
         **plan.machine(),
     }

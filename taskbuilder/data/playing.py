@@ -38,7 +38,7 @@ class CollectJob:
     folder: Path
     players: Mapping[str, Player]
 
-    def found(self, attempt: Attempt) -> AttemptResult | None:
+    def earlier(self, attempt: Attempt) -> AttemptResult | None:
         """What came of an attempt that is in the folder; what is there in part is removed."""
         place = self.folder / layout.EPISODES / attempt.name
         failure = self._failure(attempt.name)
@@ -98,7 +98,7 @@ class PlayedAttempt(NamedTuple):
 
 def play_and_write(job: CollectJob, attempt: Attempt) -> AttemptResult:
     """Play an attempt in this process and write it, unless that has been done."""
-    return job.found(attempt) or job.write(play_elsewhere(job, attempt))
+    return job.earlier(attempt) or job.write(play_elsewhere(job, attempt))
 
 
 def play_elsewhere(job: CollectJob, attempt: Attempt) -> PlayedAttempt:
@@ -140,8 +140,8 @@ class EpisodePlayer:
         if kept:
             whole = EpisodeData(about, data.arrays, data.images, data.depths)
             return PlayedAttempt(result, layout.episode_files(attempt.name, whole))
-        told = layout.json_bytes({"name": attempt.name, **about})
-        return PlayedAttempt(result, {f"{attempt.name}.json": told})
+        content = layout.json_bytes({"name": attempt.name, **about})
+        return PlayedAttempt(result, {f"{attempt.name}.json": content})
 
     def _recorded(self, attempt: Attempt) -> EpisodeData:
         env, policy = self._player_of(attempt)
@@ -149,9 +149,9 @@ class EpisodePlayer:
             plan = self.job.plan
             return record_episode(env, policy, attempt.seed, plan.cameras, plan.until_success)
         except (PlacementError, ExplosionError) as error:
-            told = {"task": attempt.task, "seed": attempt.seed, "variation": attempt.variation}
+            identity = {"task": attempt.task, "seed": attempt.seed, "variation": attempt.variation}
             why = [{"of": "reset", "part": "", "says": str(error), "since": 0}]
-            return EpisodeData({**told, "success": False, "trouble": None, "why": why}, {})
+            return EpisodeData({**identity, "success": False, "trouble": None, "why": why}, {})
 
     def _player_of(self, attempt: Attempt) -> tuple[TaskEnv, Policy]:
         key = (attempt.reference, attempt.variation, attempt.policy)

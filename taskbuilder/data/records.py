@@ -197,13 +197,13 @@ def check_about(about: Mapping[str, Any], name: str) -> None:
     _check(_About, about, name)
     _check_options(about["options"], name)
     cameras = set(about["collected"]["cameras"])
-    for task, told in about["tasks"].items():
-        carried = told.get("carried")
+    for task, task_about in about["tasks"].items():
+        carried = task_about.get("carried")
         if carried and f"{task}.yaml" != carried["file"].rpartition("/")[2]:
             raise StoreError(f"{name} is damaged: the file of {task} is {carried['file']}")
-        if set(told["cameras"]) != cameras:
+        if set(task_about["cameras"]) != cameras:
             raise StoreError(f"{name} is damaged: {task} has other cameras than were recorded")
-        for agent, robot in told["robots"].items():
+        for agent, robot in task_about["robots"].items():
             sizes = {len(robot[key]) for key in ("action_names", "action_low", "action_high")}
             if len(sizes) > 1:
                 raise StoreError(f"{name} is damaged: {agent} has fewer bounds than actions")

@@ -247,8 +247,10 @@ def _opened(content: bytes, kind: _Kind, size: VideoSize) -> Iterator[Any]:
     ) as file:
         streams = [(stream.type, _codec(stream)) for stream in file.streams]
         if streams != [("video", kind.codec)]:
-            told = ", ".join(f"{type_} ({codec})" for type_, codec in streams) or "nothing"
-            raise VideoError(f"a video is damaged: it has {told}; one {kind.codec} video is right")
+            listed = ", ".join(f"{type_} ({codec})" for type_, codec in streams) or "nothing"
+            raise VideoError(
+                f"a video is damaged: it has {listed}; one {kind.codec} video is right"
+            )
         stream = file.streams.video[0]
         context = stream.codec_context
         if (context.width, context.height) != (size.width, size.height):
@@ -306,7 +308,7 @@ def joined(
     with extra_needed("data", "exporting cameras"):
         import av
     file = io.BytesIO()
-    shown = 0
+    frames = 0
     try:
         with av.open(file, "w", format="mp4", options={"fflags": "+bitexact"}) as output:
             stream: Any = None
@@ -318,10 +320,10 @@ def joined(
                     packets = list(_packets(source))
                     for packet in packets[: -1 if without_last else None]:
                         tick = Fraction(1, fps) / packet.time_base
-                        packet.pts = packet.dts = int(shown * tick)  # no frame refers to a later
+                        packet.pts = packet.dts = int(frames * tick)  # no frame refers to a later
                         packet.stream = stream
                         output.mux(packet)
-                        shown += 1
+                        frames += 1
     except (av.FFmpegError, *_DAMAGED) as error:
         raise VideoError(_damaged(error)) from None
     return file.getvalue()

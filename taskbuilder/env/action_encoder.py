@@ -49,11 +49,11 @@ class ActionEncoder:
             openings: Gripper openings, from 0 (closed) to 1 (open); other grippers stay unchanged.
         """
         joints, openings = joints or {}, openings or {}
-        found = {}
+        actions = {}
         for agent, modes in self.env.episode.actions.items():
             waiting = self.env.episode.waiting(agent)
             numbers = modes.leading_to(joints.get(agent), openings.get(agent), waiting)
             if self.env.options.normalize:
                 numbers = modes.normalized(numbers)
-            found[agent] = np.array(numbers, dtype=np.float32)
-        return found
+            actions[agent] = np.array(numbers, dtype=np.float32)
+        return actions

@@ -61,12 +61,12 @@ def make_mode(arm: Arm) -> ArmMode:
     return mode(arm) if part is None else ForeignMode.of(part, mode, arm)
 
 
-def _no_mode(found: object) -> str | None:
-    if not (isinstance(found, type) and issubclass(found, ArmMode)):
+def _no_mode(part: object) -> str | None:
+    if not (isinstance(part, type) and issubclass(part, ArmMode)):
         return "is no subclass of taskbuilder.env.arm_modes.ArmMode"
-    if isabstract(found):
-        return f"lacks {', '.join(sorted(found.__abstractmethods__))}"
-    if getattr(found, "space", None) not in get_args(Space):
+    if isabstract(part):
+        return f"lacks {', '.join(sorted(part.__abstractmethods__))}"
+    if getattr(part, "space", None) not in get_args(Space):
         return f"has no space; set it to one of {', '.join(get_args(Space))}"
     return None
 
@@ -180,8 +180,8 @@ class RobotActions:
         for values in waiting:
             start = self._mode.after(start, values[: self.arm_size])
         arm = self._mode.leading_to(start if joints is None else joints, start)
-        told = [values[-1] for values in waiting]
-        gripper = [self._gripper.opening_to(opening, told)] if self._gripper else []
+        commands = [values[-1] for values in waiting]
+        gripper = [self._gripper.opening_to(opening, commands)] if self._gripper else []
         return self.clipped([*arm, *gripper])
 
     def joint_targets(self) -> tuple[float, ...]:

@@ -24,7 +24,7 @@ from taskbuilder.world.forces import Pair
 from taskbuilder.world.randomness import EpisodeRandomness, delay_of, longest_delay
 from taskbuilder.world.world import World
 
-Actions = Mapping[str, NDArray[np.float64]]
+ActionNumbers = Mapping[str, NDArray[np.float64]]
 """The numbers of every agent's action."""
 
 Conditions = Mapping[str, bool]
@@ -46,7 +46,7 @@ class Course(Single):
         force_pairs: Pairs of bodies whose contact forces are measured.
         seed: Seed of this episode.
         variation: Number of the variation of this episode.
-        taken: All actions since the reset.
+        past_actions: All actions since the reset.
         locking: The conditions that held after the reset and after each control step.
         waiting: The actions of each delayed robot that it has yet to carry out.
         quantities: Values in this episode of what the task lists under ``randomize``.
@@ -58,7 +58,7 @@ class Course(Single):
         self.force_pairs = force_pairs
         self.seed = 0
         self.variation = 0 if options.variation == "random" else options.variation
-        self.taken: list[Actions] = []
+        self.past_actions: list[ActionNumbers] = []
         self.locking: list[Conditions] = []
         self.waiting: dict[str, tuple[NDArray[np.float64], ...]] = {}
         self._options = options
@@ -150,19 +150,19 @@ class Course(Single):
             PlacementError: The objects do not fit.
             ExplosionError: The physics diverged at once.
         """
-        self.seed, self.taken, self.locking = seed, [], []
+        self.seed, self.past_actions, self.locking = seed, [], []
         if self._options.variation == "random":
             drawn = EpisodeRandomness(seed).variation().integers(len(self.file.scenes))
             self.set_variation(int(drawn))
         self._reset()
 
-    def step(self, actions: Actions) -> None:
+    def step(self, actions: ActionNumbers) -> None:
         """Carry out actions for a control step.
 
         Raises:
             ExplosionError: The physics diverged.
         """
-        self.taken.append(actions)
+        self.past_actions.append(actions)
         order = self.world.contact_order
         try:
             self._carry_out(actions)
@@ -188,15 +188,15 @@ class Course(Single):
         self._reset()
         for step, conditions in enumerate(self.locking):
             self.world.set_locks(conditions)
-            if step < len(self.taken):
-                self._carry_out(self.taken[step])
+            if step < len(self.past_actions):
+                self._carry_out(self.past_actions[step])
 
     def _reset(self) -> None:
         self.waiting = {}
         self.world.reset(self.seed, randomized=self._options.draws_quantities, looks=self._looks)
         self.quantities = self.world.quantities
 
-    def _carry_out(self, actions: Actions) -> None:
+    def _carry_out(self, actions: ActionNumbers) -> None:
         targets: dict[str, Sequence[float]] = {}
         for agent, values in self._due(actions).items():
             target = self.actions[agent].command(self.physical(agent, values))
@@ -228,7 +228,7 @@ class Course(Single):
         mode, numbers = self.actions[agent], values.tolist()
         return mode.physical(numbers) if self._options.normalize else mode.clipped(numbers)
 
-    def _due(self, actions: Actions) -> Actions:
+    def _due(self, actions: ActionNumbers) -> ActionNumbers:
         """The actions to carry out now: those given, or earlier ones where a robot has a delay."""
         if not any(map(self.delay, self.agents)):
             return actions

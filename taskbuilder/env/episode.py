@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.description.description import Outcome, Referee
 from taskbuilder.env.actions import RobotActions
-from taskbuilder.env.course import Actions, Course
+from taskbuilder.env.course import ActionNumbers, Course
 from taskbuilder.env.episode_state import EpisodeState, fingerprint, snapshot_of
 from taskbuilder.env.options import Options
 from taskbuilder.errors import ExplosionError, UsageError
@@ -125,8 +125,8 @@ class Episode(Single):
 
     def meter_robots(self) -> None:
         """Also measure the forces between all pairs of robots; nothing else changes."""
-        known = {frozenset(pair) for pair in self._course.force_pairs}
-        pairs = [pair for pair in combinations(self.agents, 2) if frozenset(pair) not in known]
+        measured = {frozenset(pair) for pair in self._course.force_pairs}
+        pairs = [pair for pair in combinations(self.agents, 2) if frozenset(pair) not in measured]
         if pairs:
             self._course.meter(pairs)
 
@@ -230,7 +230,7 @@ class Episode(Single):
         self.exploded = self.over = True
         self._course.discard_world()
 
-    def _no_actions(self) -> Actions:
+    def _no_actions(self) -> ActionNumbers:
         return {agent: np.zeros(self.actions[agent].size) for agent in self.agents}
 
     # --- for observations
@@ -285,7 +285,7 @@ class Episode(Single):
             options=self.options.decisive,
             seed=course.seed,
             variation=course.variation,
-            actions=tuple(course.taken),
+            actions=tuple(course.past_actions),
             locking=tuple(course.locking),
             memory=self._referee.memory,
             outcome=self.outcome,
@@ -310,7 +310,11 @@ class Episode(Single):
         self.over, self.begun, self.exploded = True, False, False  # until it is done
         course = self._course
         course.set_variation(state.variation)
-        course.seed, course.taken, course.locking = state.seed, [*state.actions], [*state.locking]
+        course.seed, course.past_actions, course.locking = (
+            state.seed,
+            [*state.actions],
+            [*state.locking],
+        )
         if not state.restored(course.world):
             self._replay(state.fingerprint)
         course.waiting, course.quantities = dict(state.waiting), course.world.quantities

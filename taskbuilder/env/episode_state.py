@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskbuilder.description.description import Outcome
-from taskbuilder.env.course import Actions, Conditions
+from taskbuilder.env.course import ActionNumbers, Conditions
 from taskbuilder.env.options import Options
 from taskbuilder.errors import SimulationError, UsageError
 from taskbuilder.sim.snapshots import Snapshot, release
@@ -55,7 +55,7 @@ class EpisodeState:
     options: Mapping[str, Any]
     seed: int
     variation: int
-    actions: tuple[Actions, ...]
+    actions: tuple[ActionNumbers, ...]
     locking: tuple[Conditions, ...]
     memory: Any
     outcome: Outcome
@@ -119,5 +119,5 @@ def fingerprint(world: World) -> str:
 def _moving(world: World) -> Iterator[Any]:
     yield world.time, world.quantities
     bodies = [robot.body for robot in world.robots.values()]
-    for body in (*bodies, *(thing.body for thing in world.objects.values())):
+    for body in (*bodies, *(obj.body for obj in world.objects.values())):
         yield body.pose(), body.velocity(), body.all_joint_states()

@@ -110,11 +110,11 @@ def find_reader(name: str) -> tuple[ForeignPart, type[ChannelReader]]:
     return part, part.load(_no_reader)
 
 
-def _no_reader(found: object) -> str | None:
-    if not (isinstance(found, type) and issubclass(found, ChannelReader)):
+def _no_reader(part: object) -> str | None:
+    if not (isinstance(part, type) and issubclass(part, ChannelReader)):
         return "is no subclass of taskbuilder.env.foreign_channels.ChannelReader"
-    if isabstract(found):
-        return f"lacks {', '.join(sorted(found.__abstractmethods__))}"
-    if not isinstance(getattr(found, "meaning", None), str):
+    if isabstract(part):
+        return f"lacks {', '.join(sorted(part.__abstractmethods__))}"
+    if not isinstance(getattr(part, "meaning", None), str):
         return "has no `meaning`, a text"
     return None

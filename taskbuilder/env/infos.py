@@ -21,6 +21,6 @@ def make_info(episode: Episode) -> dict[str, float]:
         "step": float(episode.steps),
         "variation": float(episode.variation),
         "team_reward": paid * outcome.team,
-        **{f"reward/{label}": paid * pay for label, pay in outcome.terms.items()},
+        **{f"reward/{label}": paid * reward for label, reward in outcome.terms.items()},
         **{f"condition/{name}": float(value) for name, value in outcome.conditions.items()},
     }

@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 
 from taskbuilder.env.camera import Camera
 from taskbuilder.env.errors import ActionError
-from taskbuilder.env.joint_observation import JointObservation, Pixels, check_pixels, joined_boxes
+from taskbuilder.env.joint_observation import (
+    JointObservation,
+    PixelLayout,
+    check_pixels,
+    joined_boxes,
+)
 from taskbuilder.env.options import EnvOptions, RenderMode
 from taskbuilder.env.parallel import EnvState, TaskEnv, parallel_env
 from taskbuilder.env.spaces import read_action
@@ -63,7 +68,7 @@ class JointEnv(gymnasium.Env[Any, Any]):
         task: str | Path | Task,
         *,
         render_mode: RenderMode | None = None,
-        pixels: Pixels = "flat",
+        pixels: PixelLayout = "flat",
         **options: Unpack[EnvOptions],
     ) -> None:
         check_pixels(pixels, flat=options.get("flat", True))

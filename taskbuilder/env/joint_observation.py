@@ -11,7 +11,7 @@ from gymnasium import spaces
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
 
-Pixels = Literal["flat", "nested"]
+PixelLayout = Literal["flat", "nested"]
 
 AGENT_POS = "agent_pos"
 """Key of the numbers in an observation that also has images."""
@@ -37,7 +37,7 @@ class JointObservation:
         space: The observation space.
     """
 
-    def __init__(self, observed: Mapping[str, spaces.Space[Any]], pixels: Pixels) -> None:
+    def __init__(self, observed: Mapping[str, spaces.Space[Any]], pixels: PixelLayout) -> None:
         self._nested = pixels == "nested"
         self._shown_to: dict[str, str] = {}  # by image, the first robot that observes it
         images: dict[str, spaces.Space[Any]] = {}
@@ -64,15 +64,15 @@ class JointObservation:
         return self._arranged(numbers, images)
 
     def _arranged(self, numbers: Any, images: Mapping[str, Any]) -> dict[str, Any]:
-        found: dict[str, Any] = {AGENT_POS: numbers}
+        joined: dict[str, Any] = {AGENT_POS: numbers}
         for name, image in images.items():
             camera, _, quantity = name.rpartition(".")
             group = _GROUPS.get(quantity, quantity)
             if self._nested:
-                found.setdefault(group, {})[camera] = image
+                joined.setdefault(group, {})[camera] = image
             else:
-                found[f"{group}/{camera}"] = image
-        return found
+                joined[f"{group}/{camera}"] = image
+        return joined
 
 
 def check_pixels(pixels: str, *, flat: bool) -> None:
@@ -81,7 +81,7 @@ def check_pixels(pixels: str, *, flat: bool) -> None:
     Raises:
         UsageError: There is no such arrangement, or it does not go with ``flat=False``.
     """
-    if pixels not in get_args(Pixels):
+    if pixels not in get_args(PixelLayout):
         raise UsageError(f'pixels is {pixels!r}; "flat" or "nested"')
     if pixels == "nested" and not flat:
         raise UsageError('pixels="nested" does not go with flat=False, whose keys are robots')

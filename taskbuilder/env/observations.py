@@ -76,7 +76,7 @@ class ObservedValue:
         low, high = (_with_position_compressed(bound) for bound in (self.low, self.high))
         return replace(self, low=low, high=high, log=True)
 
-    def shown(self, episode: Episode) -> Sequence[float]:
+    def values_of(self, episode: Episode) -> Sequence[float]:
         """The current values."""
         values = self.read(episode)
         if self.noise is not None:
@@ -147,9 +147,9 @@ class ObservedGroup:
         """The same channel with positions compressed."""
         return replace(self, of=tuple(each.with_log() for each in self.of))
 
-    def shown(self, episode: Episode) -> Sequence[float]:
+    def values_of(self, episode: Episode) -> Sequence[float]:
         """The current values."""
-        return [value for each in self.of for value in each.shown(episode)]
+        return [value for each in self.of for value in each.values_of(episode)]
 
 
 Reading = ObservedValue | ObservedGroup
@@ -175,7 +175,7 @@ class View:
         """All channels of numbers, concatenated: (n,) float32, clipped to the bounds."""
         values: list[float] = []
         for reading in self.readings:
-            values += reading.shown(episode)
+            values += reading.values_of(episode)
         array = np.array(values, dtype=np.float32)
         np.maximum(array, self.low, out=array)  # np.clip takes four times as long
         np.minimum(array, self.high, out=array)

@@ -135,11 +135,11 @@ class Observer:
         vector = view.vector(episode)
         if self._flat and not view.cameras:
             return vector
-        shown = {
+        pictures = {
             f"{c.subject}.{c.quantity}": image_values(c, *images[c.subject]) for c in view.cameras
         }
         numbers = {VECTOR: vector} if self._flat else view.split(vector)
-        return {**numbers, **shown}
+        return {**numbers, **pictures}
 
     def cameras(self, world: World) -> dict[str, Camera]:
         """The cameras of the scene as it stands, with the sizes of observed images."""

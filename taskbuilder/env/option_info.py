@@ -10,7 +10,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.extensions import Door
 from taskbuilder.wording import suggestion
 
-Kind = Literal["reward", "arrays", "scene", "observed", "pictures", "view"]
+OptionKind = Literal["reward", "arrays", "scene", "observed", "pictures", "view"]
 """What an option is about: rewards; the form of actions and observations as arrays; what is played;
 what agents observe of it; the pictures that they observe; or what people see."""
 
@@ -36,7 +36,7 @@ class OptionInfo:
     """
 
     help: str
-    kind: Kind
+    kind: OptionKind
     choices: Mapping[str | bool, str] = field(default_factory=dict)
     others: Door | None = None
     unless_given: str = ""
@@ -49,7 +49,7 @@ class OptionInfo:
     disturbs: bool = False
 
 
-def about(help_: str, kind: Kind, *choices: Any, **more: Any) -> dict[str, OptionInfo]:
+def about(help_: str, kind: OptionKind, *choices: Any, **more: Any) -> dict[str, OptionInfo]:
     """The metadata of a field of `Options`; the arguments are those of `OptionInfo`."""
     return {"info": OptionInfo(help_, kind, *choices, **more)}
 

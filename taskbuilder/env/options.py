@@ -13,7 +13,7 @@ from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
-from taskbuilder.env.option_info import Kind, OptionInfo, about, check_choice, check_value
+from taskbuilder.env.option_info import OptionInfo, OptionKind, about, check_choice, check_value
 from taskbuilder.errors import UsageError
 from taskbuilder.extensions import RENDERERS
 from taskbuilder.schema.choices import GraspChoice, OtherRobots
@@ -26,7 +26,7 @@ RewardSharing = Literal["team", "local", "sparse"]
 Variation = int | Literal["random"]
 Renderer = Literal["auto", "raster", "tiny", "egl"]
 RenderMode = Literal["rgb_array"]
-Seen = Literal["task", "scene"]
+ObservedPart = Literal["task", "scene"]
 Frame = Literal["task", "base"]
 Randomize = bool | Literal["looks", "all"]
 Rotation = Literal["quaternion", "matrix"]
@@ -139,7 +139,7 @@ class Options:
             disturbs=True,
         ),
     )
-    observe: Seen = field(
+    observe: ObservedPart = field(
         default="task",
         metadata=about(
             "what robots observe",
@@ -315,8 +315,8 @@ class Options:
             raise UsageError(
                 f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
             )
-        shown = (self.render_camera,) if self.render_camera else ()
-        for camera in (*self.cameras, *shown):
+        rendered = (self.render_camera,) if self.render_camera else ()
+        for camera in (*self.cameras, *rendered):
             check_choice("camera", camera, tuple(task.file.spec.scene.cameras))
 
 
@@ -330,7 +330,7 @@ def option_infos() -> dict[str, OptionInfo]:
     return {name: each.metadata["info"] for name, each in option_fields().items()}
 
 
-def options_about(*kinds: Kind) -> tuple[str, ...]:
+def options_about(*kinds: OptionKind) -> tuple[str, ...]:
     """The names of the options of some kinds."""
     return tuple(name for name, info in option_infos().items() if info.kind in kinds)
 
@@ -343,7 +343,7 @@ class TrainingOptions(TypedDict, total=False):
     variation: Variation
     randomize: Randomize
     position_noise: float
-    observe: Seen
+    observe: ObservedPart
     frame: Frame
     rotation: Rotation
     distances: Distances
@@ -375,9 +375,9 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     if moved is not None:
         wrapper = f"taskbuilder.learn.wrappers.{_FOR_TRAINING[moved]}"
         raise UsageError(f"{moved} is no option of environments any more; wrap one in {wrapper}")
-    known = tuple(option_fields())
+    names = tuple(option_fields())
     for name in options:
-        check_choice("option", name, known)
+        check_choice("option", name, names)
     chosen: dict[str, Any] = {**options, "robots": other_robots(options.get("robots", ()))}
     return Options(**chosen)
 

@@ -21,7 +21,7 @@ from taskbuilder.env.parallel import TaskEnv
 
 _ALIGNMENT = 64  # bytes of a cache line, so that processes do not share one
 
-Rows = range | slice
+EnvRows = range | slice
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class StepView:
         self.state[row] = state
         self.infos[row] = [info[key] for key in self._keys]
 
-    def copy(self, source: StepView, rows: Rows = slice(None)) -> None:
+    def copy(self, source: StepView, rows: EnvRows = slice(None)) -> None:
         """Copy rows of another view."""
         part = slice(rows.start, rows.stop)
         for mine, theirs in zip(self._arrays, source._arrays, strict=True):

@@ -117,12 +117,12 @@ def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np
         ]
         return np.concatenate(parts)
     try:
-        found = np.asarray(action)
+        array = np.asarray(action)
     except (TypeError, ValueError):
         raise ActionError(agent, space, f"is {type(action).__name__}, not numbers") from None
-    if found.dtype.kind not in "fiub":
+    if array.dtype.kind not in "fiub":
         raise ActionError(agent, space, f"is {type(action).__name__}, not numbers")
-    values = found.astype(np.float64)  # a copy: callers use their arrays again
+    values = array.astype(np.float64)  # a copy: callers use their arrays again
     if values.shape != space.shape:
         raise ActionError(agent, space, f"has shape {values.shape}")
     if not all(map(math.isfinite, values.tolist())):

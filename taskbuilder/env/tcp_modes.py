@@ -204,8 +204,8 @@ class TcpPathMode(ArmMode):
         """The commanded joint positions after an action."""
         arm = self.arm
         rng = np.random.default_rng(0)  # the same path for the same command
-        found = solve(arm.robot.chain, TcpPoseMode(arm).goal(values), start=joints, rng=rng)
-        return arm.approach(joints, found.joints)
+        solution = solve(arm.robot.chain, TcpPoseMode(arm).goal(values), start=joints, rng=rng)
+        return arm.approach(joints, solution.joints)
 
     def leading_to(self, joints: Sequence[float], start: Sequence[float], /) -> Sequence[float]:
         """The numbers that command the arm to given joint positions."""

@@ -24,11 +24,11 @@ from taskbuilder.env.worker import WorkerConfig
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task, load_task
 
-Arrays = dict[str, Any]
+VectorValues = dict[str, Any]
 Flags = NDArray[np.bool_]
 
 
-class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
+class TaskVectorEnv(VectorEnv[VectorValues, VectorValues, Any]):
     """Parallel environments of one task. Call `make_vec` to make them.
 
     Observations, actions and rewards are dictionaries keyed by agent. Each value is an array with
@@ -119,7 +119,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         *,
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[Arrays, dict[str, Any]]:
+    ) -> tuple[VectorValues, dict[str, Any]]:
         """Reset every environment.
 
         Args:
@@ -152,7 +152,9 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         everywhere = np.ones(self.num_envs, dtype=np.bool_)
         return copied(self._seen.observations), self._infos() | self._instructions(everywhere)
 
-    def step(self, actions: Arrays) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
+    def step(
+        self, actions: VectorValues
+    ) -> tuple[VectorValues, VectorValues, Flags, Flags, dict[str, Any]]:
         """Run one control step in every environment.
 
         Args:
@@ -173,7 +175,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         self.step_async(actions)
         return self.step_wait()
 
-    def step_async(self, actions: Arrays) -> None:
+    def step_async(self, actions: VectorValues) -> None:
         """Start a step without waiting for the workers.
 
         Args:
@@ -194,7 +196,7 @@ class TaskVectorEnv(VectorEnv[Arrays, Arrays, Any]):
         self._backend.go()
         self._under_way = True
 
-    def step_wait(self) -> tuple[Arrays, Arrays, Flags, Flags, dict[str, Any]]:
+    def step_wait(self) -> tuple[VectorValues, VectorValues, Flags, Flags, dict[str, Any]]:
         """Wait for the step that `step_async` started; returns the same as `step`.
 
         Raises:

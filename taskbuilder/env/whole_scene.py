@@ -30,8 +30,8 @@ def surroundings(agent: str, world: World) -> tuple[str, ...]:
     robots = ("self", *(name for name in world.robots if name != agent))
     grasps = [
         f"{name}.{key}"
-        for name, thing in world.objects.items()
-        for key, grasp in thing.spec.grasps.items()
+        for name, obj in world.objects.items()
+        for key, grasp in obj.spec.grasps.items()
         if name in world.movable or grasp.link is not None
     ]
     points = (*grasps, *world.task.names.sites)
@@ -77,9 +77,9 @@ def _of_robots(robots: Mapping[str, str], own: Sequence[str], world: World) -> I
 def _moving_joints(world: World) -> list[str]:
     return [
         f"{name}.{joint}"
-        for name, thing in world.objects.items()
-        for joint, info in thing.body.joints.items()
-        if info.type != "fixed" and joint not in thing.mimics
+        for name, obj in world.objects.items()
+        for joint, info in obj.body.joints.items()
+        if info.type != "fixed" and joint not in obj.mimics
     ]
 
 

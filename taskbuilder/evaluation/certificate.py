@@ -63,7 +63,7 @@ def certificate_of(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
         command: The command that made it.
     """
     stages = ("", *trial.task.description.stages)
-    told = {
+    content = {
         "kind": KIND,
         "format": FORMAT,
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -82,7 +82,7 @@ def certificate_of(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
             str(baseline): [record(r) for r in played] for baseline, played in arms.items()
         },
     }
-    plain: dict[str, Any] = json.loads(json.dumps(told))  # as it will be read
+    plain: dict[str, Any] = json.loads(json.dumps(content))  # as it will be read
     return {**plain, "seals": seals(plain)}
 
 
@@ -126,8 +126,8 @@ def read_certificate(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict) or data.get("kind") != KIND:
         raise UsageError(f"{name} is no certificate; evaluate --certificate FILE writes one")
     if data.get("format") != FORMAT:
-        found = excerpt(data.get("format"))
-        raise UsageError(f"{name} has format {found}; this version reads {FORMAT}")
+        version = excerpt(data.get("format"))
+        raise UsageError(f"{name} has format {version}; this version reads {FORMAT}")
     if wrong := next(_misshapen(data), None):
         raise UsageError(f"{name} is damaged: {wrong}")
     return data
@@ -146,8 +146,8 @@ def _misshapen(data: Mapping[str, Any]) -> Iterator[str]:
         if not isinstance(data.get(name), shape):
             yield f"it has no {name}"
             return
-    known = {"kind", "format", "command", *shapes}
-    yield from (f"it has {excerpt(name)}, which no certificate has" for name in {*data} - known)
+    keys = {"kind", "format", "command", *shapes}
+    yield from (f"it has {excerpt(name)}, which no certificate has" for name in {*data} - keys)
     seeds, compared = data["seeds"], data["controls_seeds"]
     if not seeds or not all(type(seed) is int and seed >= 0 for seed in seeds):
         yield "its seeds are no whole numbers"

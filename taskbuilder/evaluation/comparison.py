@@ -50,13 +50,13 @@ class Comparison:
     @property
     def normalized_return(self) -> float | None:
         """The return on a scale from random actions (0) to the expert (1)."""
-        found = {beside.arm: beside for beside in self.controls}
-        if EXPERT not in found or RANDOM not in found:
+        by_arm = {beside.arm: beside for beside in self.controls}
+        if EXPERT not in by_arm or RANDOM not in by_arm:
             return None
-        low, high = found[RANDOM].mean_return, found[EXPERT].mean_return
+        low, high = by_arm[RANDOM].mean_return, by_arm[EXPERT].mean_return
         if not high > low:
             return None
-        return (found[EXPERT].policy_return - low) / (high - low)
+        return (by_arm[EXPERT].policy_return - low) / (high - low)
 
 
 def compare(arms: Arms) -> Comparison:

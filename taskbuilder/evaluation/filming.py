@@ -70,5 +70,5 @@ def film(
             stem = stem.with_suffix("")
         stem.parent.mkdir(parents=True, exist_ok=True)
         named = [camera] if isinstance(camera, str) else camera
-        shown = list(dict.fromkeys(named)) or [next(iter(env.episode.world.scene.cameras))]
-        return save_film(env, episode, shown, stem, size=size, gif=gif)
+        cameras = list(dict.fromkeys(named)) or [next(iter(env.episode.world.scene.cameras))]
+        return save_film(env, episode, cameras, stem, size=size, gif=gif)

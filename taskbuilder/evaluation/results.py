@@ -76,7 +76,7 @@ def as_data(arms: Arms, stages: Sequence[str]) -> dict[str, Any]:
 
 
 def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
-    told = {
+    data = {
         "episodes": beside.episodes,
         "return": beside.mean_return,
         "policy_return": beside.policy_return,
@@ -84,11 +84,11 @@ def _as_data(beside: Beside, arms: Arms) -> dict[str, Any]:
         "success_at_end_rate": beside.success_at_end_rate,
     }
     if beside.arm.kind is BaselineKind.STALL:
-        return {"after_stage": beside.arm.stage, **told}
+        return {"after_stage": beside.arm.stage, **data}
     played = arms[beside.arm]
     summary = summarise(played, len(played[0].stages))
     return {
-        **told,
+        **data,
         "interval": list(summary.interval),
         "interval_at_end": list(summary.interval_at_end),
     }

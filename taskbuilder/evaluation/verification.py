@@ -39,9 +39,9 @@ class Point:
     def __str__(self) -> str:
         if self.same:
             return "the same"
-        shown = ", ".join(map(excerpt, self.differs[:MOST_NAMED]))
+        named = ", ".join(map(excerpt, self.differs[:MOST_NAMED]))
         more = len(self.differs) - MOST_NAMED
-        return f"{shown} and {more} more" if more > 0 else shown
+        return f"{named} and {more} more" if more > 0 else named
 
 
 def compare_files(data: Mapping[str, Any], here: Mapping[str, Any]) -> tuple[Point, ...]:
@@ -69,16 +69,16 @@ def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
         seeds = ["are not those of its episodes"]
     elif not seeds and data["seeds"] != list(range(first, first + len(drawn))):
         seeds = ["do not follow each other, as those of an evaluation do"]
-    told = (f"{name} edited" for name in edited if name != "seeds")
-    return Point("seeds", tuple(seeds)), Point("certificate", tuple(told))
+    edits = (f"{name} edited" for name in edited if name != "seeds")
+    return Point("seeds", tuple(seeds)), Point("certificate", tuple(edits))
 
 
 def compare_machines(data: Mapping[str, Any]) -> tuple[Point, ...]:
     """Compare versions, processor and system, which only matter if the episodes differ."""
     here = {"versions": versions(), "processor": processor(), "system": system()}
     return tuple(
-        Point(about, tuple(_changes(data[about], found)), decides=False)
-        for about, found in here.items()
+        Point(about, tuple(_changes(data[about], present)), decides=False)
+        for about, present in here.items()
     )
 
 
@@ -103,17 +103,17 @@ def compare_claims(
         policy_given: Whether the user has named the policy, whose path may then be another.
     """
     there, here = dict(data["options"]), dict(again["options"])
-    told = [
+    differing = [
         f"option {name} is {_short(here.get(name))} here, not {_short(there.get(name))}"
         for name in dict.fromkeys((*there, *here))
         if name not in there or name not in here or not _same(there[name], here[name])
     ]
-    told += [
+    differing += [
         f"{name} is {_short(again[name])} here, not {_short(data[name])}"
         for name in ("task", "controls_seeds", *(() if policy_given else ("policy",)))
         if not _same(data[name], again[name])
     ]
-    return Point("options", tuple(told))
+    return Point("options", tuple(differing))
 
 
 def _same(there: Any, here: Any) -> bool:
@@ -128,7 +128,7 @@ def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple
         data: The certificate.
         again: A certificate of the same trial, played on this machine.
     """
-    told = list(_episodes(data["episodes"], again["episodes"]))
+    differing = list(_episodes(data["episodes"], again["episodes"]))
     there, here = dict(_flat(data["results"])), dict(_flat(again["results"]))
     results = [
         f"{name} is {_short(here.get(name))}, not {_short(there.get(name))}"
@@ -137,7 +137,7 @@ def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple
     ]
     if not results and not _same(data["results"], again["results"]):
         results = ["are named otherwise"]  # "a.b" may be one name, or two
-    return Point("episodes", tuple(told)), Point("results", tuple(results))
+    return Point("episodes", tuple(differing)), Point("results", tuple(results))
 
 
 def _episodes(
@@ -150,11 +150,11 @@ def _episodes(
             continue
         if len(there[arm]) != len(here[arm]):
             yield f"{arm} has {len(here[arm])} episodes, not {len(there[arm])}"
-        for said, found in zip(there[arm], here[arm], strict=False):
-            wrong = [n for n in found if n not in said or not _same(said[n], found[n])]
-            wrong += [name for name in said if name not in found]
+        for certified, played in zip(there[arm], here[arm], strict=False):
+            wrong = [n for n in played if n not in certified or not _same(certified[n], played[n])]
+            wrong += [name for name in certified if name not in played]
             if wrong:
-                yield f"{arm}, seed {found['seed']}: {' and '.join(wrong)}"
+                yield f"{arm}, seed {played['seed']}: {' and '.join(wrong)}"
 
 
 def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

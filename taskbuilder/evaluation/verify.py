@@ -130,12 +130,12 @@ def verify_data(
     try:
         player = parse_policy(name)
         chosen = other_robots(robots) or _robots(data, catalogue)
-        found = _found(player, data, catalogue, chosen, given=given)
-        here["task"] = digests_of_task(found.task)
+        subject = _subject(player, data, catalogue, chosen, given=given)
+        here["task"] = digests_of_task(subject.task)
         files = compare_files(data, here)
-        found.check()
-        trial = trial_of(found, file, data["seeds"], data["controls_seeds"])
-        arms = play_arms(found, trial.seeds, trial.compared, spread, track)
+        subject.check()
+        trial = trial_of(subject, file, data["seeds"], data["controls_seeds"])
+        arms = play_arms(subject, trial.seeds, trial.compared, spread, track)
         again = certificate_of(trial, arms, "")
     except UsageError as error:
         if "task" not in here:
@@ -190,7 +190,7 @@ def _robots(data: Mapping[str, Any], catalogue: Catalogue) -> OtherRobots:
     return robots
 
 
-def _found(
+def _subject(
     player: Player,
     data: Mapping[str, Any],
     catalogue: Catalogue,
@@ -211,10 +211,10 @@ def _found(
         except UnknownNameError as error:
             hint = "name the folder of its files by --task-path"
             raise UsageError(f"its task is not here ({error}); {hint}") from None
-    told = data["options"]
-    asked = {key: told[key] for key in (*DISTURBANCES, "grasp") if key in told}
+    certified = data["options"]
+    asked = {key: certified[key] for key in (*DISTURBANCES, "grasp") if key in certified}
     if robots:
         asked["robots"] = robots
     # What the certificate leaves out is as in training, and is then a difference.
-    trained = {**player.options, **env_options(told)}
+    trained = {**player.options, **env_options(certified)}
     return find_subject(player, task=task, trained=trained, options=asked, catalogue=catalogue)

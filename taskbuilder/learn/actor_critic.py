@@ -19,7 +19,7 @@ from taskbuilder.learn.networks import (
     state_arrays,
 )
 from taskbuilder.learn.shapes import Shapes
-from taskbuilder.policies.trained import Array
+from taskbuilder.policies.trained import Array32
 
 
 class ActorCritic:
@@ -96,11 +96,11 @@ class ActorCritic:
         """Move the target actors towards the actors by a fraction."""
         follow(self.target_actors, self.actors, share)
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, Array32]:
         """Networks, targets and optimisers, by name."""
         return state_arrays(self._modules(), self._adams())
 
-    def load(self, arrays: Mapping[str, Array]) -> None:
+    def load(self, arrays: Mapping[str, Array32]) -> None:
         """Restore what `arrays` returned.
 
         Raises:

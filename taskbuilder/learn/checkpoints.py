@@ -71,7 +71,7 @@ class Checkpoints:
 
     def _tidy(self, needed: set[str]) -> None:
         """Remove files that no kept checkpoint needs."""
-        for _, path in self._found()[KEPT:]:
+        for _, path in self._files_by_step()[KEPT:]:
             path.unlink()
         self._needed = [*self._needed, needed][-KEPT:]
         if len(self._needed) == KEPT:  # else there may be one from before that needs more
@@ -81,14 +81,14 @@ class Checkpoints:
 
     def _save_rows(self, name: str, memory: Replay) -> list[list[Any]]:
         """Write rows that are in no file yet; return all files whose rows are still in memory."""
-        known = [entry for entry in self._files if entry[0].startswith(f"{name}-")]
-        done = max((entry[2] for entry in known), default=0)
-        if memory.added > done:
-            file = f"{name}-{done:09d}-{memory.added:09d}.npz"
-            write_arrays(self._folder / file, {"rows": memory.since(done)}, {"kind": _ROWS_KIND})
-            known.append((file, done, memory.added))
-            self._files.append(known[-1])
-        return [list(entry) for entry in known if entry[2] > memory.added - memory.capacity]
+        stored = [entry for entry in self._files if entry[0].startswith(f"{name}-")]
+        saved = max((entry[2] for entry in stored), default=0)
+        if memory.added > saved:
+            file = f"{name}-{saved:09d}-{memory.added:09d}.npz"
+            write_arrays(self._folder / file, {"rows": memory.since(saved)}, {"kind": _ROWS_KIND})
+            stored.append((file, saved, memory.added))
+            self._files.append(stored[-1])
+        return [list(entry) for entry in stored if entry[2] > memory.added - memory.capacity]
 
     def load(self, memories: Mapping[str, Replay]) -> Checkpoint | None:
         """Read the newest undamaged checkpoint, and its transitions into the memories.
@@ -100,7 +100,7 @@ class Checkpoints:
             StoreError: There are checkpoints, and all of them are damaged.
         """
         troubles = []
-        for _, path in self._found():
+        for _, path in self._files_by_step():
             try:
                 arrays, about = read_arrays(path, _KIND)
                 rows = {name: self._read_rows(about["rows"][name]) for name in memories}
@@ -123,7 +123,7 @@ class Checkpoints:
             memory.add(rows)
         self._files += [(str(name), int(first), int(last)) for name, first, last in files]
 
-    def _found(self) -> list[tuple[int, Path]]:
+    def _files_by_step(self) -> list[tuple[int, Path]]:
         """Checkpoints by step, the newest first, without unfinished ones."""
         if not self._folder.is_dir():
             return []

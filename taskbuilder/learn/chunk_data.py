@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from taskbuilder.learn.recordings import Demonstrations
-from taskbuilder.policies.trained import Array
+from taskbuilder.policies.trained import Array32
 
 LEAST_SCALE = 0.02
 """Minimum scale of an observed number, so that those that hardly vary are not amplified."""
@@ -31,30 +31,32 @@ class ChunkData:
 
     def __init__(self, demonstrations: Demonstrations, device: torch.device) -> None:
         self._device = device
-        seen = demonstrations.observations
-        self._mean = {agent: x.mean(0) for agent, x in seen.items()}
-        self._scale = {agent: np.maximum(x.std(0), LEAST_SCALE) for agent, x in seen.items()}
+        observations = demonstrations.observations
+        self._mean = {agent: x.mean(0) for agent, x in observations.items()}
+        self._scale = {
+            agent: np.maximum(x.std(0), LEAST_SCALE) for agent, x in observations.items()
+        }
         self._own = {
             agent: own if demonstrations.pictures else np.ones_like(own)
             for agent, own in demonstrations.own.items()
         }
-        normal = {a: (x - self._mean[a]) / self._scale[a] for a, x in seen.items()}
-        self.sizes = {agent: x.shape[1] for agent, x in seen.items()}
+        normal = {a: (x - self._mean[a]) / self._scale[a] for a, x in observations.items()}
+        self.sizes = {agent: x.shape[1] for agent, x in observations.items()}
         self._mask = {agent: self._tensor(own) for agent, own in self._own.items()}
         self._observations = {a: self._tensor(x) * self._mask[a] for a, x in normal.items()}
         rest = [x[:, ~self._own[agent]] for agent, x in normal.items()]
         self.scene = self._tensor(np.concatenate(rest, 1))
         self.pictures = {
-            camera: torch.from_numpy(shown).to(device)
-            for camera, shown in demonstrations.pictures.items()
+            camera: torch.from_numpy(images).to(device)
+            for camera, images in demonstrations.pictures.items()
         }
-        self._actions = {a: self._tensor(done) for a, done in demonstrations.actions.items()}
+        self._actions = {a: self._tensor(actions) for a, actions in demonstrations.actions.items()}
         self._ends = torch.from_numpy(demonstrations.ends).to(device)
 
     @property
     def action_sizes(self) -> dict[str, int]:
         """Size of each agent's action."""
-        return {agent: done.shape[1] for agent, done in self._actions.items()}
+        return {agent: actions.shape[1] for agent, actions in self._actions.items()}
 
     def draw(self, count: int, rng: np.random.Generator) -> Tensor:
         """Rows, drawn uniformly: (count,)."""
@@ -70,11 +72,11 @@ class ChunkData:
             noise: Standard deviation of Gaussian noise on the numbers that policies observe.
             rng: Generator of the noise.
         """
-        observed = {agent: seen[rows] for agent, seen in self._observations.items()}
+        observed = {agent: values[rows] for agent, values in self._observations.items()}
         if noise:
-            for agent, seen in observed.items():
-                drawn = self._tensor(rng.standard_normal(seen.shape, dtype=np.float32))
-                observed[agent] = seen + noise * drawn * self._mask[agent]
+            for agent, values in observed.items():
+                sample = self._tensor(rng.standard_normal(values.shape, dtype=np.float32))
+                observed[agent] = values + noise * sample * self._mask[agent]
         return observed
 
     def chunks(self, rows: Tensor, length: int) -> tuple[Tensor, Tensor]:
@@ -91,11 +93,11 @@ class ChunkData:
         ahead = rows[:, None] + torch.arange(length, device=self._device)
         ends = self._ends[rows, None]
         ahead, inside = torch.minimum(ahead, ends - 1), ahead < ends
-        actions = [done[ahead].flatten(1) for done in self._actions.values()]
+        actions = [values[ahead].flatten(1) for values in self._actions.values()]
         counted = [inside.repeat_interleave(size, 1) for size in self.action_sizes.values()]
         return torch.cat(actions, 1), torch.cat(counted, 1)
 
-    def statistics(self, features: int) -> tuple[dict[str, Array], dict[str, Array]]:
+    def statistics(self, features: int) -> tuple[dict[str, Array32], dict[str, Array32]]:
         """Mean and scale of each agent's input: its observed numbers, then features as they are.
 
         A number that the policy does not observe has an infinite scale, and so no weight.

@@ -13,7 +13,7 @@ from taskbuilder.env.vector import TaskVectorEnv
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.training_rewards import TrainingReward
 
-Arrays = Mapping[str, NDArray[np.float32]]
+AgentArrays = Mapping[str, NDArray[np.float32]]
 Flags = NDArray[np.bool_]
 
 
@@ -94,7 +94,7 @@ class Collector:
         self.observations: dict[str, NDArray[np.float32]] = {}
         self._state: NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
         self._tally = Tally(envs.num_envs)
-        self._actions: Arrays = {}
+        self._actions: AgentArrays = {}
 
     def begin(self, seed: int) -> None:
         """Reset all environments."""
@@ -102,12 +102,12 @@ class Collector:
         everywhere = np.ones(self._envs.num_envs, dtype=np.bool_)
         self._reward.begin(infos, everywhere)
         self._tally.begin(everywhere)
-        self._state = self._seen()
+        self._state = self._critic_state()
 
-    def _seen(self) -> NDArray[np.float32]:
+    def _critic_state(self) -> NDArray[np.float32]:
         return np.concatenate([self._envs.state(), self._reward.critic_features()], 1)
 
-    def step_async(self, actions: Arrays) -> None:
+    def step_async(self, actions: AgentArrays) -> None:
         """Start a step of all environments, without waiting for workers."""
         self._actions = actions
         self._envs.step_async(dict(actions))
@@ -119,15 +119,15 @@ class Collector:
             A row for each environment's transition; (num_envs,) bool, where the transition was lost
             with its worker; and the episodes that ended.
         """
-        later, rewards, terminated, truncated, infos = self._envs.step_wait()
+        observations, rewards, terminated, truncated, infos = self._envs.step_wait()
         ended = terminated | truncated
-        final, next_observations, next_envs = infos, later, self._envs.state()
+        final, next_observations, next_envs = infos, observations, self._envs.state()
         if ended.any():
             final = {
                 key: np.where(ended, infos["final_info"][key], infos[key])
                 for key in infos["final_info"]
             }
-            next_observations = _replaced(later, infos["final_obs"], ended)
+            next_observations = _replaced(observations, infos["final_obs"], ended)
             next_envs = np.where(ended[:, None], infos["final_state"], next_envs)
         rewarded = self._reward.compute(np.stack([rewards[a] for a in self._envs.agents], 1), final)
         next_state = np.concatenate([next_envs, self._reward.critic_features()], 1)
@@ -146,12 +146,12 @@ class Collector:
         finished = list(self._tally.finished(ended & ~lost))
         self._tally.begin(ended)
         self._reward.begin(infos, ended)
-        self.observations, self._state = later, self._seen()
+        self.observations, self._state = observations, self._critic_state()
         return rows, lost, finished
 
 
 def _replaced(
-    observations: Arrays, finals: NDArray[np.object_], rows: NDArray[np.bool_]
+    observations: AgentArrays, finals: NDArray[np.object_], rows: NDArray[np.bool_]
 ) -> dict[str, NDArray[np.float32]]:
     replaced = {agent: values.copy() for agent, values in observations.items()}
     for row in np.flatnonzero(rows):

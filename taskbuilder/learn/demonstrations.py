@@ -103,8 +103,8 @@ def with_explicit_grippers(rollout: Rollout, binary: Collection[str]) -> Rollout
         binary: The robots whose gripper is told to open or to close.
     """
     actions = {
-        agent: explicit_gripper(done) if agent in binary else done
-        for agent, done in rollout.actions.items()
+        agent: explicit_gripper(values) if agent in binary else values
+        for agent, values in rollout.actions.items()
     }
     return replace(rollout, actions=actions)
 
@@ -150,10 +150,10 @@ def transitions(
     for episode in episodes:
         collector.begin(episode.seed)
         n_step.begin()
-        steps = min(len(done) for done in episode.actions.values())
+        steps = min(len(values) for values in episode.actions.values())
         for step in range(steps):
-            done = {agent: values[step : step + 1] for agent, values in episode.actions.items()}
-            collector.step_async(done)
+            actions = {agent: values[step : step + 1] for agent, values in episode.actions.items()}
+            collector.step_async(actions)
             rows, lost, finished = collector.step_wait()
             parts.append(n_step.add(rows, lost))
             if finished:  # later actions of the expert would belong to another episode

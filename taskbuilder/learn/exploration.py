@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.arrays import Arrays
-from taskbuilder.policies.trained import Array
+from taskbuilder.policies.trained import Array32
 
 LONGEST_COMMAND = 10
 """Random commands to grippers last 1 to this many control steps, all equally likely."""
@@ -40,10 +40,12 @@ class Exploration:
     def noise(self, progress_fraction: float) -> float:
         """Standard deviation of the noise at a fraction of the training, 0 to 1."""
         settings = self._settings
-        fallen = min(progress_fraction / max(settings.noise_until, 1e-9), 1.0)
-        return float(settings.noise + (settings.final_noise - settings.noise) * fallen)
+        fraction = min(progress_fraction / max(settings.noise_until, 1e-9), 1.0)
+        return float(settings.noise + (settings.final_noise - settings.noise) * fraction)
 
-    def explore_(self, actions: Array, rng: np.random.Generator, progress_fraction: float) -> None:
+    def explore_(
+        self, actions: Array32, rng: np.random.Generator, progress_fraction: float
+    ) -> None:
         """Change the actions of a policy in place; to be called once per control step.
 
         Args:
@@ -60,7 +62,7 @@ class Exploration:
             chance = self._settings.gripper_epsilon * relative
             actions[:, self._grippers] = self._command(actions[:, self._grippers], chance, rng)
 
-    def _command(self, commands: Array, chance: Array, rng: np.random.Generator) -> Array:
+    def _command(self, commands: Array32, chance: Array32, rng: np.random.Generator) -> Array32:
         """Commands to grippers, some of them random: (num_envs, grippers)."""
         if len(self._steps_left) != len(commands):
             self._steps_left = np.zeros(commands.shape, dtype=np.int64)
@@ -79,7 +81,7 @@ class Exploration:
             return {}
         return {"gripper_steps_left": self._steps_left, "gripper_commands": self._commands}
 
-    def load(self, arrays: Mapping[str, Array]) -> None:
+    def load(self, arrays: Mapping[str, Array32]) -> None:
         """Restore the state that `arrays` returned.
 
         Raises:

@@ -11,7 +11,7 @@ import numpy as np
 from taskbuilder.arrays import Arrays
 from taskbuilder.learn.replay import Memory, Replay
 from taskbuilder.learn.shapes import Rows
-from taskbuilder.policies.trained import Array, TrainedPolicy
+from taskbuilder.policies.trained import Array32, TrainedPolicy
 
 
 class Trainable(Protocol):
@@ -45,8 +45,11 @@ class Learner(Trainable, Protocol):
     """A frozen dataclass that has at least ``discount``."""
 
     def act(
-        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
-    ) -> dict[str, Array]:
+        self,
+        observations: Mapping[str, Array32],
+        rng: np.random.Generator,
+        progress_fraction: float,
+    ) -> dict[str, Array32]:
         """Exploratory actions at a fraction of the training: (num_envs, n) each."""
         ...
 

@@ -44,12 +44,12 @@ class NStepTransitions:
             The transitions that are complete now: (any number, width).
         """
         complete: list[Rows] = []
-        for unfinished, row, gone in zip(self._open, rows, lost, strict=True):
-            if not gone:
+        for unfinished, row, is_lost in zip(self._open, rows, lost, strict=True):
+            if not is_lost:
                 for age, earlier in zip(range(len(unfinished), 0, -1), unfinished, strict=True):
                     self._extend(earlier, row, age)
                 unfinished.append(row.copy())
-            if gone or row[self._layout.ended.start] > 0.0:
+            if is_lost or row[self._layout.ended.start] > 0.0:
                 complete += unfinished
                 unfinished.clear()
             elif len(unfinished) == self._steps:

@@ -14,7 +14,7 @@ from torch import Tensor, nn
 
 from taskbuilder.errors import UsageError
 from taskbuilder.policies.trained import (
-    Array,
+    Array32,
     Network,
     TrainedPolicy,
     check_network,
@@ -159,7 +159,7 @@ class SharedNetworks(nn.ModuleList):
         return torch.cat([parts[agent] for agent in self.agents], 1)
 
     def policy(
-        self, means: Mapping[str, Array], scales: Mapping[str, Array], *, squash: bool
+        self, means: Mapping[str, Array32], scales: Mapping[str, Array32], *, squash: bool
     ) -> dict[str, Network]:
         """A policy with a network for each agent, which takes unnormalised observations.
 
@@ -180,7 +180,7 @@ class SharedNetworks(nn.ModuleList):
         return {agent: networks[agent] for agent in self.agents}
 
     def take(
-        self, policy: TrainedPolicy, means: Mapping[str, Array], scales: Mapping[str, Array]
+        self, policy: TrainedPolicy, means: Mapping[str, Array32], scales: Mapping[str, Array32]
     ) -> None:
         """Copy the networks of a policy; the inverse of `policy`.
 
@@ -217,9 +217,9 @@ def _key(group: Sequence[str]) -> str:
     return f"roles of {' '.join(group)}".replace(".", " ")
 
 
-def as_array(tensor: Tensor) -> Array:
+def as_array(tensor: Tensor) -> Array32:
     """A copy of a tensor as an array."""
-    array: Array = tensor.detach().cpu().numpy().copy()
+    array: Array32 = tensor.detach().cpu().numpy().copy()
     return array
 
 

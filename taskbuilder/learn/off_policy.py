@@ -90,10 +90,10 @@ class OffPolicy:
         """Draw a batch: half demonstrations, or all of it while there is no experience."""
         if self.demonstrations is None:
             return self.experience.sample(count, rng)
-        shown = round(count * DEMO_SHARE) if len(self.experience) else count
-        rows = [self.demonstrations.sample(shown, rng)]
-        if shown < count:
-            rows.append(self.experience.sample(count - shown, rng))
+        demo_count = round(count * DEMO_SHARE) if len(self.experience) else count
+        rows = [self.demonstrations.sample(demo_count, rng)]
+        if demo_count < count:
+            rows.append(self.experience.sample(count - demo_count, rng))
         return np.concatenate(rows)
 
     def counters(self) -> dict[str, Any]:

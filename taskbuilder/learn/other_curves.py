@@ -13,7 +13,7 @@ import numpy as np
 
 from taskbuilder.errors import display_path
 from taskbuilder.learn.logs import LogError, damaged
-from taskbuilder.learn.run_groups import Line
+from taskbuilder.learn.run_groups import RunCurve
 
 CURVES = ("success_rate", "team_return")
 """Columns that are drawn; a file has at least one of them."""
@@ -32,8 +32,8 @@ class OtherCurves:
 
     name: str
     seeds: int
-    success: tuple[Line, ...]
-    team_return: tuple[Line, ...]
+    success: tuple[RunCurve, ...]
+    team_return: tuple[RunCurve, ...]
 
 
 def read_curves(path: Path) -> OtherCurves:
@@ -65,9 +65,9 @@ def read_curves(path: Path) -> OtherCurves:
 
 
 def _check_columns(path: Path, names: object) -> None:
-    found = tuple(names) if isinstance(names, list | tuple) else ()
-    if "step" not in found or not set(CURVES) & set(found):
-        has = ", ".join(found) or "none"
+    columns = tuple(names) if isinstance(names, list | tuple) else ()
+    if "step" not in columns or not set(CURVES) & set(columns):
+        has = ", ".join(columns) or "none"
         raise damaged(
             path, 1, f"needs the columns step and {' or '.join(CURVES)}; the columns are {has}"
         )
@@ -83,6 +83,6 @@ def _number(path: Path, line: int, name: str, row: Mapping[str, str]) -> float:
     return value
 
 
-def _line(points: list[tuple[float, float]]) -> Line:
+def _line(points: list[tuple[float, float]]) -> RunCurve:
     steps, values = np.array(sorted(points)).T
     return steps, values

@@ -106,11 +106,11 @@ class Plan:
     def env(self) -> dict[str, Any]:
         """The options of the environments that a policy of this plan needs."""
         chosen, infos = self.options.chosen, option_infos()
-        told = {name for name in options_about("observed") if not infos[name].disturbs}
+        observed = {name for name in options_about("observed") if not infos[name].disturbs}
         return {
             name: getattr(self.options, name)
             for name in (*trained_options(), *(PICTURES if self.options.cameras else ()))
-            if name in chosen or name in told or name in PICTURES
+            if name in chosen or name in observed or name in PICTURES
         }
 
     @property
@@ -196,10 +196,10 @@ def make_plan(
         UsageError: A name is unknown, a value is invalid, or the algorithm does not support it.
         UnknownNameError: The zoo has no such policy.
     """
-    known = Plan("").values
-    del known["settings"]
+    defaults = Plan("").values
+    del defaults["settings"]
     for name in given:
-        _choice("option", name, tuple(known))
+        _choice("option", name, tuple(defaults))
     chosen = {name: value for name, value in given.items() if value is not None}
     names = chosen.keys() & {*trained_options(), *PICTURES}
     options = make_options(**{name: chosen[name] for name in names})
@@ -230,7 +230,7 @@ def make_plan(
     plan = plan_of({"task": task, **preset.plan, **trained, **chosen})
     plan.check()
     for name, why in algorithm.cannot.items():
-        if plan.values[name] != known[name]:
+        if plan.values[name] != defaults[name]:
             raise UsageError(f"{plan.algorithm} {why}")
     own = read_settings(algorithm.settings, settings)
     fitting = algorithm.settings_of(init) if init else {}

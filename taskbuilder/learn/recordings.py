@@ -22,7 +22,7 @@ from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.replayed import Replayer, joined
 from taskbuilder.policies.grammar import is_word
-from taskbuilder.policies.trained import Array
+from taskbuilder.policies.trained import Array32
 from taskbuilder.schema.grasping import rules_of
 from taskbuilder.task import Task
 from taskbuilder.wording import suggestion
@@ -47,8 +47,8 @@ class Demonstrations:
         pictures: (n, height, width, 3) uint8 by camera.
     """
 
-    observations: Mapping[str, Array]
-    actions: Mapping[str, Array]
+    observations: Mapping[str, Array32]
+    actions: Mapping[str, Array32]
     ends: NDArray[np.int64]
     own: Mapping[str, NDArray[np.bool_]]
     pictures: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
@@ -90,12 +90,14 @@ def read_demonstrations(
     names = {agent: robot["observation_names"] for agent, robot in robots.items()}
     observed = names if observed is None else observed
     if replayer is not None and any(set(observed[agent]) - set(names[agent]) for agent in agents):
-        seen = joined(list(replayer.observations(episodes)))
+        observations = joined(list(replayer.observations(episodes)))
     else:
         columns = {a: [names[a].index(name) for name in observed[a]] for a in agents}
-        seen = {a: _joined(e.observations[a][:-1, columns[a]] for e in episodes) for a in agents}
+        observations = {
+            a: _joined(e.observations[a][:-1, columns[a]] for e in episodes) for a in agents
+        }
     return Demonstrations(
-        seen,
+        observations,
         {
             agent: _joined(
                 explicit_gripper(e.actions[agent]) if agent in binary else e.actions[agent]
@@ -120,8 +122,8 @@ def recorded_demonstrations(
     """
     robots = dataset.about["tasks"][task]["robots"]
     binary = {agent for agent, robot in robots.items() if _has_binary_gripper(robot)}
-    found = [each for each in successes(dataset, task) if each.variation == variation]
-    if not found:
+    episodes = [each for each in successes(dataset, task) if each.variation == variation]
+    if not episodes:
         where = display_path(dataset.folder)
         raise UsageError(f"{where} has no successful episode of variation {variation} of {task}")
     return tuple(
@@ -130,7 +132,7 @@ def recorded_demonstrations(
             {a: explicit_gripper(v) if a in binary else v for a, v in each.actions.items()},
             each.first_success,
         )
-        for each in found
+        for each in episodes
     )
 
 
@@ -145,7 +147,7 @@ def _has_binary_gripper(robot: Mapping[str, Any]) -> bool:
     return bool(robot["action"]["gripper"] == "binary") and name.endswith(".gripper")
 
 
-def _joined(parts: Iterable[NDArray[Any]]) -> Array:
+def _joined(parts: Iterable[NDArray[Any]]) -> Array32:
     return np.concatenate(list(parts)).astype(np.float32)
 
 
@@ -229,10 +231,10 @@ def _pictures(about: Mapping[str, Any], where: str, asked: Sequence[str]) -> dic
     if not asked:
         return {}
     tasks = about["tasks"].values()
-    known = about["collected"]["cameras"]
+    recorded = about["collected"]["cameras"]
     for camera in asked:
-        if camera not in known:
-            help_ = suggestion(camera, known, what="it has") if known else "it has none"
+        if camera not in recorded:
+            help_ = suggestion(camera, recorded, what="it has") if recorded else "it has none"
             raise UsageError(f'{where} has no pictures of "{camera}"; {help_}')
     sizes = {(t["cameras"][c]["width"], t["cameras"][c]["height"]) for t in tasks for c in asked}
     if len(sizes) > 1:
@@ -293,8 +295,9 @@ def check_recorded(
                 f"{about['control_hz']}; collect anew"
             )
         names = dict(env.observation_names)
-        seen = names if recorded["observe"] == env.options.observe else None
-        for difference in _differences(about["robots"], env, seen or _observed(task, recorded)):
+        same = recorded["observe"] == env.options.observe
+        observed = names if same else _observed(task, recorded)
+        for difference in _differences(about["robots"], env, observed):
             raise UsageError(f"{where} does not fit {task.name} as it is now: {difference}")
         _check_pictures(env, recorded=True)
         return names

@@ -14,7 +14,7 @@ from taskbuilder.data.dataset import RecordedEpisode
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
-from taskbuilder.policies.trained import Array
+from taskbuilder.policies.trained import Array32
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.task import Task
@@ -35,7 +35,7 @@ class Replayer:
     task: Task
     options: Mapping[str, Any]
 
-    def observations(self, episodes: Iterable[RecordedEpisode]) -> Iterator[Mapping[str, Array]]:
+    def observations(self, episodes: Iterable[RecordedEpisode]) -> Iterator[Mapping[str, Array32]]:
         """What the agents observe before each control step: (steps, numbers) by agent.
 
         Raises:
@@ -51,7 +51,7 @@ class Replayer:
                     envs[number] = stack.enter_context(made)
                 yield self._observed(envs[number], episode)
 
-    def _observed(self, env: TaskEnv, episode: RecordedEpisode) -> Mapping[str, Array]:
+    def _observed(self, env: TaskEnv, episode: RecordedEpisode) -> Mapping[str, Array32]:
         played = play(env, RecordedActions(episode.actions), episode.seed, observations=True)
         if not _same(played.rewards, episode.team_reward):
             raise UsageError(
@@ -59,8 +59,8 @@ class Replayer:
                 "lists cannot be observed; collect another data set, with --observe task"
             )
         return {
-            agent: (seen[VECTOR] if isinstance(seen, Mapping) else seen)[:-1]
-            for agent, seen in played.observations.items()
+            agent: (values[VECTOR] if isinstance(values, Mapping) else values)[:-1]
+            for agent, values in played.observations.items()
         }
 
 
@@ -68,6 +68,6 @@ def _same(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
     return len(one) == len(other) and bool(np.allclose(one, other, atol=SAME_REWARD))
 
 
-def joined(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+def joined(parts: Sequence[Mapping[str, Array32]]) -> dict[str, Array32]:
     """The observations of several episodes, one after the other, by agent."""
     return {agent: np.concatenate([part[agent] for part in parts]) for agent in parts[0]}

@@ -19,7 +19,7 @@ from taskbuilder.learn.logs import RunLog, Table
 from taskbuilder.learn.plan import Plan
 
 Numbers = NDArray[np.float64]
-Line = tuple[Numbers, Numbers]
+RunCurve = tuple[Numbers, Numbers]
 """Environment steps, and the value of a quantity at each."""
 
 AT_END = "success_at_end_rate"
@@ -60,16 +60,16 @@ class RunGroup:
     traits: Mapping[str, Any]
     runs: tuple[RunLog, ...]
 
-    def success(self) -> list[Line]:
+    def success(self) -> list[RunCurve]:
         """Success rate of each run's evaluations."""
         return [(r.evaluations["step"], r.evaluations["success_rate"]) for r in self.runs]
 
-    def success_at_end(self) -> list[Line]:
+    def success_at_end(self) -> list[RunCurve]:
         """Rate of success at the last control step, of the runs that record it."""
         tables = [run.evaluations for run in self.runs if AT_END in run.evaluations]
         return [(table["step"], table[AT_END]) for table in tables]
 
-    def smoothed(self, column: str, longest: float) -> list[Line]:
+    def smoothed(self, column: str, longest: float) -> list[RunCurve]:
         """The moving average of a quantity over each run's training episodes.
 
         Args:
@@ -80,7 +80,7 @@ class RunGroup:
         lines = [smooth(table["step"], table[column], longest) for table in tables]
         return [line for line in lines if len(line[0])]
 
-    def stages(self) -> Line:
+    def stages(self) -> RunCurve:
         """Mean fraction of evaluation episodes by last stage: (n,) and (stages + 1, n).
 
         The mean at a step is over the runs that reached it, since runs stop at different steps.
@@ -93,8 +93,8 @@ class RunGroup:
             nobody = np.zeros(len(table["step"]))
             counts = [table.get(f"stage/{stage}", nobody) for stage in range(count)]
             total = np.maximum(table["episodes"], 1.0)
-            known = table["step"]
-            shares.append([np.interp(steps, known, n / total, right=np.nan) for n in counts])
+            recorded = table["step"]
+            shares.append([np.interp(steps, recorded, n / total, right=np.nan) for n in counts])
         return steps, np.nanmean(shares, axis=0)
 
 
@@ -154,7 +154,7 @@ _WORDS: Mapping[str, Callable[[Any], str]] = {
     ),
     "starts": lambda share: f"{share:.0%} expert starts" if share else "the task's own starts",
     "data": lambda folder: f"data {display_path(Path(folder))}" if folder else "no data set",
-    "observe": lambda seen: "whole scene" if seen == "scene" else "own observations",
+    "observe": lambda observe: "whole scene" if observe == "scene" else "own observations",
     "distances": lambda unit: f"distances in {unit}",
     "grasp": lambda rule: f"grasp {'as in the task file' if rule == 'task' else rule}",
     "variation": lambda number: f"variation {number}" if number else "plain task",
@@ -183,7 +183,7 @@ def _part(value: Any) -> str:
     return "=".join(value) if isinstance(value, tuple) else str(value)
 
 
-def aggregate(lines: Sequence[Line], rng: np.random.Generator) -> Aggregate | None:
+def aggregate(lines: Sequence[RunCurve], rng: np.random.Generator) -> Aggregate | None:
     """Aggregate lines; None for a single line, or if the lines do not overlap.
 
     Args:
@@ -198,21 +198,21 @@ def aggregate(lines: Sequence[Line], rng: np.random.Generator) -> Aggregate | No
     return Aggregate(steps, iqm(values), low, high)
 
 
-def _common_steps(lines: Sequence[Line]) -> Numbers:
+def _common_steps(lines: Sequence[RunCurve]) -> Numbers:
     """All steps with a point of some line, up to the end of the shortest line."""
-    known = _known_steps(lines)
-    common: Numbers = known[known <= min(steps[-1] for steps, _ in lines)]
+    points = _known_steps(lines)
+    common: Numbers = points[points <= min(steps[-1] for steps, _ in lines)]
     return common
 
 
-def _known_steps(lines: Sequence[Line]) -> Numbers:
+def _known_steps(lines: Sequence[RunCurve]) -> Numbers:
     """All steps with a point of some line, from the step at which all lines have begun."""
-    known = np.unique(np.concatenate([steps for steps, _ in lines]))
-    begun: Numbers = known[known >= max(steps[0] for steps, _ in lines)]
+    points = np.unique(np.concatenate([steps for steps, _ in lines]))
+    begun: Numbers = points[points >= max(steps[0] for steps, _ in lines)]
     return begun
 
 
-def smooth(steps: Numbers, values: Numbers, longest: float) -> Line:
+def smooth(steps: Numbers, values: Numbers, longest: float) -> RunCurve:
     """The moving average at evenly spaced steps.
 
     Args:
@@ -241,11 +241,11 @@ def episodes_at(runs: Sequence[RunLog]) -> Callable[[Numbers], Numbers]:
     def count(steps: Numbers) -> Numbers:
         counts = []
         for run in runs:
-            known, ended = run.evaluations["step"], run.evaluations["episode"]
-            known, ended = np.append(0.0, known), np.append(0.0, ended)
-            inside = np.interp(steps, known, ended)
-            pace = ended[-1] / max(known[-1], 1.0)
-            counts.append(np.where(steps > known[-1], steps * pace, inside))
+            logged, ended = run.evaluations["step"], run.evaluations["episode"]
+            logged, ended = np.append(0.0, logged), np.append(0.0, ended)
+            inside = np.interp(steps, logged, ended)
+            pace = ended[-1] / max(logged[-1], 1.0)
+            counts.append(np.where(steps > logged[-1], steps * pace, inside))
         mean: Numbers = np.mean(counts, axis=0)
         return mean
 

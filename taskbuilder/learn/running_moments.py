@@ -36,10 +36,10 @@ class RunningMoments:
         if not len(rows):
             return
         values = rows.astype(np.float64)
-        count, apart = self._count + len(values), values.mean(0) - self.mean
+        count, delta = self._count + len(values), values.mean(0) - self.mean
         self._square += values.var(0) * len(values)
-        self._square += apart**2 * self._count * len(values) / count
-        self.mean = self.mean + apart * len(values) / count
+        self._square += delta**2 * self._count * len(values) / count
+        self.mean = self.mean + delta * len(values) / count
         self._count = count
 
     def arrays(self) -> dict[str, NDArray[np.float64]]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from taskbuilder._version import __version__
 from taskbuilder.data.dataset import Dataset, load_dataset
@@ -32,13 +32,13 @@ from taskbuilder.schema.grasping import grasp_rules
 from taskbuilder.task import Task, load_task
 from taskbuilder.untrusted import names_within
 
+if TYPE_CHECKING:  # loads PyTorch
+    from taskbuilder.learn.training import OnStatus
+
 START_EPISODES = 50
 """Expert episodes for start states, if the run has no demonstrations."""
 
-Watch = Callable[[Any], None]
-"""Called with a `TrainingStatus` after each step of all environments."""
-
-Track = Callable[[Iterable[Rollout], int], Iterable[Rollout]]
+TrackRollouts = Callable[[Iterable[Rollout], int], Iterable[Rollout]]
 """Wraps the demonstrations as they are recorded, given their total number."""
 
 
@@ -79,7 +79,7 @@ def train(
     film_every: int | None = None,
     checkpoint_every: int | None = None,
     stop_at: float | None = None,
-    watch: Watch = lambda _: None,
+    watch: OnStatus = lambda _: None,
     **options: Unpack[TrainingOptions],
 ) -> TrainedRun:
     """Train a policy for each robot of a task.
@@ -146,7 +146,9 @@ def train(
     return TrainedRun(folder, run.plan, load_policy(str(folder)))
 
 
-def resume(folder: str | Path, *, watch: Watch = lambda _: None, trust: bool = False) -> TrainedRun:
+def resume(
+    folder: str | Path, *, watch: OnStatus = lambda _: None, trust: bool = False
+) -> TrainedRun:
     """Resume a training run from its newest checkpoint.
 
     Args:
@@ -192,10 +194,10 @@ def set_up(
         given["data"] = given.pop("demos")
     dataset: Dataset | None = None
     for name in ("data", "demos"):
-        found = given.get(name)
-        if isinstance(found, str | Path | Dataset):
+        source = given.get(name)
+        if isinstance(source, str | Path | Dataset):
             check_source(given)
-            given[name] = dataset = found if isinstance(found, Dataset) else load_dataset(found)
+            given[name] = dataset = source if isinstance(source, Dataset) else load_dataset(source)
     if task is None:
         if dataset is None:
             raise UsageError("which task? give a name or a path, or --resume RUN to go on")
@@ -274,7 +276,7 @@ def create(
     *,
     command: str = "",
     catalogue: Catalogue | None = None,
-    track: Track = lambda episodes, _: episodes,
+    track: TrackRollouts = lambda episodes, _: episodes,
 ) -> None:
     """Record demonstrations if the plan needs any, then write the plan.
 
@@ -339,7 +341,7 @@ def find(folder: Path, catalogue: Catalogue | None = None, *, trust: bool = Fals
     return checked(plan, task, dataset)
 
 
-def go_on(folder: Path, run: RunSetup, watch: Watch = lambda _: None) -> None:
+def go_on(folder: Path, run: RunSetup, watch: OnStatus = lambda _: None) -> None:
     """Train from the newest checkpoint, or from the start; see `training.train`."""
     from taskbuilder.learn import training
 

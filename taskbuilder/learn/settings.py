@@ -57,9 +57,9 @@ def read_settings(kind: type[Any], given: Mapping[str, Any] | Sequence[str]) -> 
         UsageError: There is no such setting, it is given twice with different values, or its value
             has another type or is out of range.
     """
-    known = {each.name: each.default for each in fields(kind)}
+    defaults = {each.name: each.default for each in fields(kind)}
     chosen: dict[str, Any] = {}
-    for name, value in _pairs(kind, given, known):
+    for name, value in _pairs(kind, given, defaults):
         if name in chosen and chosen[name] != value:
             raise UsageError(f"{name} is given twice, as {chosen[name]} and {value}; give it once")
         chosen[name] = value
@@ -68,7 +68,7 @@ def read_settings(kind: type[Any], given: Mapping[str, Any] | Sequence[str]) -> 
 
 
 def _pairs(
-    kind: type[Any], given: Mapping[str, Any] | Sequence[str], known: Mapping[str, Any]
+    kind: type[Any], given: Mapping[str, Any] | Sequence[str], defaults: Mapping[str, Any]
 ) -> list[tuple[str, Any]]:
     """Names and values, former names replaced."""
     texts = [] if isinstance(given, Mapping) else given
@@ -76,16 +76,16 @@ def _pairs(
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals:
-            name = _current(kind, name, known)
-            raise UsageError(f'"{text}" sets nothing; write {name}={json.dumps(known[name])}')
+            name = _current(kind, name, defaults)
+            raise UsageError(f'"{text}" sets nothing; write {name}={json.dumps(defaults[name])}')
         try:
             pairs.append((name, json.loads(value, parse_constant=str)))
         except json.JSONDecodeError:
             pairs.append((name, value))
-    return [(_current(kind, name, known), value) for name, value in pairs]
+    return [(_current(kind, name, defaults), value) for name, value in pairs]
 
 
-def _current(kind: type[Any], name: str, known: Mapping[str, Any]) -> str:
+def _current(kind: type[Any], name: str, defaults: Mapping[str, Any]) -> str:
     """The current name of a setting; warns if a former name is given."""
     now = _former_names(kind).get(name)
     if now is not None:
@@ -95,8 +95,8 @@ def _current(kind: type[Any], name: str, known: Mapping[str, Any]) -> str:
             stacklevel=2,
         )
         return now
-    if name not in known:
-        raise UsageError(f'no setting "{name}"; {suggestion(name, tuple(known), what="one of")}')
+    if name not in defaults:
+        raise UsageError(f'no setting "{name}"; {suggestion(name, tuple(defaults), what="one of")}')
     return name
 
 
@@ -117,8 +117,8 @@ def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
     Raises:
         UsageError: A value has another type or is out of range.
     """
-    known = {each.name: each.default for each in fields(kind)}
-    chosen = {_current(kind, name, known): value for name, value in chosen.items()}
+    defaults = {each.name: each.default for each in fields(kind)}
+    chosen = {_current(kind, name, defaults): value for name, value in chosen.items()}
     try:
         text = json.dumps(chosen, allow_nan=False)
     except ValueError:
@@ -132,5 +132,5 @@ def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
     limits = [f"{word} {context[key]}" for key, word in _LIMITS.items() if key in context]
     if limits and not parts:
         raise UsageError(f"{name} is {value}; {limits[0]}")
-    said = value if isinstance(value, str) else json.dumps(value)
-    raise UsageError(f'{name} is "{said}"; something like {json.dumps(known[str(name)])}')
+    text = value if isinstance(value, str) else json.dumps(value)
+    raise UsageError(f'{name} is "{text}"; something like {json.dumps(defaults[str(name)])}')

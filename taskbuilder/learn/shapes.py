@@ -105,7 +105,7 @@ class Layout:
         rewards, ended, terminated, demonstrated, extra_steps = (
             cut(size) for size in (len(shapes.agents), 1, 1, 1, 1)
         )
-        later = cut.end
+        next_start = cut.end
         next_observations = {agent: cut(size) for agent, size in shapes.observations.items()}
         next_state = cut(shapes.state)
         return cls(
@@ -121,7 +121,7 @@ class Layout:
             extra_steps=extra_steps,
             next_observations=next_observations,
             next_state=next_state,
-            next_critic_input=slice(later, cut.end),
+            next_critic_input=slice(next_start, cut.end),
             width=cut.end,
         )
 

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from taskbuilder.learn.networks import as_array
 from taskbuilder.learn.shapes import Layout, Rows
-from taskbuilder.policies.trained import Array
+from taskbuilder.policies.trained import Array32
 
 LEAST_SCALE = 0.3
 """Minimum scale, so that inputs that hardly vary are not amplified."""
@@ -33,17 +33,19 @@ class Standardizer:
         """Set the statistics to those of these rows."""
         layout = self._layout
         pairs = [(layout.observations[a], layout.next_observations[a]) for a in layout.observations]
-        for now, later in (*pairs, (layout.state, layout.next_state)):
-            values = rows[:, now]
-            self._mean[now] = self._mean[later] = torch.from_numpy(values.mean(0)).to(self._device)
+        for part, next_part in (*pairs, (layout.state, layout.next_state)):
+            values = rows[:, part]
+            self._mean[part] = self._mean[next_part] = torch.from_numpy(values.mean(0)).to(
+                self._device
+            )
             scale = torch.from_numpy(np.maximum(values.std(0), LEAST_SCALE)).to(self._device)
-            self._scale[now] = self._scale[later] = scale
+            self._scale[part] = self._scale[next_part] = scale
 
     def apply_(self, rows: Tensor) -> Tensor:
         """Standardise rows in place."""
         return rows.sub_(self._mean).div_(self._scale)
 
-    def observations(self, observations: Mapping[str, Array]) -> dict[str, Tensor]:
+    def observations(self, observations: Mapping[str, Array32]) -> dict[str, Tensor]:
         """Standardised observations of the agents."""
         parts = self._layout.observations
         return {
@@ -52,17 +54,17 @@ class Standardizer:
             for agent, part in parts.items()
         }
 
-    def by_agent(self) -> tuple[dict[str, Array], dict[str, Array]]:
+    def by_agent(self) -> tuple[dict[str, Array32], dict[str, Array32]]:
         """Mean and scale of each agent's observations."""
         parts = self._layout.observations
         mean, scale = as_array(self._mean), as_array(self._scale)
         return {a: mean[p] for a, p in parts.items()}, {a: scale[p] for a, p in parts.items()}
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, Array32]:
         """The statistics, by name."""
         return {"mean": as_array(self._mean), "scale": as_array(self._scale)}
 
-    def load(self, arrays: Mapping[str, Array]) -> None:
+    def load(self, arrays: Mapping[str, Array32]) -> None:
         """Restore what `arrays` returned."""
         self._mean.copy_(torch.from_numpy(arrays["mean"]))
         self._scale.copy_(torch.from_numpy(arrays["scale"]))

@@ -65,7 +65,8 @@ class TrainingStatus:
 
 
 Evaluate = Callable[[TrainedPolicy], Evaluation]
-Watch = Callable[[TrainingStatus], None]
+OnStatus = Callable[[TrainingStatus], None]
+"""Called with the status of a run after each step of all environments."""
 
 
 def train(
@@ -73,7 +74,7 @@ def train(
     folder: Path,
     evaluate: Evaluate,
     about: Mapping[str, Any],
-    watch: Watch = lambda _: None,
+    watch: OnStatus = lambda _: None,
 ) -> None:
     """Train from the newest checkpoint in the run's folder, or from the start.
 
@@ -130,14 +131,14 @@ class Trainer:
         self._rng = np.random.default_rng(plan.seed)
         self._checkpoints = Checkpoints(folder)
         self._counters, lengths = Counters(), {}
-        found = self._checkpoints.load(practice.memories)
-        if found is not None:
-            learner.load(found.arrays)
-            kept = found.counters["counters"]
+        checkpoint = self._checkpoints.load(practice.memories)
+        if checkpoint is not None:
+            learner.load(checkpoint.arrays)
+            kept = checkpoint.counters["counters"]
             self._counters = Counters(**{f.name: kept[f.name] for f in fields(Counters)})
             practice.load(kept)
-            self._rng.bit_generator.state = found.counters["rng"]
-            lengths = found.counters["lengths"]
+            self._rng.bit_generator.state = checkpoint.counters["rng"]
+            lengths = checkpoint.counters["lengths"]
         elif plan.init:
             learner.start_from(load_policy(str(folder / INIT_FILE)))
         self.logger = RunLogger(folder, lengths, self._counters.step)
@@ -228,7 +229,7 @@ class Trainer:
                 "team_return": episode.team_return,
                 "training_return": episode.training_return,
             }
-            terms = {f"term/{label}": pay for label, pay in episode.terms.items()}
+            terms = {f"term/{label}": value for label, value in episode.terms.items()}
             self.logger.add("episodes", counters.step, {**row, **terms})
         if self._losses and self._passed(LOG_EVERY):
             status = self.status()
@@ -246,8 +247,8 @@ class Trainer:
         if evaluation.success_at_end >= counters.best:
             counters.best = evaluation.success_at_end
             save_policy(self._folder / POLICY_FILE, policy)
-        sure = plan.stop_at is not None and evaluation.success_at_end >= plan.stop_at
-        counters.reached = counters.reached + 1 if sure else 0
+        good_enough = plan.stop_at is not None and evaluation.success_at_end >= plan.stop_at
+        counters.reached = counters.reached + 1 if good_enough else 0
 
     def save(self) -> None:
         """Make a checkpoint."""
@@ -289,14 +290,14 @@ def _environments(run: RunSetup, folder: Path, stack: ExitStack) -> tuple[Traina
         seed=plan.seed,
         device=plan.device,
     )
-    shown = None
+    demo_rows = None
     if plan.demos:
         count = plan.demos if isinstance(plan.demos, int) else None
         with closing(make_vec(task, 1, wrap=ends, **options)) as env:
             own = reward(1, settings.discount)
             joined = NStepTransitions(shapes.layout, 1, settings.n_step, settings.discount)
-            shown = transitions(demonstrations[:count], env, own, shapes, joined)
-    collection = algorithm.collection(learner, shapes.layout, plan.envs, shown)
+            demo_rows = transitions(demonstrations[:count], env, own, shapes, joined)
+    collection = algorithm.collection(learner, shapes.layout, plan.envs, demo_rows)
     collector = Collector(envs, reward(plan.envs, settings.discount), shapes)
     return learner, Interaction(learner, collector, collection, plan.steps, plan.envs)
 

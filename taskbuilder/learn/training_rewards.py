@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from taskbuilder.learn.wrappers import STEPS_WITHOUT_PROGRESS
 
-Infos = Mapping[str, Any]
+VectorInfos = Mapping[str, Any]
 Rewards = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -29,11 +29,11 @@ class TrainingReward(Protocol):
     ``feature_count``, the number of features for the critics.
     """
 
-    def begin(self, infos: Infos, rows: Flags) -> None:
+    def begin(self, infos: VectorInfos, rows: Flags) -> None:
         """Start new episodes in these rows."""
         ...
 
-    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+    def compute(self, rewards: Rewards, infos: VectorInfos) -> Rewards:
         """The agents' training rewards of a step: (num_envs, agents).
 
         Args:
@@ -60,10 +60,10 @@ class Unchanged:
         del discount
         self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
 
-    def begin(self, infos: Infos, rows: Flags) -> None:
+    def begin(self, infos: VectorInfos, rows: Flags) -> None:
         """Start new episodes in these rows."""
 
-    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+    def compute(self, rewards: Rewards, infos: VectorInfos) -> Rewards:
         """The agents' training rewards of a step: (num_envs, agents)."""
         del infos
         return rewards
@@ -105,11 +105,11 @@ class Shaped:
         self._before = np.zeros(num_envs)
         self._nothing = np.zeros((num_envs, 0), dtype=np.float32)
 
-    def begin(self, infos: Infos, rows: Flags) -> None:
+    def begin(self, infos: VectorInfos, rows: Flags) -> None:
         """Start new episodes in these rows."""
         self._before[rows] = infos["progress"][rows]
 
-    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+    def compute(self, rewards: Rewards, infos: VectorInfos) -> Rewards:
         """The agents' training rewards of a step: (num_envs, agents)."""
         now = infos["progress"]
         gain = self._discount * now - self._before
@@ -145,20 +145,20 @@ class Ratchet:
         self._best = np.zeros(num_envs)
         self._stalled = np.zeros(num_envs)
 
-    def begin(self, infos: Infos, rows: Flags) -> None:
+    def begin(self, infos: VectorInfos, rows: Flags) -> None:
         """Start new episodes in these rows."""
         self._best[rows] = infos["progress"][rows]
         self._stalled[rows] = infos[STEPS_WITHOUT_PROGRESS][rows]
 
-    def compute(self, rewards: Rewards, infos: Infos) -> Rewards:
+    def compute(self, rewards: Rewards, infos: VectorInfos) -> Rewards:
         """The agents' training rewards of a step: (num_envs, agents)."""
         gained = np.maximum(infos["progress"] - self._best, 0.0)
         self._best = np.maximum(self._best, infos["progress"])
         self._stalled = infos[STEPS_WITHOUT_PROGRESS].copy()
         lost = np.maximum(infos["failure"], infos["condition/setback"])
-        pay = self.gain * gained - self.below * (self._best - infos["progress"])
-        pay += self.success * infos["success"] - self.failure * lost
-        return np.broadcast_to(self.scale * pay[:, None], rewards.shape)
+        reward = self.gain * gained - self.below * (self._best - infos["progress"])
+        reward += self.success * infos["success"] - self.failure * lost
+        return np.broadcast_to(self.scale * reward[:, None], rewards.shape)
 
     def critic_features(self) -> NDArray[np.float32]:
         """The features that critics observe in addition: (num_envs, feature_count)."""

@@ -120,8 +120,8 @@ class CategoricalValues:
     def probabilities(self, targets: Tensor) -> Tensor:
         """The target distributions (..., bins) of target values (...)."""
         most = self._limit - self._width
-        apart = self._edges - targets.clamp(-most, most)[..., None]
-        below = torch.erf(apart / (SMOOTHING * self._width * math.sqrt(2.0)))
+        distances = self._edges - targets.clamp(-most, most)[..., None]
+        below = torch.erf(distances / (SMOOTHING * self._width * math.sqrt(2.0)))
         shares = below.diff(dim=-1)
         return shares / (below[..., -1:] - below[..., :1])
 

@@ -9,7 +9,8 @@ import torch
 from torch import Tensor, nn
 
 from taskbuilder.learn.networks import as_array
-from taskbuilder.policies.pictures import KERNELS, SHARPNESS, STRIDES, Array, PictureEncoder
+from taskbuilder.policies.pictures import KERNELS, SHARPNESS, STRIDES, PictureEncoder
+from taskbuilder.policies.trained import Array32
 
 
 class PictureEncoders(nn.ModuleDict):
@@ -29,7 +30,9 @@ class PictureEncoders(nn.ModuleDict):
 
     def forward(self, pictures: Mapping[str, Tensor]) -> Tensor:
         """Features of all cameras: (n, size), from pictures of (n, height, width, 3) uint8."""
-        features = [_positions(self[camera](_scaled(seen))) for camera, seen in pictures.items()]
+        features = [
+            _positions(self[camera](_scaled(images))) for camera, images in pictures.items()
+        ]
         return torch.cat(features, 1)
 
     def frozen(self) -> dict[str, PictureEncoder]:
@@ -37,7 +40,7 @@ class PictureEncoders(nn.ModuleDict):
         return {camera: PictureEncoder(_layers(module)) for camera, module in self.items()}
 
 
-def _layers(module: Any) -> tuple[tuple[Array, Array], ...]:
+def _layers(module: Any) -> tuple[tuple[Array32, Array32], ...]:
     """Weight (channels in, kernel, kernel, channels out) and bias of each convolution."""
     convolutions = [layer for layer in module if isinstance(layer, nn.Conv2d)]
     return tuple(

@@ -17,13 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pettingzoo.utils.wrappers import BaseParallelWrapper
 
-from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.parallel import Infos, TaskEnv
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.world.randomness import EpisodeRandomness
 
-Infos = dict[str, dict[str, Any]]
 Returned = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], Infos]
 """The result of a step: observations, rewards, terminations, truncations and infos."""
 
@@ -163,7 +162,7 @@ class StartPrefix:
         """The part of an episode before its success."""
         first = episode.first_success or 0
         end = first - 1 if first > 1 else None
-        return cls(episode.seed, {agent: done[:end] for agent, done in episode.actions.items()})
+        return cls(episode.seed, {agent: values[:end] for agent, values in episode.actions.items()})
 
 
 class StartPrefixes(EpisodeWrapper):

@@ -18,7 +18,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError
 from taskbuilder.policies.pictures import PictureEncoder, is_of_encoder, read_encoder
-from taskbuilder.policies.trained import Array, TrainedPolicy
+from taskbuilder.policies.trained import Array32, TrainedPolicy
 from taskbuilder.rollout.play import Policy
 
 CHUNKS = "chunks"
@@ -67,19 +67,19 @@ class ChunkPolicy(TrainedPolicy):
     execution: ChunkExecution = ChunkExecution(1)
     encoders: Mapping[str, PictureEncoder] = field(default_factory=dict)
 
-    def predict(self, observations: Mapping[str, Any]) -> dict[str, Array]:
+    def predict(self, observations: Mapping[str, Any]) -> dict[str, Array32]:
         """A chunk of actions for each agent: (length, n) each."""
         inputs = {agent: observations[agent] for agent in self.networks}
         if self.encoders:  # every agent observes the same pictures
-            shown = next(iter(inputs.values()))
-            features = [encode(shown[f"{name}.rgb"]) for name, encode in self.encoders.items()]
+            pictures = next(iter(inputs.values()))
+            features = [encode(pictures[f"{name}.rgb"]) for name, encode in self.encoders.items()]
             inputs = {a: np.concatenate([seen[VECTOR], *features]) for a, seen in inputs.items()}
         return {
             agent: network(inputs[agent]).reshape(self.execution.length, -1)
             for agent, network in self.networks.items()
         }
 
-    def act(self, observations: Mapping[str, Any]) -> dict[str, Array]:
+    def act(self, observations: Mapping[str, Any]) -> dict[str, Array32]:
         """The first actions of new chunks; see `player` for how a policy plays episodes."""
         return {agent: chunk[0] for agent, chunk in self.predict(observations).items()}
 
@@ -127,7 +127,7 @@ class ChunkPolicy(TrainedPolicy):
         """What a file says of the policy besides its arrays."""
         return {**super().traits(), CHUNKS: vars(self.execution), ENCODERS: list(self.encoders)}
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, Array32]:
         """Its arrays by name, for a file."""
         arrays = super().arrays()
         for camera, encoder in self.encoders.items():
@@ -135,7 +135,7 @@ class ChunkPolicy(TrainedPolicy):
         return arrays
 
     @classmethod
-    def read(cls, arrays: Mapping[str, Array], about: Mapping[str, Any]) -> ChunkPolicy:
+    def read(cls, arrays: Mapping[str, Array32], about: Mapping[str, Any]) -> ChunkPolicy:
         """Make a policy from the contents of a file.
 
         Raises:
@@ -159,7 +159,7 @@ class ChunkPlayer:
 
     def __init__(self, policy: ChunkPolicy) -> None:
         self._policy, self._execution = policy, policy.execution
-        self._chunks: list[tuple[int, Mapping[str, Array]]] = []  # when predicted, and the chunk
+        self._chunks: list[tuple[int, Mapping[str, Array32]]] = []  # when predicted, and the chunk
         self._step = 0
 
     def reset(self, env: TaskEnv, seed: int) -> None:
@@ -168,7 +168,7 @@ class ChunkPlayer:
         self._policy.check_env(env, "the policy")
         self._chunks, self._step = [], 0
 
-    def act(self, observations: Mapping[str, Any]) -> dict[str, Array]:
+    def act(self, observations: Mapping[str, Any]) -> dict[str, Array32]:
         """The average of what the chunks that reach this control step contain for it."""
         if self._step % self._execution.every == 0:
             self._chunks.append((self._step, self._policy.predict(observations)))

@@ -121,5 +121,5 @@ def _numbers(env: TaskEnv, agent: str) -> tuple[int, int]:
     if isinstance(observed, spaces.Dict) and VECTOR in observed.spaces:
         observed = observed[VECTOR]
     shapes = observed.shape, env.action_space(agent).shape
-    seen, said = (shape[0] if shape else 0 for shape in shapes)
-    return seen, said
+    observations, actions = (shape[0] if shape else 0 for shape in shapes)
+    return observations, actions

@@ -229,9 +229,9 @@ def _of_text(text: str) -> Player:
         if is_served(text):
             return _served(read_server(text))
         if not (text.startswith(ZOO_PREFIX) or "/" in text or (text and Path(text).exists())):
-            known = (*_WORDS, f"{NOISY}:0.3")
+            words = (*_WORDS, f"{NOISY}:0.3")
             raise UnknownNameError(
-                f'no policy "{excerpt(text)}"; {suggestion(text, known, otherwise=FORMS)}'
+                f'no policy "{excerpt(text)}"; {suggestion(text, words, otherwise=FORMS)}'
             )
     if word is not None or text.startswith(ZOO_PREFIX):
         _check_single(text)

@@ -100,26 +100,26 @@ def _msgpack() -> Any:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray) and value.dtype.kind in _NUMBERS:
-        told = {b"data": value.tobytes(), b"dtype": value.dtype.str, b"shape": value.shape}
-        return {b"__ndarray__": True, **told}
+        fields = {b"data": value.tobytes(), b"dtype": value.dtype.str, b"shape": value.shape}
+        return {b"__ndarray__": True, **fields}
     if isinstance(value, np.generic) and value.dtype.kind in _NUMBERS:
         return {b"__npgeneric__": True, b"data": value.item(), b"dtype": value.dtype.str}
     raise TypeError(f"a message cannot hold {type(value).__name__}")
 
 
-def _array(told: dict[Any, Any]) -> Any:
+def _array(fields: dict[Any, Any]) -> Any:
     """The array or the number of a map; any other map as it is."""
-    if b"__ndarray__" not in told and b"__npgeneric__" not in told:
-        return told
-    kind, data = told[b"dtype"], told[b"data"]
+    if b"__ndarray__" not in fields and b"__npgeneric__" not in fields:
+        return fields
+    kind, data = fields[b"dtype"], fields[b"data"]
     if not isinstance(kind, str) or not _TYPE.fullmatch(kind):
         raise ValueError("an array of what are no numbers")
     dtype = np.dtype(kind)
-    if b"__npgeneric__" in told:
+    if b"__npgeneric__" in fields:
         if not isinstance(data, int | float):
             raise ValueError(f"a {type(data).__name__} as a number")
         return dtype.type(data)
-    shape = told[b"shape"]
+    shape = fields[b"shape"]
     if not isinstance(shape, list | tuple) or len(shape) > _MOST_AXES:
         raise ValueError(f"an array with no shape of at most {_MOST_AXES} axes")
     if not all(isinstance(n, int) and 0 <= n < _LONGEST_AXIS for n in shape):

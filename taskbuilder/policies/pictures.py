@@ -9,7 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-Array = NDArray[np.float32]
+from taskbuilder.policies.trained import Array32
 
 KERNELS = (5, 3, 3)
 STRIDES = (2, 2, 1)
@@ -27,7 +27,7 @@ class PictureEncoder:
         layers: Weight (channels in, kernel, kernel, channels out) and bias of each convolution.
     """
 
-    layers: tuple[tuple[Array, Array], ...]
+    layers: tuple[tuple[Array32, Array32], ...]
 
     def __post_init__(self) -> None:
         shapes = [weight.shape for weight, _ in self.layers]
@@ -42,7 +42,7 @@ class PictureEncoder:
         """Number of features."""
         return 2 * len(self.layers[-1][1])
 
-    def __call__(self, picture: NDArray[np.uint8]) -> Array:
+    def __call__(self, picture: NDArray[np.uint8]) -> Array32:
         """The expected position of each feature map: (2 maps,), x of all and then y, from -1 to 1.
 
         Args:
@@ -60,7 +60,7 @@ class PictureEncoder:
         y = np.linspace(-1.0, 1.0, height, dtype=np.float32) @ share.sum(1)
         return np.concatenate([x, y]).astype(np.float32)
 
-    def arrays(self, camera: str) -> dict[str, Array]:
+    def arrays(self, camera: str) -> dict[str, Array32]:
         """Its arrays by name, for a file."""
         return {
             f"{camera}{_OF}/{number}/{kind}": array
@@ -78,7 +78,7 @@ def is_of_encoder(name: str) -> bool:
     return name.split("/")[0].endswith(_OF)
 
 
-def read_encoder(arrays: Mapping[str, Array], camera: str) -> PictureEncoder:
+def read_encoder(arrays: Mapping[str, Array32], camera: str) -> PictureEncoder:
     """Make the encoder of a camera from the arrays of a file.
 
     Raises:
@@ -92,7 +92,7 @@ def read_encoder(arrays: Mapping[str, Array], camera: str) -> PictureEncoder:
     return PictureEncoder(layers)
 
 
-def _convolved(picture: Array, weight: Array, stride: int) -> Array:
+def _convolved(picture: Array32, weight: Array32, stride: int) -> Array32:
     """A convolution without padding: (height, width, channels) to the same."""
     kernel = weight.shape[1]
     windows = sliding_window_view(picture, (kernel, kernel), axis=(0, 1))[::stride, ::stride]

@@ -34,11 +34,13 @@ def read_run(folder: Path) -> dict[str, Any]:
         raise UsageError(f"{name} is no training run; it has no {RUN_FILE}")
     try:
         about = parse_json(read_within(folder, RUN_FILE, _LARGEST))
-        found = about["format"]
+        version = about["format"]
     except (ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{display_path(file)} is damaged: {excerpt(error)}") from None
-    if found != FORMAT:
-        raise UsageError(f"{name} is a run of format {excerpt(found)}; this version reads {FORMAT}")
+    if version != FORMAT:
+        raise UsageError(
+            f"{name} is a run of format {excerpt(version)}; this version reads {FORMAT}"
+        )
     task = about.get("task")
     if not isinstance(task, str):
         raise UsageError(f"{display_path(file)} is damaged: its task is {excerpt(task)}")
@@ -91,8 +93,8 @@ def task_to_trust(folder: Path, catalogue: Catalogue) -> Path | None:
     path = path.resolve()  # /proc/self/cwd/task.yaml is a file of the working directory
     if path.is_relative_to(folder.resolve()) or not path.is_file():
         return None
-    known = {entry.file.resolve() for entry in catalogue.tasks.values()}
-    return None if path in known else path
+    trusted = {entry.file.resolve() for entry in catalogue.tasks.values()}
+    return None if path in trusted else path
 
 
 def named_task(name: str, task: object, catalogue: Catalogue) -> Path:

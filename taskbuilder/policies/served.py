@@ -102,10 +102,10 @@ def read_server(name: str) -> PolicyServer:
     if parts is None or not parts.hostname or not parts.port or parts.scheme not in SCHEMES:
         raise UsageError(f'"{name}" is no address of a policy server; write one {example}')
     asked = dict(parse_qsl(parts.query, keep_blank_values=True))
-    known = ("cameras", "size", "steps", "renderer", "timeout")
+    keys = ("cameras", "size", "steps", "renderer", "timeout")
     for key in asked:
-        if key not in known:
-            help_ = suggestion(key, known, what="one of")
+        if key not in keys:
+            help_ = suggestion(key, keys, what="one of")
             raise UsageError(f'a policy server has no option "{key}"; {help_}')
     width, _, height = asked.get("size", "").partition("x")
     size = (_whole(name, width), _whole(name, height or width)) if width else None
@@ -201,10 +201,10 @@ class ServedPolicy:
         seen = self._observed.join(observations)
         if isinstance(seen, Mapping):
             message |= {f"{IMAGES}/{name}": image for name, image in seen[PIXELS].items()}
-        found = self._answer(self._timeout_s, packed(message)).get(ACTIONS)
+        actions = self._answer(self._timeout_s, packed(message)).get(ACTIONS)
         count = len(self._names)
         try:
-            chunk = _chunk(found, count)
+            chunk = _chunk(actions, count)
         except ValueError as error:
             takes = f"{self._env.task.name} takes (steps, {count}): {', '.join(self._names)}"
             raise ServerError(f"{self.address} answers actions {error}; {takes}") from None

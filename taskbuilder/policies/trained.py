@@ -15,7 +15,8 @@ from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import Function
 from taskbuilder.wording import excerpt
 
-Array = NDArray[np.float32]
+Array32 = NDArray[np.float32]
+"""An array of float32."""
 
 TINY = 1e-5
 """Epsilon of the layer norm, as in torch."""
@@ -32,11 +33,11 @@ class Network:
             and bias.
     """
 
-    layers: tuple[tuple[Array, Array], ...]
+    layers: tuple[tuple[Array32, Array32], ...]
     squash: bool
     norms: bool = False
 
-    def __call__(self, inputs: NDArray[np.floating]) -> Array:
+    def __call__(self, inputs: NDArray[np.floating]) -> Array32:
         """Evaluate the network: (..., ins) to (..., outs), from -1 to 1."""
         hidden = inputs.astype(np.float32)
         for number, (weight, bias) in enumerate(self.layers):
@@ -46,9 +47,9 @@ class Network:
         return np.tanh(hidden) if self.squash else np.clip(hidden, -1.0, 1.0)
 
 
-def _normalized(hidden: Array) -> Array:
-    apart: Array = hidden - hidden.mean(-1, keepdims=True)
-    scale: Array = np.sqrt(np.square(apart).mean(-1, keepdims=True) + np.float32(TINY))
+def _normalized(hidden: Array32) -> Array32:
+    apart: Array32 = hidden - hidden.mean(-1, keepdims=True)
+    scale: Array32 = np.sqrt(np.square(apart).mean(-1, keepdims=True) + np.float32(TINY))
     return apart / scale
 
 
@@ -68,7 +69,7 @@ class TrainedPolicy:
         agents = ", ".join(self.networks)
         return f"<{type(self).__name__} for {excerpt(self.about.get('task'))}: {agents}>"
 
-    def act(self, observations: Mapping[str, NDArray[np.floating]]) -> dict[str, Array]:
+    def act(self, observations: Mapping[str, NDArray[np.floating]]) -> dict[str, Array32]:
         """Every agent's action, from -1 to 1, given its own observation alone."""
         return {agent: net(observations[agent]) for agent, net in self.networks.items()}
 
@@ -95,7 +96,7 @@ class TrainedPolicy:
         networks = self.networks.values()
         return {name: all(getattr(net, name) for net in networks) for name in ("squash", "norms")}
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, Array32]:
         """Its arrays by name, for a file."""
         return {
             f"{agent}/{number}/{kind}": array
@@ -106,7 +107,7 @@ class TrainedPolicy:
 
     @classmethod
     def of(
-        cls, arrays: Mapping[str, Array], about: Mapping[str, Any], *, squash: bool, norms: bool
+        cls, arrays: Mapping[str, Array32], about: Mapping[str, Any], *, squash: bool, norms: bool
     ) -> TrainedPolicy:
         """Make a network from the arrays of a file.
 
@@ -126,7 +127,9 @@ class TrainedPolicy:
         )
 
 
-def _layers(arrays: Mapping[str, Array], agent: str, count: int) -> tuple[tuple[Array, Array], ...]:
+def _layers(
+    arrays: Mapping[str, Array32], agent: str, count: int
+) -> tuple[tuple[Array32, Array32], ...]:
     """The layers of an agent; broadcasting must not make of two arrays one of any size.
 
     Raises:
@@ -143,8 +146,8 @@ def _layers(arrays: Mapping[str, Array], agent: str, count: int) -> tuple[tuple[
 
 
 def folded(
-    layers: Sequence[tuple[Array, Array]], mean: Array, scale: Array, role: Array
-) -> tuple[tuple[Array, Array], ...]:
+    layers: Sequence[tuple[Array32, Array32]], mean: Array32, scale: Array32, role: Array32
+) -> tuple[tuple[Array32, Array32], ...]:
     """Fold the standardisation and the one-hot input into the first layer.
 
     Args:
@@ -154,15 +157,15 @@ def folded(
         role: The one-hot; (0,) if there is none.
     """
     (weight, bias), *rest = layers
-    seen, told = weight[: len(mean)], weight[len(mean) :]
-    first = (seen / scale[:, None]).astype(np.float32)
-    start = (bias + role @ told - (mean / scale) @ seen).astype(np.float32)
+    observed, one_hot = weight[: len(mean)], weight[len(mean) :]
+    first = (observed / scale[:, None]).astype(np.float32)
+    start = (bias + role @ one_hot - (mean / scale) @ observed).astype(np.float32)
     return ((first, start), *rest)
 
 
 def unfolded(
-    layers: Sequence[tuple[Array, Array]], mean: Array, scale: Array
-) -> tuple[tuple[Array, Array], ...]:
+    layers: Sequence[tuple[Array32, Array32]], mean: Array32, scale: Array32
+) -> tuple[tuple[Array32, Array32], ...]:
     """Layers that take standardised observations: the inverse of `folded` without a one-hot."""
     (weight, bias), *rest = layers
     first = (weight * scale[:, None]).astype(np.float32)
@@ -185,10 +188,10 @@ def check_network(policy: TrainedPolicy, agent: str, sizes: Sequence[int], *, no
         has = ", ".join(policy.networks)
         raise UsageError(f"the policy to start from plays {has}, and there is {agent} here")
     network = policy.networks[agent]
-    found = [len(network.layers[0][0]), *(len(bias) for _, bias in network.layers)]
-    if (found, network.norms) != (list(sizes), norms):
+    own_sizes = [len(network.layers[0][0]), *(len(bias) for _, bias in network.layers)]
+    if (own_sizes, network.norms) != (list(sizes), norms):
         raise UsageError(
-            f"the policy to start from has {_in_words(found, network.norms)} for {agent}, and "
+            f"the policy to start from has {_in_words(own_sizes, network.norms)} for {agent}, and "
             f"this run {_in_words(sizes, norms)}"
         )
 

@@ -24,7 +24,7 @@ from taskbuilder.interpreters import interpreter
 from taskbuilder.quiet import captured
 from taskbuilder.sim.engine_output import import_pybullet, warnings
 
-Kind = Literal["urdf", "mesh"]
+AssetKind = Literal["urdf", "mesh"]
 
 # Part of every cache key: raise it when the probe tries more than it did.
 _REVISION = 1
@@ -38,7 +38,7 @@ _FILE_NAME = re.compile(rb"filename\s*=\s*[\"']([^\"']*)[\"']")
 _MATERIAL_FILE = re.compile(rb"^\s*mtllib\s+(\S+)", re.MULTILINE)
 
 
-def probe(path: Path, *, kind: Kind, timeout_s: float = 20.0) -> None:
+def probe(path: Path, *, kind: AssetKind, timeout_s: float = 20.0) -> None:
     """Loads an asset in a fresh interpreter and takes a few simulation steps with it.
 
     Success is remembered in the user's cache folder by the content of the file and of all the
@@ -86,7 +86,7 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _try_out(path: Path, kind: Kind, timeout_s: float) -> None:
+def _try_out(path: Path, kind: AssetKind, timeout_s: float) -> None:
     """Runs the child and explains how it ended.
 
     Raises:
@@ -168,7 +168,7 @@ def _forbid_core_dumps() -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _content_key(path: Path, kind: Kind) -> str:
+def _content_key(path: Path, kind: AssetKind) -> str:
     """A name for the content of a file and all it names; "" if something it names is not found."""
     files = _content_files(path, kind)
     if not all(file.is_file() for file in files):
@@ -181,7 +181,7 @@ def _content_key(path: Path, kind: Kind) -> str:
     return digest.hexdigest()
 
 
-def _content_files(path: Path, kind: Kind) -> list[Path]:
+def _content_files(path: Path, kind: AssetKind) -> list[Path]:
     """The file, the meshes and textures of a URDF, and the materials of the meshes."""
     meshes = [path]
     if kind == "urdf":

@@ -61,7 +61,7 @@ def _find(form: str) -> Callable[[Dataset, Path, ExportOptions], None]:
         raise UsageError(str(error)) from None
     if part is None:
         return FORMATS[form]
-    write = part.load(lambda found: None if callable(found) else "cannot be called")
+    write = part.load(lambda writer: None if callable(writer) else "cannot be called")
 
     def write_foreign(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
         with part.at_work():

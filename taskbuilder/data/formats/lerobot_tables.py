@@ -35,8 +35,8 @@ def frame_table(features: Mapping[str, Any], columns: Mapping[str, Any]) -> Any:
 
     arrays = [_column(feature, columns[name]) for name, feature in features.items()]
     fields = [pa.field(n, array.type) for n, array in zip(features, arrays, strict=True)]
-    told = {"info": {"features": {n: _hugging_face(f) for n, f in features.items()}}}
-    schema = pa.schema(fields, metadata={"huggingface": json.dumps(told)})
+    metadata = {"info": {"features": {n: _hugging_face(f) for n, f in features.items()}}}
+    schema = pa.schema(fields, metadata={"huggingface": json.dumps(metadata)})
     return pa.table(arrays, schema=schema)
 
 
@@ -99,7 +99,7 @@ def indexed_table(texts: Sequence[str], index: str, column: str) -> Any:
     """
     import pyarrow as pa
 
-    def told(name: str, kind: str, numpy: str) -> dict[str, Any]:
+    def column_info(name: str, kind: str, numpy: str) -> dict[str, Any]:
         return {
             "name": name,
             "field_name": name,
@@ -111,7 +111,7 @@ def indexed_table(texts: Sequence[str], index: str, column: str) -> Any:
     pandas = {
         "index_columns": [index],
         "column_indexes": [told_columns()],
-        "columns": [told(column, "int64", "int64"), told(index, "unicode", "object")],
+        "columns": [column_info(column, "int64", "int64"), column_info(index, "unicode", "object")],
         "creator": {"library": "pyarrow", "version": pa.__version__},
         "pandas_version": "2.2.0",
     }

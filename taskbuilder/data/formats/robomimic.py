@@ -112,19 +112,19 @@ def _write_images(
 
 def _observations(episode: RecordedEpisode) -> dict[str, Any]:
     """By key: (steps + 1, n); ``left_tcp`` is a robot's own, and ``joints`` all robots'."""
-    found: dict[str, Any] = {}
+    datasets: dict[str, Any] = {}
     for agent in episode.agents:
         for what in _OBSERVED:
             values = episode.arrays[f"agents/{agent}/{what}"]
-            found[f"{agent}_{what}"] = values[:, None] if values.ndim == 1 else values
+            datasets[f"{agent}_{what}"] = values[:, None] if values.ndim == 1 else values
     parts = [
-        found[f"{agent}_{what}"]
+        datasets[f"{agent}_{what}"]
         for agent in episode.agents
         for what in ("joint_position", "gripper")
     ]
-    found["joints"] = np.concatenate(parts, axis=1)
-    found["state"] = episode.state
+    datasets["joints"] = np.concatenate(parts, axis=1)
+    datasets["state"] = episode.state
     for name, values in episode.arrays.items():
         if name.startswith("objects/"):
-            found[f"{name.split('/')[1]}_pose"] = values
-    return found
+            datasets[f"{name.split('/')[1]}_pose"] = values
+    return datasets

@@ -17,7 +17,7 @@ Stats = dict[str, NDArray[Any]]
 def stats_of(values: NDArray[Any]) -> Stats:
     """The statistics of (frames, numbers) values, each (numbers,)."""
     numbers = values.astype(np.float64)
-    found: Stats = {
+    stats: Stats = {
         "min": numbers.min(axis=0),
         "max": numbers.max(axis=0),
         "mean": numbers.mean(axis=0),
@@ -25,7 +25,7 @@ def stats_of(values: NDArray[Any]) -> Stats:
         "count": np.array([len(numbers)]),
     }
     quantiles = np.quantile(numbers, list(QUANTILES.values()), axis=0)
-    return {**found, **dict(zip(QUANTILES, quantiles, strict=True))}
+    return {**stats, **dict(zip(QUANTILES, quantiles, strict=True))}
 
 
 def image_stats(images: Iterable[NDArray[np.uint8]]) -> Stats:
@@ -45,14 +45,14 @@ def image_stats(images: Iterable[NDArray[np.uint8]]) -> Stats:
     pixels = int(counts[0].sum())
     mean = counts @ values / pixels
     spread = np.sqrt((counts * (values - mean[:, None]) ** 2).sum(axis=1) / pixels)
-    found: Stats = {
+    stats: Stats = {
         "min": values[(counts > 0).argmax(axis=1)],
         "max": values[255 - (counts[:, ::-1] > 0).argmax(axis=1)],
         "mean": mean,
         "std": spread,
     }
-    found |= {name: _quantile(counts, share) / 255.0 for name, share in QUANTILES.items()}
-    shaped = {name: value.reshape(3, 1, 1) for name, value in found.items()}
+    stats |= {name: _quantile(counts, share) / 255.0 for name, share in QUANTILES.items()}
+    shaped = {name: value.reshape(3, 1, 1) for name, value in stats.items()}
     return {**shaped, "count": np.array([frames])}
 
 
@@ -83,8 +83,8 @@ def floored(stats: Mapping[str, NDArray[Any]]) -> tuple[Stats, tuple[int, ...]]:
         The statistics, and the places of the numbers that hardly vary.
     """
     small = np.flatnonzero(stats["std"] < LEAST_STD)
-    found = {**stats, "std": np.maximum(stats["std"], LEAST_STD)}
-    return found, tuple(int(place) for place in small)
+    raised = {**stats, "std": np.maximum(stats["std"], LEAST_STD)}
+    return raised, tuple(int(place) for place in small)
 
 
 def combined(parts: Sequence[Mapping[str, NDArray[Any]]]) -> Stats:
@@ -97,11 +97,11 @@ def combined(parts: Sequence[Mapping[str, NDArray[Any]]]) -> Stats:
 
     mean = average([part["mean"] for part in parts])
     variance = average([part["std"] ** 2 + (part["mean"] - mean) ** 2 for part in parts])
-    found: Stats = {
+    stats: Stats = {
         "min": np.min([part["min"] for part in parts], axis=0),
         "max": np.max([part["max"] for part in parts], axis=0),
         "mean": mean,
         "std": np.sqrt(variance),
         "count": np.array([int(counts.sum())]),
     }
-    return {**found, **{name: average([part[name] for part in parts]) for name in QUANTILES}}
+    return {**stats, **{name: average([part[name] for part in parts]) for name in QUANTILES}}

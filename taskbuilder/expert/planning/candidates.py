@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice, pairwise, permutations, product
 
 from taskbuilder.expert.planning.spaces import Space
-from taskbuilder.expert.planning.subspaces import Carried, Coordinates, Subspace
+from taskbuilder.expert.planning.subspaces import Carried, Coordinates, Polyline, Subspace
 from taskbuilder.geometry import total
 
 HEIGHTS_M = (0.0, 0.05, 0.1, 0.18, 0.28)
@@ -15,10 +15,8 @@ HEIGHTS_M = (0.0, 0.05, 0.1, 0.18, 0.28)
 MOST_ORDERS = 6
 """Maximum number of orders in which robots move one after the other: those of three robots."""
 
-Line = list[Coordinates]
 
-
-def candidate_paths(space: Space) -> Iterator[Line]:
+def candidate_paths(space: Space) -> Iterator[Polyline]:
     """Waypoints of detours from the start of a space to its end, without the straight line.
 
     First detours on which all parts move at once, some of them raised. Then detours on which they
@@ -41,13 +39,13 @@ def _raisable(part: Subspace) -> bool:
     return isinstance(part, Carried) and not part.straight
 
 
-def _together(parts: Sequence[Subspace], raised: Sequence[bool], height: float) -> Line:
+def _together(parts: Sequence[Subspace], raised: Sequence[bool], height: float) -> Polyline:
     """All parts at once; parts that are not raised move at a constant rate."""
     lines = [_over(part, height) for part, up in zip(parts, raised, strict=True) if up]
     lengths = [total(sizes) for sizes in zip(*(_lengths(line) for line in lines), strict=True)]
     length = total(lengths) or 1.0
     over = iter(lines)
-    own: list[Line] = []
+    own: list[Polyline] = []
     for part, up in zip(parts, raised, strict=True):
         if up:
             own.append(next(over)[1:])
@@ -58,10 +56,10 @@ def _together(parts: Sequence[Subspace], raised: Sequence[bool], height: float) 
     return [tuple(value for at in corner for value in at) for corner in zip(*own, strict=True)]
 
 
-def _in_order(parts: Sequence[Subspace], order: Sequence[int], height: float | None) -> Line:
+def _in_order(parts: Sequence[Subspace], order: Sequence[int], height: float | None) -> Polyline:
     """One part after the other, each straight or raised."""
     now = [part.begin for part in parts]
-    corners: Line = []
+    corners: Polyline = []
     for number in order:
         part = parts[number]
         raised = height is not None and _raisable(part)
@@ -72,14 +70,14 @@ def _in_order(parts: Sequence[Subspace], order: Sequence[int], height: float | N
     return corners
 
 
-def _over(part: Subspace, height: float) -> Line:
+def _over(part: Subspace, height: float) -> Polyline:
     """Waypoints up, over and down, with the start."""
     (x, y, z, share), (to_x, to_y, to_z, to_share) = part.begin, part.end
     top = max(z, to_z) + height
     return [part.begin, (x, y, top, share), (to_x, to_y, top, to_share), part.end]
 
 
-def _lengths(line: Line) -> list[float]:
+def _lengths(line: Polyline) -> list[float]:
     return [
         total((b - a) ** 2 for a, b in zip(one[:3], other[:3], strict=True)) ** 0.5
         for one, other in pairwise(line)

@@ -28,7 +28,7 @@ close as at that end. Farther on, they must separate by a tenth of the way."""
 
 PARTING = 0.1
 
-Key = tuple[int, str, str]
+PairKey = tuple[int, str, str]
 """Number of the pair, and the link of each body; "" for an object, whose links count as one."""
 
 
@@ -121,7 +121,7 @@ class Clearance:
         drivers |= {rider.name: rider.robot for rider in self._riders}
         self._pairs = list(_pairs(_solids(collision_world, drivers), held, touching))
         self._ends: tuple[Posture, Posture] | None = None
-        self._allowed: tuple[dict[Key, float], dict[Key, float]] = ({}, {})
+        self._allowed: tuple[dict[PairKey, float], dict[PairKey, float]] = ({}, {})
 
     def between(self, start: Posture, goal: Posture) -> None:
         """Measure the ends of a motion, to find the allowed distances on the way.
@@ -149,7 +149,7 @@ class Clearance:
                     return self._near(number, gap)
         return None
 
-    def _least(self, key: Key, posture: Posture) -> float:
+    def _least(self, key: PairKey, posture: Posture) -> float:
         """The allowed distance of a pair in a posture."""
         at_start, at_goal = (ends.get(key) for ends in self._allowed)
         if at_start is not None and at_goal is not None:
@@ -163,14 +163,14 @@ class Clearance:
         )
         return min(CLEARANCE_M, (at or 0.0) - SLACK_M + PARTING * max(0.0, away - GRACE_M))
 
-    def _nearest(self, posture: Posture) -> dict[Key, ClosestPoint]:
+    def _nearest(self, posture: Posture) -> dict[PairKey, ClosestPoint]:
         """Where each close pair is nearest in a posture.
 
         Pairs a little farther apart than `CLEARANCE_M` belong to them, so that these have the same
         `SLACK_M` as pairs a little nearer.
         """
         self._place(posture)
-        closest: dict[Key, ClosestPoint] = {}
+        closest: dict[PairKey, ClosestPoint] = {}
         for number, (one, other) in enumerate(self._pairs):
             for gap in gaps(one.body, other.body, CLEARANCE_M + SLACK_M):
                 key = _key(number, one, other, gap)
@@ -198,11 +198,11 @@ class Clearance:
             return f"; if the two may touch, write touching: [{other.name}]"
         return "" if obj.spec.fixed else f"; to push it, write touching: [{other.name}]"
 
-    def _drivers(self, key: Key) -> Iterator[str]:
+    def _drivers(self, key: PairKey) -> Iterator[str]:
         return (solid.driver for solid in self._pairs[key[0]] if solid.driver)
 
 
-def _distances(nearest: Mapping[Key, ClosestPoint]) -> dict[Key, float]:
+def _distances(nearest: Mapping[PairKey, ClosestPoint]) -> dict[PairKey, float]:
     return {key: gap.distance for key, gap in nearest.items()}
 
 
@@ -232,5 +232,5 @@ def _pairs(
             yield one, other
 
 
-def _key(number: int, one: _Solid, other: _Solid, gap: ClosestPoint) -> Key:
+def _key(number: int, one: _Solid, other: _Solid, gap: ClosestPoint) -> PairKey:
     return (number, gap.link_a if one.limbs else "", gap.link_b if other.limbs else "")

@@ -79,9 +79,9 @@ def ends(
     ]
     spaces = [Space(choice) for choice in product(*choices)]
     spaces.sort(key=lambda space: space.length([space.begin, space.end]))
-    seen = Space(near).end
+    nearest = Space(near).end
     most = max(_factor(part) for part in near) * MOST_ENDS
-    yield from islice((space for space in spaces if space.end != seen), most)
+    yield from islice((space for space in spaces if space.end != nearest), most)
 
 
 def _factor(part: Subspace) -> int:
@@ -97,7 +97,7 @@ def _branches(part: Jointed, goal: Pose, rng: np.random.Generator) -> list[Subsp
         result = solve(chain, arm.base_from_world @ goal, start=beginning, rng=rng, attempts=1)
         if result.ok:
             joints = _wound(part.reach, result.joints, part.begin)
-            if all(_apart(joints, other) > SAME for other in solutions):
+            if all(_distance(joints, other) > SAME for other in solutions):
                 solutions.append(joints)
     return [Jointed(part.reach, part.begin, joints) for joints in solutions]
 
@@ -113,7 +113,7 @@ def _wound(reach: Reach, joints: Sequence[float], near: Sequence[float]) -> ArmJ
     return tuple(wound)
 
 
-def _apart(one: Sequence[float], other: Sequence[float]) -> float:
+def _distance(one: Sequence[float], other: Sequence[float]) -> float:
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 

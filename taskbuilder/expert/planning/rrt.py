@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from taskbuilder.expert.planning.spaces import Space, Waypoint
-from taskbuilder.expert.planning.subspaces import Coordinates
+from taskbuilder.expert.planning.subspaces import Coordinates, Polyline
 
 ITERATIONS = 400
 """Maximum number of growth steps of the trees."""
@@ -22,15 +22,13 @@ STRIDE_M = 0.25
 COARSE = 1.4
 """Factor on the length of a fine step when new branches are checked."""
 
-Line = list[Coordinates]
-
 
 def connect(
     space: Space,
     ends: tuple[Waypoint, Waypoint],
     free: Callable[[Waypoint], bool],
     rng: np.random.Generator,
-) -> Iterator[Line]:
+) -> Iterator[Polyline]:
     """Yield candidate paths from one point to another, which must be checked in fine steps.
 
     Trees check coarsely, and follow the half of a path from the goal backwards. They continue to
@@ -50,9 +48,9 @@ def connect(
         grown = tree.grow(target, STRIDE_M, free)
         if grown is None:
             continue
-        met = other.grow(tree.points[grown].at, math.inf, free)
-        if met is not None and other.points[met].at == tree.points[grown].at:
-            near, far = (grown, met) if count % 2 == 0 else (met, grown)
+        reached = other.grow(tree.points[grown].at, math.inf, free)
+        if reached is not None and other.points[reached].at == tree.points[grown].at:
+            near, far = (grown, reached) if count % 2 == 0 else (reached, grown)
             yield [*trees[0].path(near), *trees[1].path(far)[::-1]]
 
 
@@ -86,9 +84,9 @@ class _Tree:
             last = point
         return None if last is None else self._add(last, nearest)
 
-    def path(self, number: int) -> Line:
+    def path(self, number: int) -> Polyline:
         """Coordinates from the root to a point."""
-        path: Line = []
+        path: Polyline = []
         while number >= 0:
             path.append(self.points[number].at)
             number = self._parents[number]

@@ -44,7 +44,7 @@ class Search:
         self._goal = goal
         self._clearance = clearance
         self._rng = rng
-        self._met: Counter[tuple[str, str]] = Counter()
+        self._obstacles: Counter[tuple[str, str]] = Counter()
         self._worst: dict[tuple[str, str], ClearanceViolation] = {}
         self._astray = Off()
 
@@ -61,8 +61,8 @@ class Search:
             words += " cannot take the direct path: on this path, "
         else:
             words += f" find{'s' if len(names) == 1 else ''} no path: on the paths tried, "
-        if self._met:
-            near = self._worst[self._met.most_common(1)[0][0]]
+        if self._obstacles:
+            near = self._worst[self._obstacles.most_common(1)[0][0]]
             return PlanningError(near.robot, "no path", f"{words}{near}")
         off = self._astray
         return PlanningError(
@@ -143,6 +143,6 @@ class Search:
         near = self._clearance.trouble(point.posture)
         if near is not None:
             pair = (near.a, near.b)
-            self._met[pair] += 1
+            self._obstacles[pair] += 1
             self._worst[pair] = min(self._worst.get(pair, near), near, key=lambda n: n.distance)
         return near is None

@@ -41,6 +41,11 @@ ROOM_M, ROOM_JOINT = 0.3, 1.6
 """Margin of the search space beyond the ends: metres for a frame; rad or m for a joint."""
 
 Coordinates = tuple[float, ...]
+"""Coordinates of a part, or of all parts of a motion."""
+
+Polyline = list[Coordinates]
+"""Corners of a path, connected by straight segments."""
+
 ArmJoints = tuple[float, ...]
 
 

@@ -55,7 +55,7 @@ CORRECTIONS = 2
 """Maximum number of corrections for a load that has slipped in the gripper."""
 
 
-Step = tuple[Order | Together, Phase]
+ScriptStep = tuple[Order | Together, Phase]
 """A phase, and the order that it is of."""
 
 
@@ -160,7 +160,7 @@ class Executor:
 
     def _each(self, orders: Mapping[str, Order | tuple[Order, ...]]) -> Iterator[Actions]:
         """Play orders in parallel: the first phases of all, then the second, and so on."""
-        queues: dict[str, deque[Step]] = {
+        queues: dict[str, deque[ScriptStep]] = {
             robot: deque((order, phase) for order in listed(own) for phase in phases(robot, order))
             for robot, own in orders.items()
         }
@@ -194,7 +194,7 @@ class Executor:
 
     # --- phases
 
-    def _act(self, queues: Mapping[str, deque[Step]]) -> Iterator[Actions]:
+    def _act(self, queues: Mapping[str, deque[ScriptStep]]) -> Iterator[Actions]:
         """Play the next phase of several orders at the same time."""
         acts, steps = self._next(queues)
         labels = {who: f"{who}: {order}" for who, (order, _) in steps.items()}
@@ -215,15 +215,15 @@ class Executor:
         yield from self._check_grips(grips, labels)
 
     def _next(
-        self, queues: Mapping[str, deque[Step]]
-    ) -> tuple[dict[str, Go | Grip], dict[str, Step]]:
+        self, queues: Mapping[str, deque[ScriptStep]]
+    ) -> tuple[dict[str, Go | Grip], dict[str, ScriptStep]]:
         """The next motions and grips, and their phases.
 
         Phases that are already done are skipped. What one robot moves is predicted at its goal for
         the others.
         """
         acts: dict[str, Go | Grip] = {}
-        steps: dict[str, Step] = {}
+        steps: dict[str, ScriptStep] = {}
         moved: dict[str, Pose] = {}
         for who, queue in queues.items():
             act = None
@@ -301,7 +301,9 @@ class Executor:
                 message = lost_on_the_way(world, robot, load, handles.get(robot))
                 raise StageError(_whose(robot, labels), robot, "lost on the way", message)
 
-    def _corrections(self, goes: Mapping[str, Go], steps: Mapping[str, Step]) -> dict[str, Go]:
+    def _corrections(
+        self, goes: Mapping[str, Go], steps: Mapping[str, ScriptStep]
+    ) -> dict[str, Go]:
         """Corrected motions of loads, pushed objects and joints that have not arrived."""
         late = [who for who, go in goes.items() if go.subject and not self._has_arrived(who, go)]
         corrections = {}
@@ -377,7 +379,7 @@ class Executor:
         return not opens or not world.fingers_touch(grip.load, grip.robot)
 
 
-def _next_act(who: str, step: Step, now: Situation) -> Go | Grip | None:
+def _next_act(who: str, step: ScriptStep, now: Situation) -> Go | Grip | None:
     """The motion or grip of a phase.
 
     Raises:

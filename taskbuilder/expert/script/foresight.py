@@ -168,9 +168,9 @@ class Foresight:
         for other in self.world.movable:
             if other == name.partition(".")[0] or other in self.loads.values():
                 continue
-            seen = self.world.box(other).seen_from(under.inverse() @ self.now.pose(other))
-            beside = any(abs(seen.center[i] - box.center[i]) > box.half[i] for i in (0, 1))
-            if not beside and box.low[2] <= seen.low[2] <= box.high[2] + RESTING_M:
+            bounds = self.world.box(other).seen_from(under.inverse() @ self.now.pose(other))
+            beside = any(abs(bounds.center[i] - box.center[i]) > box.half[i] for i in (0, 1))
+            if not beside and box.low[2] <= bounds.low[2] <= box.high[2] + RESTING_M:
                 yield other
 
     # --- joints
@@ -224,15 +224,16 @@ class Foresight:
         if far < 1e-6:
             return None
         along = _frame_along(unit(motion)).inverse()
-        seen = self.world.box(name).seen_from(along @ self.now.pose(name))
+        obstacle = self.world.box(name).seen_from(along @ self.now.pose(name))
         pushes = [0.0]
         for box, pose in self._pushers(robot, start):
             hand = box.seen_from(along @ pose)
             beside = any(
-                abs(hand.center[i] - seen.center[i]) >= hand.half[i] + seen.half[i] for i in (1, 2)
+                abs(hand.center[i] - obstacle.center[i]) >= hand.half[i] + obstacle.half[i]
+                for i in (1, 2)
             )
-            if not beside and hand.low[0] < seen.high[0]:
-                pushes.append(far - max(seen.low[0] - hand.high[0], 0.0))
+            if not beside and hand.low[0] < obstacle.high[0]:
+                pushes.append(far - max(obstacle.low[0] - hand.high[0], 0.0))
         ahead = scale(unit(motion), max(pushes))
         return (ahead[0], ahead[1], 0.0) if max(pushes) > 0.0 else None
 

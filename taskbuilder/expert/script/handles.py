@@ -52,8 +52,8 @@ def move_joint(now: Situation, robot: str, order: Order) -> Go:
         goal = arc.pose(tool, 1.0)
         tolerance = _turn_tolerance(order, radius)
 
-    def gap(later: Situation) -> float:
-        return abs(target - later.joint(joint.name))
+    def gap(situation: Situation) -> float:
+        return abs(target - situation.joint(joint.name))
 
     move = Move(
         {robot: Pose()},

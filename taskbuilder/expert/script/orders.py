@@ -67,8 +67,8 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
     if order.retreat is not None:
         return (lambda now: _retreat(now, robot, order),)
     if order.close is not None:
-        thing = "" if order.close == NOTHING else order.close
-        return (lambda _: Grip(robot, 0.0, thing),)
+        name = "" if order.close == NOTHING else order.close
+        return (lambda _: Grip(robot, 0.0, name),)
     if order.release:
         return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
     if order.joint is not None:
@@ -90,23 +90,23 @@ def _take(now: Situation, robot: str, point: str) -> Grip:
 
 def _way_in(robot: str, order: Order, frame: str | Vec3, usual: float) -> tuple[Phase, ...]:
     """Phases to reach a frame, with a straight path at the end if there is one."""
-    way = usual if order.approach is None else order.approach
+    approach = usual if order.approach is None else order.approach
     tolerance = order.tolerance or TOOL_TOLERANCE_M
 
     def near(now: Situation) -> Go | None:
         goals = tool_poses(now, robot, order, frame)
-        if any(_on_the_way(now.tool(robot), goal, way) for goal in goals):
+        if any(_on_the_way(now.tool(robot), goal, approach) for goal in goals):
             return None
-        starts = tuple(goal.moved(scale(goal.axis(2), -way)) for goal in goals)
+        starts = tuple(goal.moved(scale(goal.axis(2), -approach)) for goal in goals)
         return Go(tuple(_tool_move(robot, start, order) for start in starts))
 
     def there(now: Situation) -> Go:
         goals = tool_poses(now, robot, order, frame)
-        if not way:
+        if not approach:
             return Go(tuple(_tool_move(robot, goal, order) for goal in goals), "", tolerance)
         return Go((_tool_move(robot, goals[0], order, straight=True),), "", tolerance)
 
-    return (near, there) if way else (there,)
+    return (near, there) if approach else (there,)
 
 
 def _tool_move(robot: str, goal: Pose, order: Order, *, straight: bool = False) -> Move:
@@ -119,13 +119,13 @@ def _tool_move(robot: str, goal: Pose, order: Order, *, straight: bool = False) 
     )
 
 
-def _on_the_way(tool: Pose, goal: Pose, way: float) -> bool:
+def _on_the_way(tool: Pose, goal: Pose, approach: float) -> bool:
     """Whether a tool is already on the straight path, with the right orientation."""
     back = subtract(tool.position, goal.position)
     along = -dot(back, goal.axis(2))
     aside = norm(add(back, scale(goal.axis(2), along)))
     turned = turn_between(tool.quaternion, goal.quaternion)
-    return aside < TOOL_TOLERANCE_M and 0.0 < along < 1.5 * way and turned < math.radians(5)
+    return aside < TOOL_TOLERANCE_M and 0.0 < along < 1.5 * approach and turned < math.radians(5)
 
 
 def _retreat(now: Situation, robot: str, order: Order) -> Go:
@@ -207,26 +207,26 @@ def bring(
     Raises:
         NotHeldError: A robot holds nothing.
     """
-    thing = order.bring or ""
+    name = order.bring or ""
     loads = {robot: now.load(robot) for robot in robots}
     for robot, load in loads.items():
         if load is None:
-            raise NotHeldError(robot, f"holds nothing and cannot bring {thing}")
-    held = thing if thing in loads.values() else str(loads[robots[0]])
-    load_at, thing_at, goal = now.pose(held), now.pose(thing), _goal(now, order)
+            raise NotHeldError(robot, f"holds nothing and cannot bring {name}")
+    held = name if name in loads.values() else str(loads[robots[0]])
+    load_at, object_at, goal = now.pose(held), now.pose(name), _goal(now, order)
     turn = load_at.quaternion
     if align:
-        turn = multiply(goal.quaternion, multiply(_inverse(thing_at), turn))
+        turn = multiply(goal.quaternion, multiply(_inverse(object_at), turn))
     elif len(robots) > 1:
         turn = level(turn)
     # Where the thing is in the load stays what it is, however the load is turned.
-    thing_in_load = load_at.inverse().apply(thing_at.position)
+    thing_in_load = load_at.inverse().apply(object_at.position)
     place = Pose(subtract(goal.position, rotate(turn, thing_in_load)), turn)
     carriers = {robot: load_at.inverse() @ now.tool(robot) for robot in robots}
     move = Move(
         carriers, place, straight=order.straight, speed=order.speed, touching=order.touching
     )
-    return Go((move,), thing, order.tolerance or LOAD_TOLERANCE_M)
+    return Go((move,), name, order.tolerance or LOAD_TOLERANCE_M)
 
 
 def _goal(now: Situation, order: Order | Together) -> Pose:

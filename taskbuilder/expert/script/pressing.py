@@ -48,11 +48,11 @@ def _top(now: Situation, frame: str) -> Vec3:
     joint = _pressed_joint(now, frame)
     body = joint.child if joint else frame
     owner, _, part = body.partition(".")
-    thing = now.world.objects.get(owner)
-    if thing is None or (part and part not in thing.boxes):
+    obj = now.world.objects.get(owner)
+    if obj is None or (part and part not in obj.boxes):
         return now.pose(frame).position
-    seen = now.world.box(body).seen_from(now.pose(body))
-    return (seen.center[0], seen.center[1], seen.high[2])
+    box = now.world.box(body).seen_from(now.pose(body))
+    return (box.center[0], box.center[1], box.high[2])
 
 
 def _pressed_joint(now: Situation, frame: str) -> Joint | None:
@@ -93,8 +93,8 @@ def _down(now: Situation, robot: str, order: Order, frame: str) -> Go:
         return Go((move,), "", order.tolerance or TOOL_TOLERANCE_M)
     name, end = travel
 
-    def gap(later: Situation) -> float:
-        return max(0.0, sign * (end - later.joint(name)))
+    def gap(situation: Situation) -> float:
+        return max(0.0, sign * (end - situation.joint(name)))
 
     # What has not moved has not arrived, however near its goal it began.
     tolerance = min(order.tolerance or TRAVEL_TOLERANCE_M, max(abs(deeper) / 2.0, FINEST_M))

@@ -56,11 +56,11 @@ def _part(name: str) -> ForeignPart | None:
         raise UsageError(str(error)) from None
 
 
-def _no_algorithm(found: object) -> str | None:
+def _no_algorithm(part: object) -> str | None:
     from taskbuilder.learn.learner import Algorithm
 
-    if not isinstance(found, Algorithm):
+    if not isinstance(part, Algorithm):
         return "is no object of taskbuilder.learn.learner.Algorithm"
-    if not is_dataclass(found.settings):
+    if not is_dataclass(part.settings):
         return "has settings that are no dataclass"
     return None

@@ -136,8 +136,10 @@ class BehaviourCloning:
         observed = data.observations(rows, settings.noise, rng)
         losses: dict[str, Tensor] = {}
         if data.pictures:
-            features = self._encoders({c: shown[rows] for c, shown in data.pictures.items()})
-            observed = {agent: torch.cat([seen, features], 1) for agent, seen in observed.items()}
+            features = self._encoders({c: images[rows] for c, images in data.pictures.items()})
+            observed = {
+                agent: torch.cat([values, features], 1) for agent, values in observed.items()
+            }
             if self._scene_head is not None:
                 errors = self._scene_head(features[None])[0] - data.scene[rows]
                 losses["scene"] = settings.scene_weight * errors.square().mean()

@@ -28,7 +28,7 @@ from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight, W
 from taskbuilder.learn.shapes import Rows, Shapes
 from taskbuilder.learn.standardizer import Standardizer
 from taskbuilder.learn.values import make_values
-from taskbuilder.policies.trained import Array, TrainedPolicy
+from taskbuilder.policies.trained import Array32, TrainedPolicy
 
 MEASURED = 20_000
 """Sampled transitions that set the standardisation of inputs when networks are reset."""
@@ -155,8 +155,11 @@ class Maddpg:
     # --- acting
 
     def act(
-        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
-    ) -> dict[str, Array]:
+        self,
+        observations: Mapping[str, Array32],
+        rng: np.random.Generator,
+        progress_fraction: float,
+    ) -> dict[str, Array32]:
         """Exploratory actions: (num_envs, n) each, from -1 to 1; random before learning begins.
 
         Args:
@@ -165,7 +168,7 @@ class Maddpg:
             progress_fraction: The fraction of the training that is done.
         """
         if not (self._begun or self._pretrained):
-            shape = {a: (len(seen), self.shapes.actions[a]) for a, seen in observations.items()}
+            shape = {a: (len(values), self.shapes.actions[a]) for a, values in observations.items()}
             return {a: rng.uniform(-1.0, 1.0, n).astype(np.float32) for a, n in shape.items()}
         with torch.no_grad():
             raw = self._networks.actors(self._standard.observations(observations))
@@ -188,31 +191,31 @@ class Maddpg:
         self._standard.measure(rows)
         if before is not None:
             self._take(before)
-        shown = rows[rows[:, self.shapes.layout.demonstrated.start] > 0.0]
-        if not len(shown) and before is None:
+        demonstrations = rows[rows[:, self.shapes.layout.demonstrated.start] > 0.0]
+        if not len(demonstrations) and before is None:
             return
-        known = Replay(rows.shape[1], len(rows))
-        known.add(shown if len(shown) else rows)
-        if len(shown):
-            self._clone(known, rng)
+        memory = Replay(rows.shape[1], len(rows))
+        memory.add(demonstrations if len(demonstrations) else rows)
+        if len(demonstrations):
+            self._clone(memory, rng)
         for _ in range(self.settings.critic_warmup_updates):
-            self._update_critics(self._drawn(known, rng), rng)
+            self._update_critics(self._sample_batch(memory, rng), rng)
             self._networks.follow_critics(self.settings.tau)
 
-    def _clone(self, known: Memory, rng: np.random.Generator) -> None:
+    def _clone(self, memory: Memory, rng: np.random.Generator) -> None:
         """Clone demonstrations, with a learning rate that falls to zero."""
         lr, updates = self.settings.lr, self.settings.bc_updates
-        for done in range(updates):
-            self._networks.set_lr(lr * half_cosine(done / updates))
-            self._networks.update_actors(self._imitation(self._drawn(known, rng), rng))
+        for update in range(updates):
+            self._networks.set_lr(lr * half_cosine(update / updates))
+            self._networks.update_actors(self._imitation(self._sample_batch(memory, rng), rng))
         self._networks.set_lr(lr)
         self._networks.follow_actors(1.0)
 
-    def _drawn(self, memory: Memory, rng: np.random.Generator) -> Tensor:
+    def _sample_batch(self, memory: Memory, rng: np.random.Generator) -> Tensor:
         """A batch with standardised observations and state."""
         return self._standard.apply_(self._tensor(memory.sample(self.settings.batch, rng)))
 
-    def _tensor(self, array: Array) -> Tensor:
+    def _tensor(self, array: Array32) -> Tensor:
         return torch.from_numpy(array).to(self._device)
 
     def update(self, memory: Memory, rng: np.random.Generator, step: int) -> dict[str, float]:
@@ -231,7 +234,7 @@ class Maddpg:
             self._pretrained = False
             self._networks = self._build(int(rng.integers(2**63)))
             self.begin(memory.sample(MEASURED, rng), rng)
-        batch = self._drawn(memory, rng)
+        batch = self._sample_batch(memory, rng)
         critic_loss = self._update_critics(batch, rng)
         self._updates += 1
         if self._updates % settings.actor_every:
@@ -246,8 +249,8 @@ class Maddpg:
     def _update_critics(self, batch: Tensor, rng: np.random.Generator) -> float:
         """Update the critics, and return their loss."""
         layout, target = self.shapes.layout, self._target(batch, rng)
-        seen = batch[:, : layout.actions.stop]  # critic inputs, and actions
-        out = self._networks.critics(seen).unflatten(0, (2, self._rewards))
+        inputs = batch[:, : layout.actions.stop]  # critic inputs, and actions
+        out = self._networks.critics(inputs).unflatten(0, (2, self._rewards))
         loss = self._values.errors(out, target).mean(2).sum()
         self._networks.update_critics(loss)
         self._values.adapt_(target, (self._networks.critics, self._networks.target_critics))
@@ -257,18 +260,20 @@ class Maddpg:
         """Reward + γⁿ (1 - ended) min of the two target critics: (rewards, n)."""
         layout, settings = self.shapes.layout, self.settings
         with torch.no_grad():
-            later = {agent: batch[:, part] for agent, part in layout.next_observations.items()}
-            plain = self._networks.target_actors(later).tanh_()
+            next_observations = {
+                agent: batch[:, part] for agent, part in layout.next_observations.items()
+            }
+            plain = self._networks.target_actors(next_observations).tanh_()
             noise = rng.standard_normal(plain.shape, dtype=np.float32) * settings.smoothing
             limit = 2.0 * settings.smoothing
             actions = (plain + self._tensor(noise).clamp_(-limit, limit)).clamp_(-1.0, 1.0)
             inputs = torch.cat([batch[:, layout.next_critic_input], actions], 1)
             values = self._values.mean(self._networks.target_critics(inputs))
             values = values.view(2, self._rewards, -1).amin(0)
-            pay = batch[:, layout.rewards].T[: self._rewards]
+            rewards = batch[:, layout.rewards].T[: self._rewards]
             discount = settings.discount ** (1.0 + batch[:, layout.extra_steps].T)
             # The time limit may be a terminal state, since the time left is observed.
-            target: Tensor = pay + discount * (1.0 - batch[:, layout.ended].T) * values
+            target: Tensor = rewards + discount * (1.0 - batch[:, layout.ended].T) * values
             return target
 
     def _actor_loss(self, batch: Tensor, weight: float, rng: np.random.Generator) -> Tensor:
@@ -282,9 +287,9 @@ class Maddpg:
         joint = torch.stack([self._joint(batch, actions, agent) for agent in paid])
         values = self._values.mean(self._networks.critics(joint, first=self._rewards))
         loss = loss - (values.mean(1) / values.detach().abs().mean(1).clamp(min=1.0)).sum()
-        shown = batch[:, self.shapes.layout.demonstrated.start] > 0.0
-        if weight > 1e-3 and shown.any():  # a smaller weight is not worth the time
-            loss = loss + weight * self._imitation(batch[shown], rng)
+        demonstrated = batch[:, self.shapes.layout.demonstrated.start] > 0.0
+        if weight > 1e-3 and demonstrated.any():  # a smaller weight is not worth the time
+            loss = loss + weight * self._imitation(batch[demonstrated], rng)
         return loss
 
     def _joint(self, batch: Tensor, actions: Tensor, agent: str) -> Tensor:
@@ -297,13 +302,13 @@ class Maddpg:
             actions[:, first:last] = moved[:, first:last]
         return torch.cat([batch[:, layout.critic_input], actions], 1)
 
-    def _imitation(self, shown: Tensor, rng: np.random.Generator) -> Tensor:
+    def _imitation(self, batch: Tensor, rng: np.random.Generator) -> Tensor:
         """Mean absolute difference from the expert's actions, seen with noise."""
-        width, observed = self.settings.bc_noise, self.shapes.layout.observed(shown)
-        for seen in observed.values():
-            seen += width * self._tensor(rng.standard_normal(seen.shape, dtype=np.float32))
+        width, observed = self.settings.bc_noise, self.shapes.layout.observed(batch)
+        for values in observed.values():
+            values += width * self._tensor(rng.standard_normal(values.shape, dtype=np.float32))
         actions: Tensor = self._networks.actors(observed).tanh()
-        return (actions - shown[:, self.shapes.layout.actions]).abs().mean()
+        return (actions - batch[:, self.shapes.layout.actions]).abs().mean()
 
     # --- starting from a policy
 
@@ -328,14 +333,14 @@ class Maddpg:
         actors = self._networks.target_actors
         return TrainedPolicy(actors.policy(*self._standard.by_agent(), squash=True), about)
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, Array32]:
         """The complete state of the learner by name: networks, targets, optimisers, statistics."""
         flags = {"updates": self._updates, "begun": self._begun, "renewals": self._renewals}
         flags |= {"pretrained": True} if self._pretrained else {}
         numbers = {name: np.array([value]) for name, value in flags.items()}
         return {**numbers, **{n: a for part in self._parts() for n, a in part.arrays().items()}}
 
-    def load(self, arrays: Mapping[str, Array]) -> None:
+    def load(self, arrays: Mapping[str, Array32]) -> None:
         """Restore the state that `arrays` returned.
 
         Raises:

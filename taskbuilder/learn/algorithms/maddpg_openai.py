@@ -25,9 +25,7 @@ from taskbuilder.learn.off_policy import OffPolicy
 from taskbuilder.learn.replay import Memory
 from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight, Whole
 from taskbuilder.learn.shapes import Rows, Shapes
-from taskbuilder.policies.trained import Array, Network, TrainedPolicy
-
-Actions = dict[str, NDArray[np.float32]]
+from taskbuilder.policies.trained import Array32, Network, TrainedPolicy
 
 
 @dataclass(frozen=True)
@@ -90,8 +88,11 @@ class MaddpgOpenai:
         self._learners = {a: _Agent(a, shapes, settings, generator) for a in shapes.agents}
 
     def act(
-        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
-    ) -> Actions:
+        self,
+        observations: Mapping[str, Array32],
+        rng: np.random.Generator,
+        progress_fraction: float,
+    ) -> dict[str, Array32]:
         """Exploratory actions: samples of the agents' Gaussians, which may exceed -1 to 1.
 
         Args:
@@ -102,7 +103,7 @@ class MaddpgOpenai:
         del progress_fraction
         with torch.no_grad():
             return {
-                agent: self._drawn(
+                agent: self._sample(
                     learner.actor(torch.from_numpy(observations[agent])), rng
                 ).numpy()
                 for agent, learner in self._learners.items()
@@ -164,26 +165,26 @@ class MaddpgOpenai:
         layout = self.shapes.layout
         with torch.no_grad():
             actions = [
-                self._drawn(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
+                self._sample(learner.target_actor(batch[:, layout.next_observations[name]]), rng)
                 for name, learner in self._learners.items()
             ]
             inputs = _inputs(batch, layout.next_observations, actions)
             values = self._learners[agent].target_critic(inputs)[:, 0]
-            pay = batch[:, layout.rewards][:, self.shapes.agents.index(agent)]
-            goes_on = 1.0 - batch[:, layout.terminated][:, 0]
+            rewards = batch[:, layout.rewards][:, self.shapes.agents.index(agent)]
+            bootstrap = 1.0 - batch[:, layout.terminated][:, 0]
             discount = self.settings.discount ** (1.0 + batch[:, layout.extra_steps][:, 0])
-            return pay + discount * goes_on * values
+            return rewards + discount * bootstrap * values
 
     def _actor_loss(self, agent: str, batch: Tensor, rng: np.random.Generator) -> Tensor:
         """-Q at this agent's new action and the others' stored ones, and the regulariser."""
         layout, learner = self.shapes.layout, self._learners[agent]
         flat = learner.actor(batch[:, layout.observations[agent]])
-        own = self._drawn(flat, rng)
+        own = self._sample(flat, rng)
         actions = [own if name == agent else batch[:, part] for name, part in layout.action.items()]
         values = learner.critic(_inputs(batch, layout.observations, actions))
         return self.settings.regulariser * flat.square().mean() - values.mean()
 
-    def _drawn(self, flat: Tensor, rng: np.random.Generator) -> Tensor:
+    def _sample(self, flat: Tensor, rng: np.random.Generator) -> Tensor:
         """A draw of the Gaussian with this mean and log-std, differentiable: (n, 2 k) to (n, k)."""
         mean, log_std = flat.chunk(2, 1)
         noise = torch.from_numpy(rng.standard_normal(mean.shape, dtype=np.float32))
@@ -211,14 +212,14 @@ class MaddpgOpenai:
             KeyError: Something is missing.
             RuntimeError: Something has another shape.
         """
-        taken = {name: torch.from_numpy(arrays[name]) for name in self._tensors()}
+        loaded = {name: torch.from_numpy(arrays[name]) for name in self._tensors()}
         for name, tensor in self._tensors().items():
-            if tensor.shape != taken[name].shape:
-                shapes = f"{tuple(taken[name].shape)}; {tuple(tensor.shape)} is needed"
+            if tensor.shape != loaded[name].shape:
+                shapes = f"{tuple(loaded[name].shape)}; {tuple(tensor.shape)} is needed"
                 raise RuntimeError(f"{name} has shape {shapes}")
         with torch.no_grad():
             for name, tensor in self._tensors().items():
-                tensor.copy_(taken[name])
+                tensor.copy_(loaded[name])
 
     def _tensors(self) -> dict[str, Tensor]:
         return {
@@ -240,9 +241,9 @@ class _Agent:
         self, agent: str, shapes: Shapes, settings: OpenaiSettings, generator: torch.Generator
     ) -> None:
         self._action_size = shapes.actions[agent]
-        seen = sum(shapes.observations.values())
+        observed = sum(shapes.observations.values())
         actor = (shapes.observations[agent], *settings.hidden, 2 * self._action_size)
-        critic = (seen + shapes.joint_action, *settings.hidden, 1)
+        critic = (observed + shapes.joint_action, *settings.hidden, 1)
         self.actor, self.target_actor = _Perceptron(actor, generator), _Perceptron(actor, generator)
         self.critic = _Perceptron(critic, generator)
         self.target_critic = _Perceptron(critic, generator)
@@ -301,7 +302,7 @@ class _Perceptron:
         with torch.no_grad():
             torch._foreach_lerp_(self.parameters, source.parameters, share)
 
-    def arrays(self) -> list[tuple[Array, Array]]:
+    def arrays(self) -> list[tuple[Array32, Array32]]:
         """Copies of weight and bias of each layer."""
         return [(w.detach().numpy().copy(), b.detach().numpy().copy()) for w, b in self._layers()]
 

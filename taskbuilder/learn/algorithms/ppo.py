@@ -32,7 +32,7 @@ from taskbuilder.learn.on_policy import OnPolicy
 from taskbuilder.learn.running_moments import RunningMoments
 from taskbuilder.learn.settings import Count, Layers, Positive, Share, Weight
 from taskbuilder.learn.shapes import Rows, Shapes
-from taskbuilder.policies.trained import Array, TrainedPolicy
+from taskbuilder.policies.trained import Array32, TrainedPolicy
 
 Flags = NDArray[np.bool_]
 
@@ -117,10 +117,10 @@ class Ppo:
             generator,
             norms=settings.norms,
         )
-        seen = dict.fromkeys(shapes.agents, shapes.critic_input)
+        joint = dict.fromkeys(shapes.agents, shapes.critic_input)
         self._critics = SharedNetworks(
             (shapes.agents,) if settings.centralised else groups,
-            seen if settings.centralised else shapes.observations,
+            joint if settings.centralised else shapes.observations,
             settings.hidden,
             dict.fromkeys(shapes.agents, 1),
             generator,
@@ -140,8 +140,11 @@ class Ppo:
     # --- acting
 
     def act(
-        self, observations: Mapping[str, Array], rng: np.random.Generator, progress_fraction: float
-    ) -> dict[str, Array]:
+        self,
+        observations: Mapping[str, Array32],
+        rng: np.random.Generator,
+        progress_fraction: float,
+    ) -> dict[str, Array32]:
         """Sampled actions: (num_envs, n) each; the environment clips them to -1 to 1.
 
         Args:
@@ -153,12 +156,12 @@ class Ppo:
         parts = self.shapes.layout.observations
         with torch.no_grad():
             policy = self._policy(
-                {a: self._normalized(seen, parts[a]) for a, seen in observations.items()}
+                {a: self._normalized(values, parts[a]) for a, values in observations.items()}
             )
         mean, std = policy.mean.cpu().numpy(), policy.stddev.cpu().numpy()
-        drawn = mean + std * rng.standard_normal(mean.shape, dtype=np.float32)
+        actions = mean + std * rng.standard_normal(mean.shape, dtype=np.float32)
         ends = np.cumsum(list(self.shapes.actions.values()))[:-1]
-        return dict(zip(self.shapes.agents, np.split(drawn, ends, axis=1), strict=True))
+        return dict(zip(self.shapes.agents, np.split(actions, ends, axis=1), strict=True))
 
     def _policy(self, observations: Mapping[str, Tensor]) -> Normal:
         """The distribution of all agents' actions (n, joint action), given their observations."""
@@ -166,16 +169,16 @@ class Ppo:
         mean = mean.tanh() if self.settings.squash else mean
         return Normal(mean, self._log_std.exp().expand_as(mean), validate_args=False)
 
-    def _values(self, batch: Tensor, *, later: bool = False) -> Tensor:
+    def _values(self, batch: Tensor, *, next_state: bool = False) -> Tensor:
         """The critics' normalised values of normalised rows: (n, agents).
 
         Args:
             batch: The rows.
-            later: Evaluate the state after the step instead of the one before it.
+            next_state: Evaluate the state after the step instead of the one before it.
         """
         layout = self.shapes.layout
-        own = layout.next_observations if later else layout.observations
-        everything = layout.next_critic_input if later else layout.critic_input
+        own = layout.next_observations if next_state else layout.observations
+        everything = layout.next_critic_input if next_state else layout.critic_input
         parts = dict.fromkeys(own, everything) if self.settings.centralised else own
         values: Tensor = self._critics({agent: batch[:, part] for agent, part in parts.items()})
         return values
@@ -206,28 +209,30 @@ class Ppo:
         actions = torch.from_numpy(rows[:, layout.actions]).to(self._device)
         with torch.no_grad():
             before = self._log_probabilities(batch, actions)[0]
-            normal = [self._values(batch, later=later).cpu().numpy() for later in (False, True)]
-        values, later = (
+            normal = [
+                self._values(batch, next_state=after).cpu().numpy() for after in (False, True)
+            ]
+        values, next_values = (
             (self._returns.mean + self._returns.scale * each).reshape(*rollout.shape[:2], -1)
             for each in normal
         )
-        advantages = self._advantages(rollout, values, later)
+        advantages = self._advantages(rollout, values, next_values)
         returns = (advantages + values).reshape(len(rows), -1)
-        known = np.flatnonzero(~lost.reshape(-1))
-        self._returns.add(returns[known])
+        valid = np.flatnonzero(~lost.reshape(-1))
+        self._returns.add(returns[valid])
         targets = self._tensor((returns - self._returns.mean) / self._returns.scale)
         advantages = advantages.reshape(len(rows), -1)
-        spread = advantages[known].std() + 1e-8
-        gains = self._tensor((advantages - advantages[known].mean()) / spread)
+        std = advantages[valid].std() + 1e-8
+        normalized = self._tensor((advantages - advantages[valid].mean()) / std)
         losses: list[list[float]] = []
         for _ in range(settings.epochs):
-            for part in np.array_split(rng.permutation(known), settings.minibatches):
+            for part in np.array_split(rng.permutation(valid), settings.minibatches):
                 rows_of = torch.from_numpy(part).to(self._device)
                 losses.append(
-                    self._step(*(t[rows_of] for t in (batch, actions, before, gains, targets)))
+                    self._step(*(t[rows_of] for t in (batch, actions, before, normalized, targets)))
                 )
         # Only now, so that the old and the new policy are compared under one normalisation.
-        self._measure(rows[known])
+        self._measure(rows[valid])
         names = ("actor", "critic", "entropy", "kl", "clipped")
         return dict(zip(names, np.mean(losses, axis=0).tolist(), strict=True))
 
@@ -239,30 +244,31 @@ class Ppo:
             self._actors.take(before, *self._measures())
 
     def _advantages(
-        self, rollout: Rows, values: NDArray[np.float64], later: NDArray[np.float64]
+        self, rollout: Rows, values: NDArray[np.float64], next_values: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Generalised advantage estimates: (steps, num_envs, agents).
 
         Args:
             rollout: (steps, num_envs, width).
             values: (steps, num_envs, agents), the values before each step.
-            later: The values after it; at the end of an episode, those of its last state.
+            next_values: The values after it; at the end of an episode, those of its last state.
         """
         settings, layout = self.settings, self.shapes.layout
         ended = rollout[..., layout.ended]
-        worthless = rollout[..., layout.terminated] if settings.bootstrap_time_limit else ended
+        # The values of these states are masked out, and those of others bootstrapped.
+        final = rollout[..., layout.terminated] if settings.bootstrap_time_limit else ended
         rewards = rollout[..., layout.rewards]
-        errors = rewards + settings.discount * (1.0 - worthless) * later - values
+        errors = rewards + settings.discount * (1.0 - final) * next_values - values
         advantages = np.zeros_like(errors)
-        following = np.zeros_like(errors[0])
+        advantage = np.zeros_like(errors[0])
         for step in reversed(range(len(errors))):
-            kept = settings.discount * settings.gae_lambda * (1.0 - ended[step])
-            following = errors[step] + kept * following
-            advantages[step] = following
+            decay = settings.discount * settings.gae_lambda * (1.0 - ended[step])
+            advantage = errors[step] + decay * advantage
+            advantages[step] = advantage
         return advantages
 
     def _step(
-        self, batch: Tensor, actions: Tensor, before: Tensor, gains: Tensor, targets: Tensor
+        self, batch: Tensor, actions: Tensor, before: Tensor, advantages: Tensor, targets: Tensor
     ) -> list[float]:
         """A gradient step on a minibatch of rows: (n, ...) each."""
         settings = self.settings
@@ -270,7 +276,7 @@ class Ppo:
         change = log_probabilities - before  # (n, agents)
         ratio = change.exp()
         clipped = ratio.clamp(1.0 - settings.clip, 1.0 + settings.clip)
-        actor_loss = -torch.minimum(ratio * gains, clipped * gains).mean()
+        actor_loss = -torch.minimum(ratio * advantages, clipped * advantages).mean()
         critic_loss = (self._values(batch) - targets).square().mean()
         loss = actor_loss + settings.value_weight * critic_loss - settings.entropy_weight * entropy
         self._adam.zero_grad()
@@ -299,7 +305,7 @@ class Ppo:
         squash = self.settings.squash
         return TrainedPolicy(self._actors.policy(*self._measures(), squash=squash), about)
 
-    def _measures(self) -> tuple[dict[str, Array], dict[str, Array]]:
+    def _measures(self) -> tuple[dict[str, Array32], dict[str, Array32]]:
         """Means and scales of the agents' observations."""
         parts = self.shapes.layout.observations
         mean, scale = (x.astype(np.float32) for x in (self._inputs.mean, self._inputs.scale))
