@@ -18,7 +18,7 @@ from taskbuilder.cli.argument_types import (
 )
 from taskbuilder.env import options as env_options
 from taskbuilder.env.option_info import OptionInfo, OptionKind
-from taskbuilder.env.options import Variation, option_fields, option_infos, options_about
+from taskbuilder.env.options import Variation, flag_of, option_fields, option_infos, options_about
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.choices import OtherRobots
 
@@ -53,7 +53,7 @@ def add_env_options(
         other, reading = (also or {}).get(name), _reading(hints[name], info)
         repeated = "may be repeated; " if reading.get("action") == "append" else ""
         parser.add_argument(
-            f"--{(info.flag or name).replace('_', '-')}",
+            flag_of(name),
             *([other] if other else []),
             dest=name,
             default=None,

@@ -13,10 +13,12 @@ from taskbuilder.cli.output import paint, progress, say
 from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import trusts
+from taskbuilder.env.options import flag_of, option_infos
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
 from taskbuilder.learn.plan import Plan
+from taskbuilder.learn.recordings import unlike_recorded
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.policies.runs import RUN_FILE
 from taskbuilder.rollout.record import Rollout
@@ -86,6 +88,9 @@ def _train_one(arguments: argparse.Namespace) -> None:
 def _begin(arguments: argparse.Namespace, planned: RunSetup) -> None:
     """Train from the start."""
     folder, catalogue = arguments.out, catalogue_of(arguments)
+    if planned.dataset is not None:
+        for difference in unlike_recorded(planned.dataset, planned.plan.options):
+            say(f"on request: {difference}")
     with runs.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
         runs.create(folder, planned, command=command, catalogue=catalogue, track=_track)
@@ -101,7 +106,7 @@ def _check_alone(arguments: argparse.Namespace) -> None:
     names = [*Plan("").values, "out", "set", "jobs", "ray"]
     given = [name for name in names if getattr(arguments, name, None) is not None]
     if given:
-        flags = {"robots": "--robot", "task": "TASK"}
+        flags = {name: flag_of(name) for name in option_infos()} | {"task": "TASK"}
         words = [flags.get(name, f"--{name.replace('_', '-')}") for name in given]
         raise UsageError(f"--resume goes on as the run began; leave {' and '.join(words)} out")
 

@@ -330,6 +330,11 @@ def option_infos() -> dict[str, OptionInfo]:
     return {name: each.metadata["info"] for name, each in option_fields().items()}
 
 
+def flag_of(name: str) -> str:
+    """What an option is called on the command line."""
+    return f"--{(option_infos()[name].flag or name).replace('_', '-')}"
+
+
 def options_about(*kinds: OptionKind) -> tuple[str, ...]:
     """The names of the options of some kinds."""
     return tuple(name for name, info in option_infos().items() if info.kind in kinds)

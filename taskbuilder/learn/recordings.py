@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.environment import options_of_dataset
-from taskbuilder.env.options import Options, make_options, option_infos, options_about
+from taskbuilder.env.options import Options, flag_of, make_options, options_about
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.env.spaces import VECTOR
 from taskbuilder.errors import UsageError, display_path
@@ -196,23 +196,34 @@ def recorded_options(dataset: Dataset, asked: Mapping[str, Any]) -> dict[str, An
         UsageError: It was recorded otherwise than is asked for.
     """
     where = display_path(dataset.folder)
-    options = options_of_dataset(dataset.about, cameras=False)
-    whole = make_options(**options)
-    recorded = {name: getattr(whole, name) for name in options_about("scene", "observed")}
+    recorded = _recorded_values(dataset)
     for name, value in recorded.items():
         less = name == "observe" and asked.get(name) == "task"  # a part of what was recorded
         if name in asked and asked[name] != value and not less and name != "variation":
-            flag = (option_infos()[name].flag or name).replace("_", "-")
             raise UsageError(
                 f"{where} was recorded with {name} {_word(value)}, not {_word(asked[name])}; "
-                f"leave --{flag} out, or collect another data set"
+                f"leave {flag_of(name)} out, or collect another data set"
             )
-    collected = dataset.about["collected"]
-    variations = collected["variations"]
-    recorded["variation"] = "random" if variations == "all" else variations[0]
-    played = [policy["name"] for policy in collected["policies"]]
+    played = [policy["name"] for policy in dataset.about["collected"]["policies"]]
     recorded["teachers"] = tuple(name for name in played if not is_word(name))
     return {**recorded, **_pictures(dataset.about, where, asked.get("cameras") or ())}
+
+
+def unlike_recorded(dataset: Dataset, options: Options) -> Iterator[str]:
+    """The options of a run that differ, on request, from those that its data set has, in words."""
+    for name, value in _recorded_values(dataset).items():
+        chosen = getattr(options, name)
+        if chosen != value:
+            where = display_path(dataset.folder)
+            yield f"{flag_of(name)} {_word(chosen)}, where {where} has {_word(value)}"
+
+
+def _recorded_values(dataset: Dataset) -> dict[str, Any]:
+    """The values of all options of the scene and of observations in a data set."""
+    options = make_options(**options_of_dataset(dataset.about, cameras=False))
+    values = {name: getattr(options, name) for name in options_about("scene", "observed")}
+    variations = dataset.about["collected"]["variations"]
+    return {**values, "variation": "random" if variations == "all" else variations[0]}
 
 
 def _word(value: Any) -> str:
