@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of, whole
+from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of
 from taskbuilder.cli.benchmark_arguments import add_benchmark
 from taskbuilder.cli.data_arguments import add_collect, add_dataset
 from taskbuilder.cli.env_options import add_env_options
@@ -27,12 +27,16 @@ from taskbuilder.cli.inspection_arguments import (
 )
 from taskbuilder.cli.learning_arguments import add_evaluate, add_plot, add_train
 from taskbuilder.cli.shared_options import (
+    SEEDS,
+    add_count,
     add_jobs,
     add_json,
     add_picture,
     add_ray,
     add_show,
     add_suite,
+    add_task,
+    add_tasks,
 )
 from taskbuilder.extensions import REPORT_FORMATS
 from taskbuilder.validate.formats import NAMES as REPORT_NAMES
@@ -192,19 +196,13 @@ def _add_list(adder: Adder) -> None:
 
 def _add_show(adder: Adder) -> None:
     parser = adder.command("print a task with its defaults filled in, as YAML", "handover")
-    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
+    add_task(parser)
 
 
 def _add_new(adder: Adder) -> None:
     parser = adder.command("write the files of a new task", "stack_cubes --robots 2")
     parser.add_argument("name", metavar="NAME", help="name of the task, such as stack_cubes")
-    parser.add_argument(
-        "--robots",
-        type=whole(1, 6),
-        default=2,
-        metavar="N",
-        help="number of robots, 1 to 6 (default 2)",
-    )
+    add_count(parser, "--robots", (1, 6), "number of robots, 1 to 6", default=2)
     parser.add_argument(
         "--dir",
         type=Path,
@@ -219,9 +217,7 @@ def _add_validate(adder: Adder) -> None:
         "check tasks, play them in many ways, and report faults and measured values",
         "handover --quick",
     )
-    parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
-    parser.add_argument("--all", action="store_true", help="all tasks of the catalogue")
-    add_suite(parser)
+    add_tasks(parser)
     parser.add_argument(
         "--level",
         choices=("static", "build", "full"),
@@ -238,12 +234,7 @@ def _add_validate(adder: Adder) -> None:
     )
     seeds = parser.add_mutually_exclusive_group()
     seeds.add_argument("--quick", action="store_true", help="use 5 seeds per variation")
-    seeds.add_argument(
-        "--seeds",
-        type=whole(1, 100_000),
-        metavar="N",
-        help="use N seeds per variation (default 40)",
-    )
+    add_count(seeds, "--seeds", (1, 100_000), "use N seeds per variation (default 40)")
     parser.add_argument(
         "--resume",
         action="store_true",
@@ -278,9 +269,7 @@ def _add_render(adder: Adder) -> None:
         "render pictures of tasks, without a display",
         "handover --camera front --modality rgb depth",
     )
-    parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
-    parser.add_argument("--all", action="store_true", help="all tasks of the catalogue")
-    add_suite(parser)
+    add_tasks(parser)
     parser.add_argument(
         "--out",
         type=Path,
@@ -300,11 +289,11 @@ def _add_render(adder: Adder) -> None:
     add_show(parser)
     _add_episode(parser, "seed of the episode (default 0)")
     add_env_options(parser, ("robots", "grasp"))
-    parser.add_argument(
+    add_count(
+        parser,
         "--randomize",
-        type=whole(1, 100),
-        metavar="N",
-        help="instead, render one sheet with the initial states of N episodes; each has a random "
+        (1, 100),
+        "instead, render one sheet with the initial states of N episodes; each has a random "
         "appearance, and random values of the quantities that the task lists under randomize",
     )
     add_json(parser)
@@ -315,14 +304,8 @@ def _add_demo(adder: Adder) -> None:
         "play a task with its expert or a policy, and show what happened",
         "handover --episodes 10 --video",
     )
-    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
-    parser.add_argument(
-        "--episodes",
-        type=whole(1, 100_000),
-        default=1,
-        metavar="N",
-        help="number of episodes (default 1)",
-    )
+    add_task(parser)
+    add_count(parser, "--episodes", (1, 100_000), "number of episodes", default=1)
     parser.add_argument(
         "--policy",
         default="expert",
@@ -352,13 +335,14 @@ def _add_demo(adder: Adder) -> None:
 
 def _add_episode(parser: argparse.ArgumentParser, seed: str) -> None:
     """Options that choose the episode and the renderer."""
-    parser.add_argument("--seed", type=whole(0, 2**32 - 1), default=0, metavar="N", help=seed)
-    parser.add_argument(
+    add_count(parser, "--seed", SEEDS, seed, default=0)
+    add_count(
+        parser,
         "--variation",
-        type=whole(0, 10_000),
+        (0, 10_000),
+        "number of the variation (default 0, the task as written)",
         default=0,
         metavar="K",
-        help="number of the variation (default 0, the task as written)",
     )
     add_env_options(parser, ("renderer",))
 

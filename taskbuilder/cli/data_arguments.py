@@ -13,11 +13,11 @@ from taskbuilder.cli.argument_types import (
     share,
     side_or_size,
     variation_or_all,
-    whole,
 )
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import (
+    add_count,
     add_jobs,
     add_json,
     add_ray,
@@ -39,18 +39,12 @@ def add_collect(adder: CommandAdder) -> None:
     parser.set_defaults(all=False)
     add_suite(parser)
     count = parser.add_mutually_exclusive_group()
-    count.add_argument(
-        "--episodes",
-        type=whole(1, 10_000_000),
-        default=10,
-        metavar="N",
-        help="number of episodes of each task (default 10)",
-    )
-    count.add_argument(
+    add_count(count, "--episodes", (1, 10_000_000), "number of episodes of each task", default=10)
+    add_count(
+        count,
         "--per-variation",
-        type=whole(1, 10_000_000),
-        metavar="N",
-        help="number of episodes of each variation of each task; without --variation and --suite, "
+        (1, 10_000_000),
+        "number of episodes of each variation of each task; without --variation and --suite, "
         "of all variations",
     )
     parser.add_argument(
@@ -90,22 +84,22 @@ def add_collect(adder: CommandAdder) -> None:
         help="exit with status 0 even if the data set has no episode of a variation, or fewer than "
         "--per-variation",
     )
-    parser.add_argument(
+    add_count(
+        parser,
         "--seed",
-        type=whole(0, 2**31 - 1),
-        metavar="N",
-        help="seed of the first attempt at an episode; the next attempts have the next seeds "
+        (0, 2**31 - 1),
+        "seed of the first attempt at an episode; the next attempts have the next seeds "
         "(default 0; with --suite, the first training seed of the suite)",
     )
     add_env_options(parser, without=("variation",))
     parser.add_argument(
         "--keep-failures", action="store_true", help="also keep episodes without success"
     )
-    parser.add_argument(
+    add_count(
+        parser,
         "--until-success",
-        type=whole(0, 100_000),
-        metavar="N",
-        help="end each episode N control steps after success was reached (default: record whole "
+        (0, 100_000),
+        "end each episode N control steps after success was reached (default: record whole "
         "episodes)",
     )
     parser.add_argument(
@@ -145,12 +139,7 @@ def add_dataset(adder: CommandAdder) -> None:
         help="check: fraction of the episodes to replay (default 0.05; if not 0, at least one "
         "episode is replayed)",
     )
-    parser.add_argument(
-        "--episode",
-        type=whole(0, 10_000_000),
-        metavar="N",
-        help="film: number of the episode, counted from 0",
-    )
+    add_count(parser, "--episode", (0, 10_000_000), "film: number of the episode, counted from 0")
     parser.add_argument(
         "--cameras",
         type=listed,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, ArgumentTypeError
 from pathlib import Path
 
-from taskbuilder.cli.argument_types import whole
+from taskbuilder.cli.shared_options import add_count
 
 
 def add_measures(parser: ArgumentParser) -> None:
@@ -58,12 +58,12 @@ def add_import(parser: ArgumentParser) -> None:
         "else the hull, or convex pieces where the hull is too far off (default); exact only for "
         "what does not move",
     )
-    parser.add_argument(
+    add_count(
+        parser,
         "--triangles",
-        type=whole(12, 500_000),
+        (12, 500_000),
+        "import: most triangles of a mesh that is drawn",
         default=8000,
-        metavar="N",
-        help="import: most triangles of a mesh that is drawn (default 8000)",
     )
     parser.add_argument(
         "--up",

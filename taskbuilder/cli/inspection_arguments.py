@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from taskbuilder.cli.argument_types import size, whole
+from taskbuilder.cli.argument_types import size
 from taskbuilder.cli.import_arguments import add_import, add_measures, add_mounting
 from taskbuilder.cli.learning_arguments import CommandAdder
-from taskbuilder.cli.shared_options import add_json, add_show
+from taskbuilder.cli.shared_options import SEEDS, add_count, add_json, add_show, add_task
 
 OBJECT_ACTIONS = ("list", "check", "import")
 """What `taskbuilder objects` does."""
@@ -85,21 +85,14 @@ def add_bench(adder: CommandAdder) -> None:
     parser = adder.command(
         "measure the speed of a task's environment, and of its physics alone", "handover"
     )
-    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
-    parser.add_argument(
-        "--episodes",
-        type=whole(1, 1000),
-        default=10,
-        metavar="N",
-        help="number of episodes (default 10)",
-    )
-    parser.add_argument(
+    add_task(parser)
+    add_count(parser, "--episodes", (1, 1000), "number of episodes", default=10)
+    add_count(
+        parser,
         "--workers",
-        type=whole(0, 64),
+        (0, 64),
+        "also measure the speed of vectorised environments with 1 to N worker processes",
         default=2,
-        metavar="N",
-        help="also measure the speed of vectorised environments with 1 to N worker processes "
-        "(default 2)",
     )
     add_json(parser)
 
@@ -149,7 +142,7 @@ def add_watch(adder: CommandAdder) -> None:
         "check and render a task again whenever one of its files changes",
         "stack_cubes.yaml --out view.png",
     )
-    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
+    add_task(parser)
     parser.add_argument(
         "--out",
         type=Path,
@@ -165,12 +158,8 @@ def add_watch(adder: CommandAdder) -> None:
         "--size", type=size, metavar="WxH", help="size of the picture, such as 640x480"
     )
     add_show(parser)
-    parser.add_argument(
-        "--seed",
-        type=whole(0, 2**32 - 1),
-        default=0,
-        metavar="N",
-        help="seed of the episode whose initial state is shown (default 0)",
+    add_count(
+        parser, "--seed", SEEDS, "seed of the episode whose initial state is shown", default=0
     )
 
 
@@ -180,20 +169,15 @@ def add_view(adder: CommandAdder) -> None:
         "show a task on a live page in the browser, which follows its files",
         "handover --seed 3",
     )
-    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
-    parser.add_argument(
-        "--seed",
-        type=whole(0, 2**32 - 1),
-        default=0,
-        metavar="N",
-        help="seed of the episode that is shown first (default 0)",
-    )
-    parser.add_argument(
+    add_task(parser)
+    add_count(parser, "--seed", SEEDS, "seed of the episode that is shown first", default=0)
+    add_count(
+        parser,
         "--variation",
-        type=whole(0, 10_000),
+        (0, 10_000),
+        "number of the variation that is shown first (default 0, the task as written)",
         default=0,
         metavar="K",
-        help="number of the variation that is shown first (default 0, the task as written)",
     )
     parser.add_argument(
         "--policy",
@@ -207,11 +191,11 @@ def add_view(adder: CommandAdder) -> None:
         metavar="FILE",
         help="instead, write an HTML file that plays an episode and needs no server",
     )
-    parser.add_argument(
+    add_count(
+        parser,
         "--port",
-        type=whole(0, 65_535),
+        (0, 65_535),
+        "port of the page on this machine (default 8765); 0 for any that is free",
         default=8765,
-        metavar="N",
-        help="port of the page on this machine (default 8765); 0 for any that is free",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")

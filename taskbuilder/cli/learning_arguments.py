@@ -16,6 +16,8 @@ from taskbuilder.cli.argument_types import (
 )
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.shared_options import (
+    SEEDS,
+    add_count,
     add_jobs,
     add_json,
     add_picture,
@@ -85,24 +87,14 @@ def add_train(adder: CommandAdder) -> None:
         help="random seed (default 0); with several seeds, one run for each seed, in the folder "
         "RUN-SEED",
     )
-    parser.add_argument(
-        "--jobs",
-        type=whole(1, 1024),
-        metavar="N",
-        help="number of runs to train at once (default 1)",
-    )
+    add_count(parser, "--jobs", (1, 1024), "number of runs to train at once (default 1)")
     add_ray(parser, "the runs of several seeds")
-    parser.add_argument(
-        "--envs",
-        type=whole(1, 1024),
-        metavar="N",
-        help="number of parallel environments (default 4)",
-    )
-    parser.add_argument(
+    add_count(parser, "--envs", (1, 1024), "number of parallel environments (default 4)")
+    add_count(
+        parser,
         "--workers",
-        type=whole(0, 1024),
-        metavar="N",
-        help="number of worker processes that run the environments; with 0, the training process "
+        (0, 1024),
+        "number of worker processes that run the environments; with 0, the training process "
         "runs them (default 0)",
     )
     parser.add_argument(
@@ -155,11 +147,11 @@ def add_train(adder: CommandAdder) -> None:
     parser.add_argument(
         "--evaluate-episodes", type=many, metavar="N", help="episodes per evaluation (default 20)"
     )
-    parser.add_argument(
+    add_count(
+        parser,
         "--film-every",
-        type=whole(0, 1_000_000),
-        metavar="N",
-        help="film one episode in every Nth evaluation; with 0, film none (default 10)",
+        (0, 1_000_000),
+        "film one episode in every Nth evaluation; with 0, film none (default 10)",
     )
     parser.add_argument(
         "--checkpoint-every",
@@ -197,20 +189,14 @@ def add_evaluate(adder: CommandAdder) -> None:
         help="zoo:TASK/TRACK, the folder of a run, or a policy file; expert:TASK, "
         "noisy:0.3:TASK, random:TASK or hold:TASK; or a policy server, ws://HOST:PORT/TASK?cameras=C,C&size=WxH&steps=N&renderer=R",
     )
-    parser.add_argument(
-        "--episodes",
-        type=whole(1, 100_000),
-        default=300,
-        metavar="N",
-        help="episodes to play (default 300)",
-    )
-    parser.add_argument(
+    add_count(parser, "--episodes", (1, 100_000), "episodes to play", default=300)
+    add_count(
+        parser,
         "--seed",
-        type=whole(0, 2**32 - 1),
-        default=2_000_000,
-        metavar="N",
-        help="seed of the first episode (default 2000000, never used in training); the next "
+        SEEDS,
+        "seed of the first episode (default 2000000, never used in training); the next "
         "episodes have the next seeds",
+        default=2_000_000,
     )
     parser.add_argument(
         "--variation",
@@ -227,11 +213,11 @@ def add_evaluate(adder: CommandAdder) -> None:
             name: "as in training" for name, info in option_infos().items() if info.decides_policy
         },
     )
-    parser.add_argument(
+    add_count(
+        parser,
         "--controls",
-        type=whole(0, 100_000),
-        metavar="N",
-        help="number of seeds that the baselines also play, for comparison; the baselines are the "
+        (0, 100_000),
+        "number of seeds that the baselines also play, for comparison; the baselines are the "
         "expert, random actions, holding still, and stalls (default 20; for a certificate, all "
         "seeds)",
     )

@@ -3,17 +3,48 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
+from typing import TYPE_CHECKING
 
 from taskbuilder.cli.argument_types import Extend, size, whole
+
+if TYPE_CHECKING:  # parsers and groups of options, which argparse gives no public name
+    from argparse import _ActionsContainer
+
+SEEDS = (0, 2**32 - 1)
+"""Bounds of the seeds of episodes."""
+
+
+def add_count(
+    parser: _ActionsContainer,
+    flag: str,
+    bounds: tuple[int, int],
+    text: str,
+    *,
+    default: int | None = None,
+    metavar: str = "N",
+) -> None:
+    """An option with a whole number.
+
+    Args:
+        parser: The command's parser, or a group of its options.
+        flag: The option.
+        bounds: Least and most.
+        text: Its help; unless that says it, the default is added.
+        default: The default, or None.
+        metavar: The number in the help.
+    """
+    if default is not None and "(default" not in text:
+        text = f"{text} (default {default})"
+    parser.add_argument(flag, type=whole(*bounds), default=default, metavar=metavar, help=text)
 
 
 def add_jobs(parser: ArgumentParser) -> None:
     """``--jobs``: the number of processes that play episodes."""
-    parser.add_argument(
+    add_count(
+        parser,
         "--jobs",
-        type=whole(1, 1024),
-        metavar="N",
-        help="number of processes that play episodes (default: one for each CPU core)",
+        (1, 1024),
+        "number of processes that play episodes (default: one for each CPU core)",
     )
 
 
@@ -38,6 +69,18 @@ def add_ray(parser: ArgumentParser, pieces: str) -> None:
 def add_json(parser: ArgumentParser) -> None:
     """``--json``: the result as JSON instead of text."""
     parser.add_argument("--json", action="store_true", help="print JSON to standard output")
+
+
+def add_task(parser: ArgumentParser) -> None:
+    """``TASK``: a task by its name or path."""
+    parser.add_argument("task", metavar="TASK", help="name of the task, or path of its YAML file")
+
+
+def add_tasks(parser: ArgumentParser) -> None:
+    """Several tasks, all of the catalogue, or those of a suite."""
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
+    parser.add_argument("--all", action="store_true", help="all tasks of the catalogue")
+    add_suite(parser)
 
 
 def add_suite(parser: ArgumentParser) -> None:
