@@ -13,6 +13,20 @@ from pathlib import Path
 from typing import IO, Any
 
 
+def cache_folder(name: str) -> Path:
+    """A folder of ours in the user's cache folder, which need not exist.
+
+    It is in ``$XDG_CACHE_HOME``, or in ``~/.cache``.
+    """
+    configured = os.environ.get("XDG_CACHE_HOME", "")
+    # The specification has relative paths ignored.
+    if Path(configured).is_absolute():
+        base = Path(configured)
+    else:
+        base = Path(os.path.expanduser("~")) / ".cache"  # noqa: PTH111 - Path.home() may raise
+    return base / "taskbuilder" / name
+
+
 def write_whole(path: Path, content: bytes, *, sync: bool = False) -> None:
     """Write a file aside and rename it, so that it is there whole or not at all.
 

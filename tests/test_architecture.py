@@ -97,7 +97,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "task": ("description", *FILES),
     "world": ("sim", "raster", "kinematics", "cameras", "shapes", *FILES),
     "description": ("processes", *FILES),
-    "sim": ("raster", "cameras", "shapes", "assets", *FOUNDATION),
+    "sim": ("raster", "cameras", "shapes", "assets", "files", *FOUNDATION),
     "raster": (),
     "kinematics": ("assets", *FOUNDATION),
     "cameras": FOUNDATION,

@@ -24,12 +24,12 @@ from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.environment import make_from, tasks_to_trust, where_carried
 from taskbuilder.data.formats import ExportOptions, export_dataset
 from taskbuilder.data.summary import summarize_dataset
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.errors import UsageError, display_path
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.visual.film import save_film
-from taskbuilder.wording import printable, suggestion
+from taskbuilder.wording import printable
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -189,18 +189,13 @@ def _film(arguments: argparse.Namespace) -> int:
         trust=trust,
     )
     with closing(env):
-        scene = env.episode.world.scene.cameras
-        cameras = list(arguments.cameras or [next(iter(scene))])
-        for camera in cameras:
-            if camera not in scene:
-                help_ = suggestion(camera, scene, what="it has")
-                raise UnknownNameError(f'{episode.task} has no camera "{camera}"; {help_}')
+        env.task.file.check_cameras(arguments.cameras, episode.variation)
         make_folder(out)
         rollout = play(env, RecordedActions(episode.actions), episode.seed)
         files = save_film(
             env,
             rollout,
-            cameras,
+            arguments.cameras,
             out / episode.name,
             size=arguments.size,
             progress=lambda frames, count: progress(frames, "filming", count),

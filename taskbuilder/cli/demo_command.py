@@ -145,8 +145,7 @@ def _show(found: Subject, episode: Rollout, arguments: argparse.Namespace) -> li
 
     stem = arguments.out / task.name.replace("/", "-")
     strip, chart = (stem.with_name(f"{stem.name}-{what}.png") for what in ("strip", "rewards"))
-    cameras = arguments.camera or [next(iter(task.file.scenes[episode.variation].cameras))]
-    cameras = list(dict.fromkeys(cameras))
+    cameras = arguments.camera or ()
     subtitle = _subtitle(episode, arguments.policy)
     with closing(found.make_env(renderer=arguments.renderer or "auto")) as env:
         size = arguments.size

@@ -21,9 +21,9 @@ from taskbuilder.cli.verifying import track_episodes, verify
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.evaluation.arms import SUBJECT
 from taskbuilder.evaluation.assessment import (
-    COMPARED,
     certify,
     check_certifiable,
+    compared_seeds,
     play_arms,
     summary_of,
 )
@@ -55,9 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
         print_result(summary, found.stages)
     files = _write(found, data, arms, summary, arguments)
     if arguments.certificate:
-        compared = min(_compared(arguments), len(seeds))
         command = shlex.join(["taskbuilder", *arguments.words])
-        certify(arguments.certificate, found, arms, seeds, compared, command)
+        certify(arguments.certificate, found, arms, seeds, _compared(arguments), command)
         files.append(arguments.certificate)
     named = [display_path(file) for file in files]
     if arguments.json:
@@ -159,10 +158,8 @@ def _folder(arguments: argparse.Namespace) -> Path:
 
 def _compared(arguments: argparse.Namespace) -> int:
     """From how many seeds all arms play."""
-    asked: int | None = arguments.controls
-    if asked is not None:
-        return asked
-    return int(arguments.episodes) if arguments.certificate else COMPARED
+    certified = arguments.certificate is not None
+    return compared_seeds(arguments.controls, arguments.episodes, certified=certified)
 
 
 def _episodes(seeds: range) -> str:
@@ -199,12 +196,11 @@ def _write(
     if arguments.video:
         episodes: dict[int, Rollout] = {episode.seed: episode for episode in arms[SUBJECT]}
         with closing(found.make_env(renderer=arguments.renderer or "auto")) as env:
-            cameras = arguments.camera or [next(iter(env.episode.world.scene.cameras))]
             for role, seed in shown(summary).items():
                 files += save_film(
                     env,
                     episodes[seed],
-                    list(dict.fromkeys(cameras)),
+                    arguments.camera or (),
                     stem.with_name(f"{stem.name}-{role}"),
                     size=arguments.size,
                     progress=partial(_filming, role),

@@ -12,14 +12,13 @@ from pathlib import Path
 
 from taskbuilder.cli.output import paint, print_title, show_finding
 from taskbuilder.cli.tasks import catalogue_of, make_folder
-from taskbuilder.errors import FileError, UnknownNameError, display_path, in_reading_order
+from taskbuilder.errors import FileError, display_path, in_reading_order
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.load import read_task
 from taskbuilder.schema.used_files import used_files
 from taskbuilder.validate.looking import Looker, LookOrder, Seen
 from taskbuilder.validate.polling import Polled
 from taskbuilder.visual.annotations import check_words
-from taskbuilder.wording import suggestion
 
 _POLL_S = 0.04
 _NAMES = len("picture")
@@ -61,10 +60,7 @@ def _check_camera(order: LookOrder) -> None:
     """
     with suppress(FileError):
         file = read_task(order.catalogue.task(order.task), order.catalogue)
-        cameras = file.spec.scene.cameras
-        if order.camera and order.camera not in cameras:
-            help_ = suggestion(order.camera, cameras, what="it has")
-            raise UnknownNameError(f'{file.spec.task} has no camera "{order.camera}"; {help_}')
+        file.check_cameras([order.camera] if order.camera else [])
 
 
 def _watch(looker: Looker, order: LookOrder, entry: CatalogueEntry) -> None:

@@ -17,14 +17,13 @@ from taskbuilder.data.videos import LARGEST_SIDE
 from taskbuilder.digests import differences, digest_of
 from taskbuilder.env.options import Renderer, make_options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.errors import UsageError, display_path
 from taskbuilder.policies.mixture import PolicyShare, policy_of, round_of
 from taskbuilder.schema.catalogue import Catalogue, looks_like_path
 from taskbuilder.schema.expert import stage_labels
 from taskbuilder.schema.grasping import rules_of
 from taskbuilder.sources import digests_of_library, digests_of_task
 from taskbuilder.task import Task, load_task
-from taskbuilder.wording import suggestion
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +165,8 @@ def _check_task(plan: CollectPlan, task: Task) -> None:
                 f"{task.name} has no variation {variation}; it has 0 to {len(scenes) - 1}"
             )
     cameras = task.file.spec.scene.cameras
+    task.file.check_cameras(plan.cameras.names)
     for name in plan.cameras.names:
-        if name not in cameras:
-            help_ = suggestion(name, cameras, what="it has")
-            raise UnknownNameError(f'{task.name} has no camera "{name}"; {help_}')
         width, height = plan.cameras.size or cameras[name].size
         if width % 2 or height % 2:
             raise UsageError(

@@ -78,10 +78,7 @@ def evaluate(
     played = [*(range(first_seed, first_seed + episodes) if seeds is None else seeds)]
     if not played:
         raise UsageError("there are no seeds; an evaluation has at least one episode")
-    compared = int(baselines)
-    if baselines is True:
-        compared = COMPARED if certificate is None else len(played)
-    compared = min(compared, len(played))
+    compared = compared_seeds(baselines, len(played), certified=certificate is not None)
     if certificate is not None:
         check_certifiable(subject, played)
     subject.check()
@@ -93,6 +90,19 @@ def evaluate(
         command = f"taskbuilder.evaluate({subject.name!r})"
         certify(Path(certificate), subject, arms, played, compared, command)
     return summary_of(subject, arms)
+
+
+def compared_seeds(asked: int | None, count: int, *, certified: bool) -> int:
+    """The number of first seeds that the baselines play, too.
+
+    Args:
+        asked: What is asked for; None or True for the default.
+        count: Number of all seeds.
+        certified: Whether the evaluation gets a certificate; then the default is all seeds.
+    """
+    if asked is None or asked is True:
+        asked = count if certified else COMPARED
+    return min(int(asked), count)
 
 
 def play_arms(

@@ -70,5 +70,4 @@ def film(
             stem = stem.with_suffix("")
         stem.parent.mkdir(parents=True, exist_ok=True)
         named = [camera] if isinstance(camera, str) else camera
-        cameras = list(dict.fromkeys(named)) or [next(iter(env.episode.world.scene.cameras))]
-        return save_film(env, episode, cameras, stem, size=size, gif=gif)
+        return save_film(env, episode, named, stem, size=size, gif=gif)

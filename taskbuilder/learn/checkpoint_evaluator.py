@@ -76,9 +76,8 @@ class CheckpointEvaluator:
         """Film an episode from the first camera of the scene."""
         from taskbuilder.visual.film import save_film  # loads OpenCV
 
-        camera = next(iter(self._env.episode.world.scene.cameras))
         self._films.mkdir(exist_ok=True)
-        save_film(self._env, episode, [camera], self._films / f"step-{step:09d}", gif=False)
+        save_film(self._env, episode, (), self._films / f"step-{step:09d}", gif=False)
 
     def close(self) -> None:
         """Close the environment."""

@@ -37,6 +37,7 @@ from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.schema.task import TaskSpec
 from taskbuilder.schema.variants import check_randomize, read_variations
+from taskbuilder.wording import suggestion
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,18 @@ class TaskFile:
     collisions: Mapping[str, Mesh] = field(default_factory=dict)
     models: Mapping[str, ObjectModel] = field(default_factory=dict)
     named: Mapping[str, float] = field(default_factory=dict)
+
+    def check_cameras(self, names: Iterable[str], variation: int = 0) -> None:
+        """Refuse cameras that the scene of a variation does not have.
+
+        Raises:
+            UnknownNameError: There is no such camera.
+        """
+        cameras = self.scenes[variation].cameras
+        for name in names:
+            if name not in cameras:
+                help_ = suggestion(name, cameras, what="it has")
+                raise UnknownNameError(f'{self.spec.task} has no camera "{name}"; {help_}')
 
 
 class TaskFileError(FileError):

@@ -20,6 +20,7 @@ from typing import Any, Literal
 from taskbuilder.assets import codes
 from taskbuilder.assets.paths import AssetError, require_readable
 from taskbuilder.engine import engine_versions
+from taskbuilder.files import cache_folder
 from taskbuilder.interpreters import interpreter
 from taskbuilder.quiet import captured
 from taskbuilder.sim.engine_output import import_pybullet, warnings
@@ -57,7 +58,7 @@ def probe(path: Path, *, kind: AssetKind, timeout_s: float = 20.0) -> None:
     require_readable(path, path.name)
     path = path.resolve()
     key = _content_key(path, kind)
-    marker = _cache_folder() / key if key else None
+    marker = cache_folder("probed") / key if key else None
     if marker and _exists(marker):
         return
     _try_out(path, kind, timeout_s)
@@ -197,16 +198,6 @@ def _content_files(path: Path, kind: AssetKind) -> list[Path]:
 
 def _engine_version() -> str:
     return " ".join(" ".join(item) for item in engine_versions().items()) or "unknown"
-
-
-def _cache_folder() -> Path:
-    configured = os.environ.get("XDG_CACHE_HOME", "")
-    # The specification has relative paths ignored.
-    if Path(configured).is_absolute():
-        base = Path(configured)
-    else:
-        base = Path(os.path.expanduser("~")) / ".cache"  # noqa: PTH111 - Path.home() may raise
-    return base / "taskbuilder" / "probed"
 
 
 def _exists(marker: Path) -> bool:

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from taskbuilder import __version__
 from taskbuilder.errors import TaskbuilderError
-from taskbuilder.files import write_whole
+from taskbuilder.files import cache_folder, write_whole
 from taskbuilder.schema.proofs import checksum
 from taskbuilder.validate.apart import Kept, ValidationConfig
 
@@ -51,7 +51,7 @@ class PartialResult:
             *(__version__, sys.version),
         )
         digest = blake2b(repr(asked).encode(), digest_size=8).hexdigest()
-        self.path = _folder() / f"{entry.file.stem}-{digest}.partial"
+        self.path = cache_folder("validations") / f"{entry.file.stem}-{digest}.partial"
 
     def load(self) -> tuple[Kept | None, str]:
         """The results so far, if they are there and of use, and what is to be said about them."""
@@ -93,16 +93,6 @@ class PartialResult:
         """Remove the file, if it is there."""
         with suppress(OSError):
             self.path.unlink()
-
-
-def _folder() -> Path:
-    configured = os.environ.get("XDG_CACHE_HOME", "")
-    # The specification has relative paths ignored.
-    if Path(configured).is_absolute():
-        base = Path(configured)
-    else:
-        base = Path(os.path.expanduser("~")) / ".cache"  # noqa: PTH111 - Path.home() may raise
-    return base / "taskbuilder" / "validations"
 
 
 def _is_own(path: Path) -> bool:

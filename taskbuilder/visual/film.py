@@ -10,7 +10,7 @@ from taskbuilder.rollout.record import Rollout
 from taskbuilder.visual.capture import FPS, Frame, capture_frames
 from taskbuilder.visual.overlay import compose
 from taskbuilder.visual.still import Pixels
-from taskbuilder.visual.strip import fitting
+from taskbuilder.visual.strip import fitting, shown_cameras
 from taskbuilder.visual.video import GIF_COLORS, mp4, save_gif
 
 Progress = Callable[[Iterable[Frame], int], Iterable[Frame]]
@@ -43,7 +43,7 @@ def save_film(
     Args:
         env: As for `replay`; may draw through OpenGL.
         rollout: The episode.
-        cameras: Of the scene; side by side if there are several.
+        cameras: Of the scene, each once, side by side if there are several; by default the first.
         stem: Path of the files without their endings.
         size: Width and height of each picture; by default 480 wide and as high as the first
             camera's proportions have it.
@@ -61,6 +61,7 @@ def save_film(
         OSError: A file cannot be written; the other may be there.
     """
     fps = fps or min(FPS, env.task.file.spec.timing.physics_hz)
+    cameras = shown_cameras(env, cameras)
     size = size or fitting(env.episode.world.scene.cameras[cameras[0]].size, WIDTH)
     length = round(rollout.seconds(rollout.steps) * fps)
     every = max(round(fps / GIF_FPS), -(-length // MOST_GIF_FRAMES), 1)

@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 
 from taskbuilder.env.options import Renderer
-from taskbuilder.errors import UnknownNameError, UsageError
+from taskbuilder.errors import UsageError
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.task import LOOK_PARTS
 from taskbuilder.task import Task, load_task
@@ -21,7 +21,6 @@ from taskbuilder.visual.still import (
     seeds_sheet,
     take_still,
 )
-from taskbuilder.wording import suggestion
 from taskbuilder.world.building import build_world
 from taskbuilder.world.world import World
 
@@ -39,11 +38,7 @@ def check_views(task: Task, variation: int, cameras: Sequence[str]) -> None:
         raise UsageError(
             f"{task.name} has no variation {variation}; {has}, and 0 is the plain task"
         )
-    known = scenes[variation].cameras
-    for camera in cameras:
-        if camera not in known:
-            help_ = suggestion(camera, known, what="it has")
-            raise UnknownNameError(f'{task.name} has no camera "{camera}"; {help_}')
+    task.file.check_cameras(cameras, variation)
 
 
 def render(

@@ -31,6 +31,11 @@ _CAPTION = 34
 _SIZE = 14  # of letters
 
 
+def shown_cameras(env: TaskEnv, cameras: Sequence[str]) -> list[str]:
+    """The cameras that are asked for, each once; the first of the scene if none is."""
+    return list(dict.fromkeys(cameras)) or [next(iter(env.episode.world.scene.cameras))]
+
+
 def film_strip(
     env: TaskEnv,
     rollout: Rollout,
@@ -46,7 +51,7 @@ def film_strip(
     Args:
         env: As for `replay`.
         rollout: The episode.
-        cameras: Of the scene.
+        cameras: Of the scene, each once; by default the first.
         subtitle: Below the task's name.
         size: Width and height in which pictures are taken; by default as they are shown.
 
@@ -54,7 +59,7 @@ def film_strip(
         UsageError: The environment is of another task.
         UnknownNameError: The scene has no such camera.
     """
-    moments = keyframes(rollout)
+    moments, cameras = keyframes(rollout), shown_cameras(env, cameras)
     columns = len(moments) if len(cameras) > 1 else min(_COLUMNS, len(moments))
     width = _WIDTH if columns <= _COLUMNS else _WIDTH_OF_MANY
     taken: dict[tuple[str, int], Pixels] = {}
