@@ -9,7 +9,7 @@ from env_tasks import TWO, digest, facing, moment, physical, play, random_action
 from taskbuilder.env.errors import EpisodeOverError
 from taskbuilder.env.vector import make_vec
 from taskbuilder.errors import UsageError
-from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
+from taskbuilder.learn.wrappers import NoProgressTimeout, StartPrefix, TrainingWrappers
 
 STEPS = 6
 TEXT = facing("left: [self.tcp, block.pose, time_left]", "right: [self.tcp, time_left]")
@@ -240,3 +240,29 @@ def test_wrapped_environments_run_the_same_in_workers():
         finally:
             envs.close()
     assert found[0] == found[1]
+
+
+class Scripted:
+    """An environment whose progress and success are given for each step."""
+
+    def __init__(self, *steps):
+        self.metadata, self.info_keys = {"render_fps": 10}, ()
+        self._steps = iter(steps)
+
+    def _infos(self, progress, success):
+        return {"arm": {"progress": progress, "success": float(success), "exploded": 0.0}}
+
+    def reset(self, seed=None, options=None):
+        return {}, self._infos(0.0, False)
+
+    def step(self, actions):
+        flags = {"arm": False}
+        return {}, {"arm": 0.0}, flags, flags, self._infos(*next(self._steps))
+
+
+def test_success_at_less_progress_than_before_does_not_make_later_progress_a_rise():
+    steps = ((0.5, False), (0.2, True), (0.3, False), (0.54, False), (0.55, False))
+    env = NoProgressTimeout(Scripted(*steps), 1.0)
+    env.reset()
+    counts = [env.step({})[4]["arm"]["steps_without_progress"] for _ in steps]
+    assert counts == [0.0, 0.0, 1.0, 2.0, 0.0]
