@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -22,9 +23,6 @@ settings.load_profile("untimed")
 # that interrupt their children would fail there.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
-
-WITHOUT_ENGINE = ("schema",)
-"""Folders of tests that need no physics engine, which validating imports."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -46,17 +44,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Validations play in the process of the test.
+    """Validations play in child processes, as those of users, except in tests marked in_process.
 
-    The test may have broken something on purpose there, and need not wait for another process to
-    start; what other processes are for is tested where it says so.
+    These have many validations, which need not all wait for a process to start, or have broken
+    something on purpose in this process.
     """
-    if item.path.parent.name in WITHOUT_ENGINE:
-        return
+    apart = item.get_closest_marker("in_process") is None
+    if apart and "taskbuilder.validate.runner" not in sys.modules:
+        return  # nothing to change, and tests of files need no physics engine
     from taskbuilder.validate.html.page import make_page
     from taskbuilder.validate.runner import validate_task
 
-    validate_task.__kwdefaults__["apart"] = make_page.__kwdefaults__["apart"] = False
+    validate_task.__kwdefaults__["apart"] = make_page.__kwdefaults__["apart"] = apart
 
 
 @pytest.fixture

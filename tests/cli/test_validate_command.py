@@ -16,6 +16,8 @@ from taskbuilder.processes import cores
 from taskbuilder.validate.formats import DOCUMENTS
 from taskbuilder.validate.report import TaskReport
 
+pytestmark = pytest.mark.in_process
+
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
 TASK_KEYS = {"task", "ok", "making", "findings", "checks", "measures", "probes", "tracebacks"}
 FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path"}

@@ -28,6 +28,8 @@ from taskbuilder.task import load_task
 from taskbuilder.validate.formats import document_writer
 from taskbuilder.validate.runner import validate_task
 
+pytestmark = pytest.mark.in_process
+
 MODE = """\
 from dataclasses import dataclass
 from taskbuilder.env.joint_modes import JointPositionMode

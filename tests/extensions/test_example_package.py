@@ -25,6 +25,8 @@ from taskbuilder.extensions import DOORS
 from taskbuilder.task import load_task
 from taskbuilder.validate.runner import validate_task
 
+pytestmark = pytest.mark.in_process
+
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "taskbuilder-extras"
 IMPORT = "from taskbuilder_extras.conditions import Higher"
 ALL = {

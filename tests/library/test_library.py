@@ -14,6 +14,8 @@ from taskbuilder.schema.proofs import proof_of
 from taskbuilder.schema.suites import find_suites
 from taskbuilder.validate.traces import digest, physical
 
+pytestmark = pytest.mark.in_process
+
 ENTRIES = {name: entry for name, entry in catalogue().tasks.items() if entry.trusted}
 TASKS = sorted(ENTRIES)
 SUITES = find_suites(catalogue())

@@ -17,6 +17,8 @@ from taskbuilder.task import load_task
 from taskbuilder.validate.runner import validate_task
 from taskbuilder.validate.solo import play_solo, solos
 
+pytestmark = pytest.mark.in_process
+
 HERE = Path(__file__).parent
 TASKS = sorted(file.stem for file in HERE.glob("*.yaml"))
 

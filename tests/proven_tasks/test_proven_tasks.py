@@ -21,6 +21,8 @@ from taskbuilder.schema.order import Order
 from taskbuilder.task import load_task
 from taskbuilder.validate.runner import validate_task
 
+pytestmark = pytest.mark.in_process
+
 HERE = Path(__file__).parent
 TASKS = sorted(file.stem for file in HERE.glob("*.yaml"))
 FAMILIES = 10

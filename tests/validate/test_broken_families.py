@@ -15,6 +15,8 @@ from taskbuilder.errors import SimulationError
 from taskbuilder.validate.checks import reset
 from taskbuilder.validate.report import as_data
 
+pytestmark = pytest.mark.in_process
+
 # Functions of taskbuilder that something replaces by one that cannot take its arguments. No line
 # of the description runs when it fails, so the description is not to blame.
 DEFECT = """

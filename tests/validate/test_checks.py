@@ -6,6 +6,8 @@ import math
 
 import pytest
 
+pytestmark = pytest.mark.in_process
+
 CUBE = "place: {center: [0.5, 0, 0.0205], size: [0.1, 0.1, 0]}"
 SHELF = """place: {surface: shelf, in: shelf, WHERE}
     shelf:

@@ -11,6 +11,8 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.task import load_task
 from taskbuilder.validate.checks.contract import SUITES, check_suite
 
+pytestmark = pytest.mark.in_process
+
 observe = Observer.observe
 
 

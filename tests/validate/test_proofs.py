@@ -10,6 +10,8 @@ import pytest
 from taskbuilder import parallel_env, validate_task
 from taskbuilder.validate.observing import Views
 
+pytestmark = pytest.mark.in_process
+
 NEEDS, PAYS = "needs its robots", "pays for success"
 SUCCESS = 'Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
 BRING = "  - {left: {bring: cube, to: goal}}\n"

@@ -13,6 +13,8 @@ from taskbuilder.description.load import try_import
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.validate.report import as_data
 
+pytestmark = pytest.mark.in_process
+
 
 def test_a_family_is_not_run_where_the_fault_of_another_would_show_again(validate):
     def families(report):

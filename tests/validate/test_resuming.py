@@ -12,6 +12,8 @@ from taskbuilder.cli import main
 from taskbuilder.validate.checks import build, incentives, reset
 from taskbuilder.validate.report import FamilyResult
 
+pytestmark = pytest.mark.in_process
+
 OPTIONS = {"level": "build", "seeds": 2}
 WORDS = ("--level", "build", "--seeds", "2")
 

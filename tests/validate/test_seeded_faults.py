@@ -27,6 +27,8 @@ from taskbuilder.validate.comparing import CHECKS, Compared, play_ends
 from taskbuilder.validate.playing import random_actions
 from taskbuilder.validate.stages import SingleAgent, TurnBased
 
+pytestmark = pytest.mark.in_process
+
 TASKS = sorted(name for name, entry in catalogue().tasks.items() if entry.trusted)
 LAMP = "    lamp: {position: [0.05, 0.25, 0.2]}\n"
 CAMERAS = """\

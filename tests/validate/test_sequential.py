@@ -15,6 +15,8 @@ from taskbuilder.validate.checks.rivals import LEAST_PAIRS
 from taskbuilder.validate.report import as_data
 from taskbuilder.validate.sequential import ENOUGH, ERROR, looks
 
+pytestmark = pytest.mark.in_process
+
 PAYS = "pays for success"
 
 

@@ -15,6 +15,8 @@ from taskbuilder.validate.checks.belonging import find_takable
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.solo import play_solo, sharers, solos
 
+pytestmark = pytest.mark.in_process
+
 CHEST = Path(__file__).parent.parent / "proven_tasks" / "lid_by_its_knob.yaml"
 
 BAR = """\

@@ -15,6 +15,8 @@ from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.playing import DropAll, is_whole
 from taskbuilder.validate.solo import solos
 
+pytestmark = pytest.mark.in_process
+
 FAILURE = (
     "    stages =",
     '    failure = Sustained(Above("cube", height=0.12), 0.3) | Below("left.tcp", height=0.07)\n'

@@ -19,6 +19,8 @@ from taskbuilder.validate.html.pictures import Pictures, take_pictures
 from taskbuilder.validate.html.templates import index_page, task_page
 from taskbuilder.validate.report import FamilyResult
 
+pytestmark = pytest.mark.in_process
+
 VOID = {"img", "meta", "br", "wbr"}
 
 
