@@ -10,6 +10,7 @@ from plan_scenes import Scene, facing, made
 
 from taskbuilder.expert.planning.clearance import CLEARANCE_M, Clearance, Posture
 from taskbuilder.expert.planning.collision_world import CollisionWorld
+from taskbuilder.expert.planning.errors import PlanningError
 from taskbuilder.geometry import Pose
 from taskbuilder.kinematics.inverse import solve
 from taskbuilder.sim.contacts import closest_distance, gaps, pose_joints
@@ -126,3 +127,22 @@ def test_a_motion_may_sag_a_little_from_where_it_begins(both: Scene, collision_w
     too_near = clearance.trouble(tool_at(low - 1.6e-3))
     assert too_near is not None
     assert too_near.distance < CLEARANCE_M
+
+
+@pytest.mark.parametrize(
+    ("start_mm", "goal_mm", "allowed"),
+    [(None, -2.0, True), (None, -4.0, False), (-5.0, -5.5, True), (-5.0, -7.0, False)],
+)
+def test_a_motion_may_end_as_deep_as_poses_are_known_or_as_it_began(
+    both: Scene, collision_world, start_mm, goal_mm, allowed
+):
+    def tool_at(gap_mm: float) -> Posture:
+        return left_at(both, height_above_table(both, collision_world, gap_mm * 1e-3))
+
+    start = left_at(both, 0.3) if start_mm is None else tool_at(start_mm)
+    clearance = Clearance(collision_world, ["left"], [], {}, {})
+    if allowed:
+        clearance.between(start, tool_at(goal_mm))
+        return
+    with pytest.raises(PlanningError, match=r"at the end of the motion, left's .* inside the table"):
+        clearance.between(start, tool_at(goal_mm))
