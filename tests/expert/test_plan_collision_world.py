@@ -144,7 +144,5 @@ def test_a_motion_may_end_as_deep_as_poses_are_known_or_as_it_began(
     if allowed:
         clearance.between(start, tool_at(goal_mm))
         return
-    with pytest.raises(
-        PlanningError, match=r"at the end .* left's .* inside the table"
-    ):
+    with pytest.raises(PlanningError, match=r"at the end .* left's .* inside the table"):
         clearance.between(start, tool_at(goal_mm))
