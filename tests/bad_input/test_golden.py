@@ -21,6 +21,8 @@ from taskbuilder.cli import main
 from taskbuilder.description.load import try_import
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 
+pytestmark = pytest.mark.in_process
+
 GENEROUS_S = 30.0
 LEAST = {"tasks": 85, "robots": 35, "commands": 35}
 
