@@ -19,7 +19,7 @@ from taskbuilder.benchmark.records import (
     CELL,
     TASKS,
     About,
-    Baseline,
+    BaselineRecord,
     CellRecord,
     Seconds,
     TaskRecord,
@@ -167,13 +167,13 @@ def _collected(work: Work, task: str, loaded: Task) -> dict[str, Any]:
     return {"demonstrations": len(dataset), "cpu_s": clock.stop()}
 
 
-def _baselines(work: Work, task: Task) -> dict[str, Baseline]:
+def _baselines(work: Work, task: Task) -> dict[str, BaselineRecord]:
     """What the expert and random actions achieve in the first episodes of the evaluation."""
     track, variation = work.about.track, work.about.suite.test[0]
-    found: dict[str, Baseline] = {}
+    found: dict[str, BaselineRecord] = {}
     for name in ("expert", "random") if has_expert(task) else ("random",):
         result = _evaluated(work, name, task, variation, track.baseline_episodes)
-        found[name] = Baseline(
+        found[name] = BaselineRecord(
             episodes=result.episodes,
             successes_at_end=result.successes_at_end,
             mean_return=result.mean_return,

@@ -105,7 +105,7 @@ class About(Model):
     command: Annotated[str, Field(max_length=20_000)] = ""
 
 
-class Baseline(Model):
+class BaselineRecord(Model):
     """What a baseline achieves in the first episodes of the evaluation.
 
     Attributes:
@@ -136,7 +136,7 @@ class TaskRecord(Model):
     reason: Annotated[str, Field(max_length=20_000)] = ""
     demonstrations: Number = 0
     cpu_s: Seconds = 0.0
-    baselines: Mapping[str, Baseline] = Field(default_factory=dict)
+    baselines: Mapping[str, BaselineRecord] = Field(default_factory=dict)
 
 
 Status = Literal["done", "failed", "impossible"]
