@@ -13,7 +13,7 @@ from taskbuilder.benchmark.records import (
     CELL,
     TASKS,
     About,
-    Baseline,
+    BaselineRecord,
     CellRecord,
     Method,
     SuiteTasks,
@@ -89,7 +89,7 @@ def write_benchmark(
     folder.mkdir(parents=True)
     (folder / TASKS).mkdir()
     write(folder / ABOUT, about)
-    expert = Baseline(episodes=20, successes_at_end=20, mean_return=5.0)
+    expert = BaselineRecord(episodes=20, successes_at_end=20, mean_return=5.0)
     for task, cells in successes.items():
         record = TaskRecord(
             task=task,
