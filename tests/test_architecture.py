@@ -38,7 +38,7 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         *("view", "validate", "bench", "benchmark", "learn", "evaluation", "importing"),
-        *("visual", "expert"),
+        *("trials", "visual", "expert"),
         *(
             "policies",
             "rollout",
@@ -86,7 +86,8 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("digests", "arrays", "files", "untrusted", *SIMULATED),
     ),
     "policies": (*("expert", "rollout", "env", "arrays", "digests", "untrusted", *SIMULATED),),
-    "importing": SIMULATED,
+    "importing": ("trials", *SIMULATED),
+    "trials": SIMULATED,
     "visual": ("rollout", "env", "files", *SIMULATED),
     "expert": ("rollout", "env", *SIMULATED),
     "rollout": ("env", "arrays", *SIMULATED),

@@ -28,6 +28,13 @@ XACRO = "TB430"
 AMBIGUOUS = "TB431"
 UNIT = "TB432"
 NOT_IMPORTED = "TB433"
+NOT_HELD = "TB440"
+UNTOUCHING = "TB441"
+STROKE = "TB442"
+FLYING = "TB443"
+FORCE_LOST = "TB444"
+TOOL_POINT = "TB445"
+SAGGING = "TB446"
 
 CODES: dict[str, tuple[str, str]] = {
     MISSING: (
@@ -179,5 +186,48 @@ CODES: dict[str, tuple[str, str]] = {
         "The file, or a part of it that moves, has no counterpart in taskbuilder: an archive, a "
         "floating or planar joint inside a robot, a closed loop of joints, or a format that is "
         "not read. The message says what to do instead.",
+    ),
+    NOT_HELD: (
+        "Gripper does not hold",
+        "`robots check` closes the gripper on blocks of 100 g and of three widths, 20, 50 and 85 % "
+        "of its stroke, shakes the arm, and pulls. A block fell, or slips at a small load. Raise "
+        "`force` of the gripper to the value in the message, or correct `closed`.",
+    ),
+    UNTOUCHING: (
+        "Finger without collision shape",
+        "None of the links of a finger has a `<collision>`. The finger passes through everything. "
+        "In `fingers`, name the links that touch objects, such as pads, or add collision shapes to "
+        "the URDF; `robots import` does.",
+    ),
+    STROKE: (
+        "Stroke differs from the fingers",
+        "The declared `stroke` differs by more than 10 % and 3 mm from the opening between the "
+        "fingers. This is measured at the tcp, along its y axis, on the collision shapes of the "
+        "open gripper. Write the measured value, or correct `open` or `tcp`.",
+    ),
+    FLYING: (
+        "Gripper out of control",
+        "The empty gripper was closed and opened. A joint became faster than anything real, did "
+        "not come to rest, or did not arrive. Usually the damping of a joint is too large for the "
+        "mass of its finger: the engine applies damping once per physics step, and a step that "
+        "more than reverses the speed makes the finger fly. Lower the damping, or raise the mass.",
+    ),
+    FORCE_LOST: (
+        "Force of a finger is lost",
+        "A finger presses with less than half of the force that follows from `force` of the "
+        "gripper and from the geometry. The fingers are too light for the engine, or they do not "
+        "meet the block with their pads.",
+    ),
+    TOOL_POINT: (
+        "Tool centre point not between the fingers",
+        "From the `tcp`, along its y axis, there must be a finger on both sides, and some room "
+        "between them when the gripper is open. Otherwise grasps miss.",
+    ),
+    SAGGING: (
+        "Arm cannot bear itself",
+        "`robots check` moves every joint of the arm to its limits, and puts the arm into the "
+        "posture in which gravity asks most of the joint. The joint sagged, or stayed far behind "
+        "where it was told to be. Usually the `effort` of the joint in the URDF is less than "
+        "gravity asks, or the masses beyond it are too large.",
     ),
 }

@@ -42,6 +42,11 @@ def add_robots(adder: CommandAdder) -> None:
         "reaches is written beside it, with -reach added to the file name; for import, the folder "
         "to write (default robots/NAME)",
     )
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="for check: leave out the trial of gripper and arm in physics, which takes seconds",
+    )
     add_import(parser)
     add_mounting(parser)
     add_json(parser)

@@ -13,6 +13,7 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import PACKAGE, AssetError, packages_named_in, resolve
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
+from taskbuilder.cli.robot_trials import print_trial, tried, tried_gripper
 from taskbuilder.cli.tasks import catalogue_of, make_folder, tell_of_clashes
 from taskbuilder.errors import (
     FileError,
@@ -26,13 +27,15 @@ from taskbuilder.errors import (
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
 from taskbuilder.schema.robots import RobotModel, load_robot
+from taskbuilder.trials.proposing import corrected, proposed_model
+from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import arm_reach, axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
 from taskbuilder.visual.still import save_image
 from taskbuilder.world.reach import longest_reach
 from taskbuilder.world.robot_file import robot_file
-from taskbuilder.world.robot_proposal import Proposal, propose
+from taskbuilder.world.robot_proposal import FEW, Proposal, propose
 
 _MOST_ROOM_M = 2.0
 
@@ -95,7 +98,7 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         urdf, robot = _read(arguments.robot, catalogue)
     except FileError as error:
         findings += error.findings
-    proposal, pictures = None, []
+    proposal, pictures, trial = None, [], None
     if urdf is not None:
         trusted = robot is not None and robot.entry.trusted
         findings += () if trusted else urdf.warnings
@@ -106,12 +109,17 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         arm = _arm(urdf, robot, proposal)
         file = arguments.out or Path("renders", f"{robot.entry.name if robot else urdf.name}.png")
         pictures = _pictures(file, urdf, joints, findings, arm, trusted=trusted)
-    ok = not any(finding.severity == "error" for finding in findings)
+        if not arguments.quick and not _failed(findings):
+            trial, proposal = _trial(urdf, robot, proposal, findings)
+    ok = not _failed(findings)
     if arguments.json:
-        print_json(_check_data(arguments.robot, ok, urdf, findings, pictures, proposal))
+        data = _check_data(arguments.robot, ok, urdf, findings, pictures, proposal)
+        print_json({**data, "trial": trial.as_data() if trial else None})
         return 0 if ok else 1
     if urdf is not None:
         _print_robot(urdf, robot)
+        if trial is not None:
+            print_trial(trial)
         if robot is None:
             _print_proposal(urdf, proposal)
     for finding in in_reading_order(findings):
@@ -120,6 +128,30 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
     for picture in pictures:
         print(display_path(picture))
     return 0 if ok else 1
+
+
+def _failed(findings: Sequence[Finding]) -> bool:
+    return any(finding.severity == "error" for finding in findings)
+
+
+def _trial(
+    urdf: Urdf, robot: RobotModel | None, proposal: Proposal | None, findings: list[Finding]
+) -> tuple[RobotTrial | None, Proposal | None]:
+    """Try the robot, or what is proposed; the proposal is corrected by what was measured."""
+    if robot is None and (proposal is None or len(proposal.arm) < FEW):
+        return None, proposal  # of something that is no arm, such as the wheel of a car
+    gripper = None
+    try:
+        if robot is None and proposal is not None and proposal.gripper:
+            first, gripper = proposal, tried_gripper(proposed_model(urdf, proposal))
+            proposal = corrected(first, gripper)
+            gripper = None if proposal is not first else gripper
+        model = robot or (proposed_model(urdf, proposal) if proposal else None)
+        trial, found = tried(model, gripper) if model is not None else (None, ())
+    except FileError as error:
+        trial, found = None, tuple(error.findings)
+    findings += found
+    return trial, proposal
 
 
 def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None]:

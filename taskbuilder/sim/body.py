@@ -188,6 +188,24 @@ class Body:
         at_origin = add(linear, cross(angular, subtract(origin, com)))
         return LinkState(Pose(origin, quaternion), Velocity(at_origin, angular))
 
+    def center_of_mass(self, link: str) -> Vec3:
+        """Centre of mass of a link in the world, by the name of the link."""
+        index = self.links[link]
+        if index == BASE:
+            position: Vec3 = self._bullet.getBasePositionAndOrientation(self.id)[0]
+        else:
+            position = self._bullet.getLinkState(self.id, index, computeForwardKinematics=1)[0]
+        return position
+
+    def mass_of(self, link: str) -> float:
+        """Mass of a link in kilograms as built, by the name of the link."""
+        return self._inertias[self.links[link]][0]
+
+    def push(self, force: Vec3) -> None:
+        """Pull at the centre of mass of the base with a force (N) during the next physics step."""
+        center = self._bullet.getBasePositionAndOrientation(self.id)[0]
+        self._bullet.applyExternalForce(self.id, BASE, force, center, p.WORLD_FRAME)
+
     def bounds(self) -> Box:
         """Box around all collision shapes, in the base link frame, joints at zero.
 

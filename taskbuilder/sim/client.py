@@ -115,6 +115,10 @@ class Client(Single):
         """Take one physics step, and nothing else."""
         self.bullet.stepSimulation()
 
+    def set_gravity(self, gravity: Vec3) -> None:
+        """Change the acceleration of everything that is free to move, in m/s²."""
+        self.bullet.setGravity(*gravity)
+
     def collide(self) -> None:
         """Find contacts afresh: they are stale after a body was placed or a snapshot restored.
 
@@ -150,4 +154,4 @@ class Client(Single):
             # The cache is keyed by path and shared by the process: an edited mesh would stay old.
             enableFileCaching=0,
         )
-        self.bullet.setGravity(*gravity)
+        self.set_gravity(gravity)

@@ -18,7 +18,7 @@ from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.objects import ObjectSpec
-from taskbuilder.schema.robots import RobotModel, joint_values
+from taskbuilder.schema.robots import joint_values
 from taskbuilder.schema.sites import SiteSpec
 from taskbuilder.schema.values import rgb
 from taskbuilder.shapes import RGBA, BoxShape, Part, bounds
@@ -26,25 +26,18 @@ from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.body import BASE, Body
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.islands import unite
-from taskbuilder.sim.motors import Motors
 from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import Request, choose
-from taskbuilder.world.attaching import AttachingFingers
-from taskbuilder.world.end_effector import EndEffector, Tool
-from taskbuilder.world.fingers import Fingers
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.mimics import couple_joints, mimics_of, starting
 from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
+from taskbuilder.world.robot_building import arm_chain, build_robot
 from taskbuilder.world.scene_objects import ObjectFrame, SceneObject, Site
 from taskbuilder.world.shapes import link_box, parts_of, shape_of
-from taskbuilder.world.suction import Suction
 from taskbuilder.world.weights import weighed
 from taskbuilder.world.world import World
 
-ARM_EFFORT = 100.0  # N m or N, for URDFs that state none
-ARM_SPEED = 3.14  # rad/s or m/s, likewise
-ARM_GAIN = 0.5  # with targets interpolated over a control step: 5 mm of lag, no overshoot
 THICK_M, ZONE_OPACITY = 0.06, 0.35  # markers of zones, which things are seen in
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
@@ -95,33 +88,11 @@ def _build_floor(client: Client) -> Body:
 
 def _build_robot(loader: Loader, name: str, entry: RobotEntry) -> Robot:
     model = loader.task.robots[name]
-    spec = model.spec
     body = loader.urdf(model.urdf, name, entry.base.pose, fixed=True)
-    joints = [body.joints[joint] for joint in spec.arm]
-    indices = [joint.index for joint in joints]
-    chain = Chain.of(model.urdf, spec.arm, spec.tcp.link, spec.tcp.pose, posture=model.home)
-    arm = Motors(
-        body,
-        indices,
-        forces=[joint.effort or ARM_EFFORT for joint in joints],
-        velocities=[joint.velocity or ARM_SPEED for joint in joints],
-        position_gain=ARM_GAIN,
-    )
+    chain = arm_chain(model)
     home = _home(loader, name, entry, chain)
-    robot = Robot(name, model, body, chain, arm, _build_end(body, entry, model), home)
-    robot.go_home()
-    return robot
-
-
-def _build_end(body: Body, entry: RobotEntry, model: RobotModel) -> EndEffector:
     how = grasping(entry, model)
-    if model.spec.gripper is not None and how is not None:
-        fingers = Fingers(body, model, model.spec.gripper)
-        attaches = how.rule == "attach"
-        return AttachingFingers(body, fingers, how, model.spec.tcp) if attaches else fingers
-    if model.spec.suction is not None:
-        return Suction(body, model.spec.suction, model.spec.tcp)
-    return Tool(body.links[model.spec.tcp.link])
+    return build_robot(body, name, model, chain=chain, home=home, grasping=how)
 
 
 def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[float, ...]:

@@ -43,6 +43,9 @@ class Fingers:
         body: The robot.
         model: What it is.
         spec: Its gripper.
+
+    Attributes:
+        driven: Indices of the joints with a motor; the others are geared to them.
     """
 
     rest = 0.0
@@ -52,6 +55,9 @@ class Fingers:
         self._body, self._ends = body, tuple(spec.joints.values())
         self._motors = _motorised(body, model, spec)
         self.joints = self._motors.indices
+        self.driven = tuple(
+            index for index, force in zip(self.joints, self._motors.forces, strict=True) if force
+        )
 
     @property
     def command(self) -> Command:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from taskbuilder.assets.model import Urdf
 from taskbuilder.geometry import Pose
-from taskbuilder.world.robot_proposal import FORCE_N, TURNING_FORCE, Proposal
+from taskbuilder.world.robot_proposal import Proposal
 
 
 def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
@@ -32,7 +32,6 @@ def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
         f"home_deg: [{home}]",
     ]
     if proposal.gripper:
-        turns = any(urdf.joint(name).type != "prismatic" for name in proposal.gripper)
         fingers = ", ".join(f"[{', '.join(finger)}]" for finger in proposal.fingers)
         lines += [
             "gripper:",
@@ -40,7 +39,7 @@ def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
             *(f"    {line}" for line in _ends(proposal.gripper)),
             f"  fingers: [{fingers}]",
             f"  stroke: {proposal.stroke:.4g}",
-            f"  force: {TURNING_FORCE if turns else FORCE_N:g}",
+            f"  force: {proposal.force:g}",
         ]
     return "\n".join(lines) + "\n"
 

@@ -17,6 +17,7 @@ from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.geometry import Pose, Vec3, from_axes, from_rpy_deg
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.kinematics.inverse import solve
+from taskbuilder.world.grip_force import MotorForce, motor_force
 from taskbuilder.world.hands import (
     ALIGNED,
     Hand,
@@ -34,7 +35,6 @@ from taskbuilder.world.hands import (
     snapped,
 )
 
-FORCE_N, TURNING_FORCE = 20.0, 1.0
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
 _FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
 _JAW_ALIGNED = 0.87  # a jaw is bent; within 30° of an axis of its link, that axis is meant
@@ -56,6 +56,8 @@ class Proposal:
         gripper: Joint -> open and closed position, in rad or m; empty where none was found.
         fingers: The links of each finger that touch what is held.
         stroke: Opening between the fingers, in metres.
+        force: Of each driven joint of the gripper, in N or Nm; 0 without a gripper.
+        bounded: Whether the effort of the URDF keeps the force from being what would be right.
         remarks: What its reader is to know or to check.
     """
 
@@ -66,6 +68,8 @@ class Proposal:
     gripper: Mapping[str, tuple[float, float]]
     fingers: tuple[tuple[str, ...], ...]
     stroke: float
+    force: float
+    bounded: bool
     remarks: tuple[str, ...]
 
     @property
@@ -94,8 +98,11 @@ def propose(
     arm, hand, found = _arm_and_hand(urdf, end, remarks)
     if not arm:
         return None
+    force = MotorForce(0.0)
     if found is not None:
         remarks += found.remarks
+        force = motor_force(urdf, found)
+        remarks += [force.remark] if force.remark else []
         link, tcp = _tool(urdf, found)
         if len(found.fingers) > 2:
             remarks.append(
@@ -122,6 +129,8 @@ def propose(
         found.ends if found else {},
         tuple(finger.links for finger in found.fingers) if found else (),
         found.stroke if found else 0.0,
+        force.force,
+        force.bounded,
         tuple(remarks),
     )
 
@@ -142,7 +151,7 @@ def _arm_and_hand(
             long = [joint for joint in on if not is_finger(urdf, joint)]
             if not long:
                 hand = find_hand(urdf, link, on)
-                if hand is not None or len(arm) >= _FEW:  # a hand alone has no arm
+                if hand is not None or len(arm) >= FEW:  # a hand alone has no arm
                     return tuple(arm), link, hand
                 long = [max(on, key=lambda joint: len(joints_below(urdf, joint)))]
             chosen = _chosen(urdf, long, end, remarks)
@@ -163,7 +172,8 @@ def _arm_and_hand(
         link = joint.child
 
 
-_FEW = 3  # joints that an arm has at least
+FEW = 3
+"""Joints that an arm has at least, in all likelihood."""
 
 
 def _chosen(

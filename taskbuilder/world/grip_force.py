@@ -1,0 +1,86 @@
+"""The force of a gripper's motors for a force of its fingertips: by their work, which is the same.
+
+Two fingers that press with F on what they hold, while the opening between them closes by dw, do the
+work F dw. The motors do the sum of M dq. So a motor's force or torque is M = F dw / sum of dq.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from taskbuilder.assets.model import Urdf
+from taskbuilder.world.hands import Hand, gap, pads
+
+FINGERTIP_N = 20.0
+"""Force of each finger that is proposed, in newtons: with it, what is grasped is rarely lost."""
+
+_SHARES = 0.3, 0.7  # of the way from open to closed, between which the motion is measured
+_SANE_N = 4.0  # an effort that gives a finger less is a placeholder
+
+
+@dataclass(frozen=True)
+class MotorForce:
+    """What the motors of a gripper are to exert.
+
+    Attributes:
+        force: Of each driven joint, in N or Nm.
+        bounded: Whether it is the effort of the URDF, and less than what would be right.
+        remark: What is to be known of it, or "".
+    """
+
+    force: float
+    bounded: bool = False
+    remark: str = ""
+
+
+def motor_force(urdf: Urdf, hand: Hand) -> MotorForce:
+    """The force of the motors for `FINGERTIP_N` at each finger.
+
+    It is no more than the effort that the URDF gives the joints, unless this is too little to hold
+    anything.
+    """
+    closing = abs(_opening(urdf, hand, _SHARES[1]) - _opening(urdf, hand, _SHARES[0]))
+    driven = {finger.joints[0].name: finger.joints[0] for finger in hand.fingers if finger.joints}
+    way = sum(abs(hand.ends[name][0] - hand.ends[name][1]) for name in driven)
+    way *= _SHARES[1] - _SHARES[0]
+    if not closing or not way:
+        return MotorForce(FINGERTIP_N)
+    pairs = len(hand.fingers) / 2.0 if len(hand.fingers) > 2 else 1.0
+    wanted = FINGERTIP_N * pairs * closing / way
+    efforts = [joint.effort for joint in driven.values() if joint.effort]
+    most = min(efforts, default=wanted)
+    if most >= wanted:
+        return MotorForce(_rounded(wanted))
+    at_finger = FINGERTIP_N * most / wanted
+    if at_finger < _SANE_N:
+        remark = (
+            f"the URDF allows the joints of the gripper {most:g}, with which a finger presses with "
+            f"{at_finger:.2g} N; {_rounded(wanted):g} is proposed. What does the data sheet say?"
+        )
+        return MotorForce(_rounded(wanted), remark=remark)
+    remark = f"force is the effort of the URDF, with which a finger presses with {at_finger:.2g} N"
+    return MotorForce(_rounded(most), bounded=True, remark=remark)
+
+
+def _opening(urdf: Urdf, hand: Hand, share: float) -> float:
+    """What is open between the fingers, at a share of the way from open to closed."""
+    joints = {name: a + share * (b - a) for name, (a, b) in hand.ends.items()}
+    if hand.fingers[-1].joints:
+        return gap(urdf, hand.link, hand.fingers, joints)
+    return _jaw_way(urdf, hand, joints)
+
+
+def _jaw_way(urdf: Urdf, hand: Hand, joints: Mapping[str, float]) -> float:
+    """How far the tip of a jaw is from where it is when it is closed."""
+    closed = {name: ends[1] for name, ends in hand.ends.items()}
+    moving, opened = pads(urdf, hand, closed)[0], pads(urdf, hand, joints)[0]
+    widest = pads(urdf, hand, {name: ends[0] for name, ends in hand.ends.items()})[0]
+    tip = int(np.argmax(np.linalg.norm(widest - moving, axis=1)))
+    return float(np.linalg.norm(opened[tip] - moving[tip]))
+
+
+def _rounded(force: float) -> float:
+    return float(f"{force:.2g}")
