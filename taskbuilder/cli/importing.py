@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 import tempfile
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
+from taskbuilder.cli.robot_trials import print_trial, tried, tried_gripper
 from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import FileError, Finding, Location, UsageError, display_path
 from taskbuilder.importing.changes import HEADER
@@ -24,6 +26,9 @@ from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
 from taskbuilder.importing.postures import read_postures
 from taskbuilder.importing.writing import require_replaceable, write_folder
+from taskbuilder.schema.catalogue import CatalogueEntry
+from taskbuilder.schema.robots import load_robot
+from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
@@ -35,31 +40,44 @@ def run_import(arguments: argparse.Namespace, *, robot: bool) -> int:
     """Import a robot or an object."""
     source = _source(arguments, robot=robot)
     try:
-        imported = import_robot(source) if robot else import_object(source)
+        imported = _imported(source, arguments) if robot else import_object(source)
     except FileError as error:
         return _failed(arguments, error)
     default = Path("robots" if robot else "objects", imported.name)
     folder: Path = arguments.out or default
     if robot and folder.name != imported.name:
-        imported = import_robot(_named(source, folder.name))
+        imported = _imported(_named(source, folder.name), arguments)
     require_replaceable(folder, overwrite=arguments.overwrite)
-    findings, picture = _tried(imported, fixed=robot)
-    ok = not any(finding.severity == "error" for finding in findings)
-    if ok:
+    findings, picture, trial = _tried(
+        imported, fixed=robot, moves=robot and not arguments.quick and imported.proposal is not None
+    )
+    # What only a trial finds is corrected in the files that are written.
+    writable = trial is not None or not _has_error(findings)
+    ok = not _has_error(findings)
+    if writable:
         write_folder(folder, imported.files, overwrite=arguments.overwrite)
     if arguments.json:
-        print_json(_data(folder, imported, findings, picture, ok))
+        data = _data(folder, imported, findings, picture, ok)
+        print_json({**data, "trial": trial.as_data() if trial else None})
         return 0 if ok else 1
-    _print(folder, imported, findings, robot=robot)
-    if not ok:
+    _print(folder, imported, findings, trial, robot=robot)
+    if not writable:
         print(paint("failed", "red") + "; nothing was written")
         return 1
-    print(paint("ok", "green"))
+    print(paint("ok", "green") if ok else paint("failed", "red") + "; what was written is:")
     written = "robot.yaml" if imported.proposal else f"{imported.name}.urdf"
     for path in (folder / written, picture):
         if path is not None:
             print(display_path(path))
-    return 0
+    return 0 if ok else 1
+
+
+def _imported(source: ImportSource, arguments: argparse.Namespace) -> Imported:
+    return import_robot(source, None if arguments.quick else tried_gripper)
+
+
+def _has_error(findings: Sequence[Finding]) -> bool:
+    return any(finding.severity == "error" for finding in findings)
 
 
 def run_poses(arguments: argparse.Namespace) -> int:
@@ -129,16 +147,34 @@ def _failed(arguments: argparse.Namespace, error: FileError) -> int:
     return 1
 
 
-def _tried(imported: Imported, *, fixed: bool) -> tuple[list[Finding], Path | None]:
-    """What the physics engine says of the files, and the picture, before they are written."""
+def _tried(
+    imported: Imported, *, fixed: bool, moves: bool
+) -> tuple[list[Finding], Path | None, RobotTrial | None]:
+    """What the physics engine says of the files, the picture, and the trial of a robot that moves.
+
+    The files lie in a folder that is removed again.
+    """
+    trial = None
     with tempfile.TemporaryDirectory(prefix="taskbuilder-") as aside:
         folder = Path(aside).resolve() / imported.name
         write_folder(folder, imported.files, overwrite=False)
         urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,), fixed=fixed)
         findings = list(imported.warnings)
         picture = _picture(folder, urdf, imported, findings)
-    place = Location(Path(f"{imported.name}.urdf"))
-    return [replace(one, location=place) for one in findings], picture
+        if moves and not _has_error(findings):
+            model = load_robot(CatalogueEntry(imported.name, folder / "robot.yaml"))
+            trial, found = tried(model)
+            findings += found
+    return [_in_folder(one, imported.name) for one in findings], picture, trial
+
+
+def _in_folder(finding: Finding, name: str) -> Finding:
+    """The finding at the file that will be in the folder that is written."""
+    where = finding.location
+    if where is None or where.file.suffix != ".yaml":
+        line, column = (where.line, where.column) if where else (0, 0)
+        return replace(finding, location=Location(Path(f"{name}.urdf"), line, column))
+    return replace(finding, location=replace(where, file=Path(where.file.name)))
 
 
 def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Finding]) -> Path | None:
@@ -169,7 +205,14 @@ def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Findin
     return file
 
 
-def _print(folder: Path, imported: Imported, findings: list[Finding], *, robot: bool) -> None:
+def _print(
+    folder: Path,
+    imported: Imported,
+    findings: list[Finding],
+    trial: RobotTrial | None,
+    *,
+    robot: bool,
+) -> None:
     changes = imported.changes
     print(paint(f"{imported.name} · {display_path(folder)}", "bold"))
     print()
@@ -179,8 +222,11 @@ def _print(folder: Path, imported: Imported, findings: list[Finding], *, robot: 
         print(f"  left out: {'; '.join(changes.left_out)}\n")
     if imported.proposal is not None:
         for remark in imported.proposal.remarks:
-            print(f"  {remark}")
+            for line in textwrap.wrap(remark, 76, subsequent_indent="  "):
+                print(f"  {line}")
         print(f"  {_words(imported.proposal)}\n")
+        if trial is not None:
+            print_trial(trial)
     elif robot:
         print("  no arm was found; if it is a gripper, mount it:")
         print(f"  taskbuilder robots import ARM --gripper {imported.name}.urdf --at LINK\n")

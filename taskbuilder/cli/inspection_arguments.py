@@ -45,7 +45,8 @@ def add_robots(adder: CommandAdder) -> None:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="for check: leave out the trial of gripper and arm in physics, which takes seconds",
+        help="for check and import: leave out the trial of gripper and arm in physics, which takes "
+        "seconds",
     )
     add_import(parser)
     add_mounting(parser)

@@ -248,8 +248,6 @@ def _print_proposal(urdf: Urdf, proposal: Proposal | None) -> None:
     if proposal is None:
         print("  no arm was found: a robot is a chain of joints from its root to a tool\n")
         return
-    for remark in proposal.remarks:
-        print(f"  {remark}")
     folder = urdf.path.parent
     print(f"  proposal for {display_path(folder / 'robot.yaml')}; compare it with the pictures:\n")
     print(robot_file(urdf, proposal))

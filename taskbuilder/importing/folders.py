@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -24,9 +23,12 @@ from taskbuilder.importing.mounting import mounted, parse_flange, with_located_m
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.reading import is_mesh, read_description
 from taskbuilder.importing.shells import without_shells
+from taskbuilder.importing.steadying import with_steady_fingers
 from taskbuilder.importing.writing import MARK, urdf_text
 from taskbuilder.schema.catalogue import CatalogueEntry
-from taskbuilder.schema.robots import load_robot
+from taskbuilder.schema.robots import RobotModel, load_robot
+from taskbuilder.trials.proposing import corrected
+from taskbuilder.trials.robot_trial import GripperTrial
 from taskbuilder.world.robot_file import robot_file
 from taskbuilder.world.robot_proposal import Proposal, propose
 
@@ -86,8 +88,17 @@ class Imported:
     warnings: tuple[Finding, ...]
 
 
-def import_robot(source: ImportSource) -> Imported:
+TryGripper = Callable[[RobotModel], GripperTrial]
+"""Tries the gripper of a robot in physics."""
+
+
+def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) -> Imported:
     """Read a robot and make the files of a folder of it.
+
+    Args:
+        source: What is imported.
+        try_gripper: Tries the gripper that is proposed, so that its stroke and force are corrected
+            by what is measured; None to leave them as they follow from the shapes.
 
     Raises:
         FileError: Something is wrong that cannot be mended without a guess.
@@ -117,17 +128,25 @@ def import_robot(source: ImportSource) -> Imported:
         description = _without_unused(description, proposal, urdf, changes)
         touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
         description = geometry.refined(description, list(touching))
+        description = with_steady_fingers(description, proposal, changes)
     with _aside(name, description, geometry, changes) as urdf:
         files = geometry.used_files(description)
         files[f"{name}.urdf"] = _text(description, source, changes).encode()
         warnings = urdf.warnings
         if proposal is not None:
             proposal = _again(proposal, propose(urdf, end=source.arm, home=home))
-            text = _robot_text(urdf, proposal, source, description, changes)
-            files["robot.yaml"] = text.encode()
             written = urdf.path.parent / "robot.yaml"
-            written.write_text(text, encoding="utf-8")
-            load_robot(CatalogueEntry(name, written))
+
+            def loaded(proposal: Proposal) -> RobotModel:
+                text = _robot_text(urdf, proposal, source, description, changes)
+                files["robot.yaml"] = text.encode()
+                written.write_text(text, encoding="utf-8")
+                return load_robot(CatalogueEntry(name, written))
+
+            model = loaded(proposal)
+            if try_gripper is not None and proposal.gripper:
+                proposal = corrected(proposal, try_gripper(model))
+                loaded(proposal)
     shown = urdf_text(_collisions_shown(description), ["collision shapes"])
     return Imported(name, files, changes, proposal, shown, warnings)
 
@@ -266,13 +285,7 @@ def _robot_text(
         lines.append(f"the file also names the postures {', '.join(others)}")
     if changes.left_out:
         lines.append(f"{urdf.path.name} also lists what was left out")
-    asked = replace(proposal, remarks=tuple(_wrapped([*lines, *proposal.remarks])))
-    return robot_file(urdf, asked)
-
-
-def _wrapped(remarks: Sequence[str], width: int = 96) -> Iterator[str]:
-    for remark in remarks:
-        yield from textwrap.wrap(remark, width, subsequent_indent="  ") or [""]
+    return robot_file(urdf, replace(proposal, remarks=(*lines, *proposal.remarks)))
 
 
 def _collisions_shown(description: ImportedBody) -> ImportedBody:

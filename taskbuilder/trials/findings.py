@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from taskbuilder.assets import codes
 from taskbuilder.errors import Finding, Location, Severity
+from taskbuilder.geometry import total
 from taskbuilder.schema.robot import GripperSpec
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
@@ -16,12 +17,11 @@ from taskbuilder.trials.arm import JointTrial
 from taskbuilder.trials.gripping import Grip
 from taskbuilder.trials.robot_trial import GripperTrial, RobotTrial
 from taskbuilder.trials.stand import BLOCK_KG, PHYSICS_HZ
-from taskbuilder.world.grip_force import FINGERTIP_N
+from taskbuilder.world.grip_force import FINGERTIP_N, LIGHT_KG, most_damping
 
 _STROKE_SHARE, _STROKE_M = 0.1, 3e-3  # by which a declared stroke may be off
 _LEAST_LOAD_N = 2.0
 _ARRIVES = 0.5  # least share of its force with which a finger presses
-_LIGHT_KG = 0.015  # fingers below it press with less than their motors exert
 _LEFT, _STILL = 0.05, 0.5  # of the way of a free gripper: not arrived, and still moving
 _SAG_RAD, _SAG_M = math.radians(1.0), 3e-3
 _FALLS_RAD, _FALLS_M = math.radians(6.0), 0.02
@@ -129,13 +129,20 @@ def _too_damped(joint: str, places: _Places) -> str:
     element = next(each for each in urdf.tree.all("joint") if each.get("name") == joint)
     dynamics = element.first("dynamics")
     damping = float((dynamics.get("damping") if dynamics else None) or 0.0)
-    mass = urdf.link(urdf.joint(joint).child).mass or 0.0
-    if urdf.joint(joint).type != "prismatic" or damping <= mass * PHYSICS_HZ:
+    mass = _moved_mass(urdf.joint(joint).child, places)
+    most = most_damping(mass)
+    if urdf.joint(joint).type != "prismatic" or damping <= 2.0 * most:
         return ""
     return (
         f"its damping of {damping:g} is too much for {_weight(mass)} at {PHYSICS_HZ} physics "
-        f'steps per second; write <dynamics damping="{mass * PHYSICS_HZ / 4.0:.2g}"/> or less'
+        f'steps per second; write <dynamics damping="{most:.2g}"/> or less'
     )
+
+
+def _moved_mass(link: str, places: _Places) -> float:
+    """Mass of a link and of all that is fixed to it, in kg."""
+    urdf = places.model.urdf
+    return total(urdf.link(name).mass or 0.0 for name, _ in urdf.fixed_to(link))
 
 
 def _outside(trial: GripperTrial, places: _Places) -> Finding | None:
@@ -207,8 +214,13 @@ def _lost_force(
 ) -> Finding:
     """Fingers that press with much less than their motors exert."""
     urdf = places.model.urdf
-    tips = [link for finger in spec.fingers for link in finger]
-    light = [link for link in tips if (urdf.link(link).mass or math.inf) < _LIGHT_KG]
+    masses = {finger[0]: _moved_mass(finger[0], places) for finger in spec.fingers}
+    sliding = {joint.child for joint in urdf.joints if joint.type == "prismatic"}
+    light = [
+        link
+        for link, mass in masses.items()
+        if mass < LIGHT_KG and sliding & {name for name, _ in urdf.fixed_to(link)}
+    ]
     falls = f", and a block of {_mm(lost)} falls" if lost else ""
     message = (
         f"each finger should press with {trial.expected:.3g} N and presses with {least:.2g} N"
@@ -216,7 +228,7 @@ def _lost_force(
     )
     severity: Severity = "error" if lost else "warning"
     if light:
-        weight = _weight(min(urdf.link(link).mass or 0.0 for link in light))
+        weight = _weight(min(masses[link] for link in light))
         message += (
             f"; {' and '.join(light)} weigh {weight}, too little for the engine: write a <mass> of "
             "0.02 kg or more in the URDF"
@@ -229,16 +241,24 @@ def _lost_force(
 def _too_weak(
     trial: GripperTrial, spec: GripperSpec, places: _Places, lost: list[Grip], least: float
 ) -> Finding:
+    held = [grip for grip in trial.grips if grip.held]
     message = (
         f"each finger presses with {least:.2g} N, and a block of {_mm(lost)} and "
         f"{_weight(BLOCK_KG)} falls when the arm moves"
     )
-    if least >= FINGERTIP_N / 2.0:
-        advice = "move tcp, so that the pads of the fingers meet the block on both sides"
-        return places.finding(codes.NOT_HELD, f"{message}; {advice}", ("tcp",))
-    return places.finding(
-        codes.NOT_HELD, f"{message}; {_raise_force(trial, spec)}", ("gripper", "force")
-    )
+    severity: Severity = "warning" if held else "error"
+    if least < FINGERTIP_N / 2.0:
+        message += f"; {_raise_force(trial, spec)}"
+        return places.finding(codes.NOT_HELD, message, ("gripper", "force"), severity)
+    if held and min(grip.width for grip in lost) > max(grip.width for grip in held):
+        widest = max(grip.width for grip in held)
+        message += (
+            f"; fingers that are so far open are not parallel enough: bring open nearer to closed, "
+            f"for a stroke of about {widest:.2g}, if wider objects are not to be tried"
+        )
+        return places.finding(codes.NOT_HELD, message, ("gripper", "joints"), severity)
+    message += "; move tcp, so that the pads of the fingers meet the block on both sides"
+    return places.finding(codes.NOT_HELD, message, ("tcp",), severity)
 
 
 def _raise_force(trial: GripperTrial, spec: GripperSpec) -> str:

@@ -15,7 +15,7 @@ from taskbuilder.trials.stand import Stand
 _FACE_M, _THIN_M = 0.01, 0.001  # of the feeler that is moved towards the fingers
 _NEAR_M = 1e-4  # at which it counts as touching
 _FARTHEST_M = 0.5  # beyond which no finger is looked for
-_STEPS = 200
+_STEPS, _TRIES = 200, 20
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,19 @@ class Opening:
     def centered(self) -> float:
         """Width of the widest block that fits with its middle at the tcp."""
         return max(0.0, 2.0 * min(self.below, self.above))
+
+
+def widest(stand: Stand) -> Opening:
+    """What is free between the fingers when the gripper is open.
+
+    A jaw that turns swings past the tcp. It is felt for where it is still beside it, or when the
+    gripper is open if it never is.
+    """
+    for number in range(_TRIES):
+        found = measure(stand, 1.0 - number / _TRIES)
+        if math.isfinite(found.width) and min(found.below, found.above) > 0.0:
+            return found
+    return measure(stand, 1.0)
 
 
 def measure(stand: Stand, opening: float) -> Opening:

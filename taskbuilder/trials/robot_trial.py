@@ -9,7 +9,7 @@ from typing import Any
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.trials.arm import JointTrial, try_arm
 from taskbuilder.trials.gripping import Grip, Motion, free_motion, grips
-from taskbuilder.trials.opening import Opening, measure
+from taskbuilder.trials.opening import Opening, measure, widest
 from taskbuilder.trials.stand import Stand, stand
 from taskbuilder.world.fingers import Fingers
 
@@ -78,7 +78,7 @@ def try_robot(model: RobotModel, gripper: GripperTrial | None = None) -> RobotTr
 def try_gripper(model: RobotModel) -> GripperTrial:
     """Try the gripper of a robot, on an arm that gives way to nothing."""
     with stand(model, rigid=True) as rigid:
-        opened, closed = measure(rigid, 1.0), measure(rigid, 0.0)
+        opened, closed = widest(rigid), measure(rigid, 0.0)
         expected = _expected(rigid)
         motion = free_motion(rigid)
         free = math.isfinite(opened.width) and opened.width > 0.0

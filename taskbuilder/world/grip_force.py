@@ -17,8 +17,21 @@ from taskbuilder.world.hands import Hand, gap, pads
 FINGERTIP_N = 20.0
 """Force of each finger that is proposed, in newtons: with it, what is grasped is rarely lost."""
 
+LIGHT_KG = 0.015
+"""Mass of a finger below which the engine's solver loses much of its force."""
+
+_STEPS_PER_S = 120.0  # of physics, as task files have it by default
 _SHARES = 0.3, 0.7  # of the way from open to closed, between which the motion is measured
 _SANE_N = 4.0  # an effort that gives a finger less is a placeholder
+
+
+def most_damping(mass: float) -> float:
+    """Damping in N s/m of a joint that slides with which a mass in kg comes to rest.
+
+    The engine applies damping once per physics step. From four times as much on, a step more than
+    stops what moves; with eight times, it flies.
+    """
+    return mass * _STEPS_PER_S / 4.0
 
 
 @dataclass(frozen=True)

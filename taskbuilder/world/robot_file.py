@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping
 
 from taskbuilder.assets.model import Urdf
 from taskbuilder.geometry import Pose
 from taskbuilder.world.robot_proposal import Proposal
+
+_WIDTH = 78
 
 
 def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
@@ -23,7 +26,7 @@ def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
     joints = ", ".join(joint.name for joint in proposal.arm)
     home = ", ".join(_home(proposal))
     lines = [
-        *(f"# {remark}" for remark in proposal.remarks),
+        *(f"# {line}" for remark in proposal.remarks for line in _wrapped(remark)),
         f"robot: {name}",
         f"summary: {summary or _summary(name, proposal)}",
         f"urdf: {urdf.path.name}",
@@ -42,6 +45,11 @@ def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
             f"  force: {proposal.force:g}",
         ]
     return "\n".join(lines) + "\n"
+
+
+def _wrapped(remark: str) -> list[str]:
+    """The lines of a comment; with the sign before them they are as wide as a terminal."""
+    return textwrap.wrap(remark, _WIDTH, subsequent_indent="  ", break_long_words=False) or [""]
 
 
 def _summary(name: str, proposal: Proposal) -> str:
