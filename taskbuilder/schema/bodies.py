@@ -45,6 +45,11 @@ class Grasp(Model):
         "y",
         description="Axis along which the fingers close, in the frame in which `at` is given.",
     )
+    inside: bool = Field(
+        False,
+        description="Hold it from inside, as a cup: the fingers go in closed, and open to hold it. "
+        "Only for grippers that hold by friction; others take it as usual.",
+    )
 
 
 class BodySpec(Model):

@@ -9,6 +9,7 @@ import numpy as np
 
 from taskbuilder.env.action_encoder import ActionEncoder, Actions
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.expert.script.orders import HALF_OPEN
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.players import HoldStill, RandomActions
 from taskbuilder.rollout.record import Rollout
@@ -96,14 +97,13 @@ def random_actions(env: TaskEnv, seed: int) -> Iterator[Actions]:
 
 
 class DropAll(HoldStill):
-    """Opens all grippers, then holds still."""
+    """Opens all grippers, or closes those that hold from inside, then holds still."""
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Begin with the opening."""
         super().reset(env, seed)
         encoder = ActionEncoder(env)
-        openings = dict.fromkeys(env.possible_agents, 1.0)
-        self._first: Actions | None = encoder.actions(openings=openings)
+        self._first: Actions | None = encoder.actions(openings=_letting_go(env))
 
     def act(self, observations: Mapping[str, Any]) -> Actions:
         """Open, then hold."""
@@ -126,8 +126,20 @@ class ThrowAll(HoldStill):
             return super().act(observations)
         agents = self._env.possible_agents
         joints = {agent: _swung(self._env, agent) for agent in agents}
-        openings = dict.fromkeys(agents, 1.0) if step >= SWING_STEPS // 2 else {}
+        openings = _letting_go(self._env) if step >= SWING_STEPS // 2 else {}
         return ActionEncoder(self._env).actions(joints, openings)
+
+
+def _letting_go(env: TaskEnv) -> dict[str, float]:
+    """Openings with which all grippers let go: 1, or 0 where one holds something from inside."""
+    world = env.episode.world
+    return {
+        agent: 0.0
+        if world.robots[agent].gripper.told() > HALF_OPEN
+        and any(world.held(name, agent) for name in world.movable)
+        else 1.0
+        for agent in env.possible_agents
+    }
 
 
 def _swung(env: TaskEnv, agent: str) -> list[float]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations, pairwise
 
-from taskbuilder.geometry import dot, norm, subtract, total
+from taskbuilder.geometry import ORIGIN, add, dot, norm, scale, subtract, total, unit
 from taskbuilder.schema.robot import GripperSpec
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.sim.attachments import Graspable
@@ -33,6 +33,10 @@ GRASP_FORCE_N = 0.5
 STOPPED = 0.01
 """Speed below which a joint counts as stopped, m/s or rad/s."""
 
+SPREAD = 0.02
+"""Opening that is missing to the commanded one, from which fingers press outwards."""
+
+_BALANCED = 0.775  # length of the sum of directions; that of two at the limit below
 _OPPOSING = -0.7  # cosine of the angle between the forces of two fingers; -1 is straight against
 
 
@@ -108,9 +112,22 @@ class Fingers:
 
     # Unused arguments are part of the `EndEffector` protocol.
     def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:  # noqa: ARG002
-        """Whether fingers press on a body, or on a link of it, from opposite sides."""
+        """Whether fingers press on a body, or on a link of it, from opposite sides.
+
+        They press towards each other or, if they are told to be more open than they are, away from
+        each other on what they hold from inside. Three fingers also hold what they press on if
+        their forces balance.
+        """
         strong = [push for push in pushes() if norm(push.force) > GRASP_FORCE_N]
-        return any(_opposed(*pair) for pair in combinations(strong, 2))
+        if any(_opposed(*pair, inwards=True) for pair in combinations(strong, 2)):
+            return True
+        if any(_balanced(three, inwards=True) for three in combinations(strong, 3)):
+            return True
+        if len(strong) < 2 or self.told() - self.opening() < SPREAD:
+            return False
+        return any(_opposed(*pair, inwards=False) for pair in combinations(strong, 2)) or any(
+            _balanced(three, inwards=False) for three in combinations(strong, 3)
+        )
 
     def forces(self, body: Body, link: int | None, pushes: Pushes) -> tuple[float, ...]:  # noqa: ARG002
         """Force of each finger on a body, or on a link of it, in newtons."""
@@ -132,11 +149,28 @@ class Fingers:
         """Nothing: motors go on with what they were told."""
 
 
-def _opposed(one: Push, other: Push) -> bool:
-    """Whether two fingers press against, and towards, each other: with their inner sides."""
+def _opposed(one: Push, other: Push, *, inwards: bool) -> bool:
+    """Whether two fingers press against each other: towards each other, with their inner sides.
+
+    Args:
+        one: The push of one finger.
+        other: That of the other.
+        inwards: Whether they press towards each other; else away from each other.
+    """
     across = subtract(other.at, one.at)
     against = dot(one.force, other.force) < _OPPOSING * norm(one.force) * norm(other.force)
-    return against and dot(one.force, across) > 0.0
+    return against and (dot(one.force, across) > 0.0) == inwards
+
+
+def _balanced(pushes: Sequence[Push], *, inwards: bool) -> bool:
+    """Whether the directions of several pushes add up to little, and all point to their middle."""
+    directions = [unit(push.force) for push in pushes]
+    middle, sum_ = ORIGIN, ORIGIN
+    for push, direction in zip(pushes, directions, strict=True):
+        middle = add(middle, scale(push.at, 1.0 / len(pushes)))
+        sum_ = add(sum_, direction)
+    sides = [dot(push.force, subtract(middle, push.at)) > 0.0 for push in pushes]
+    return norm(sum_) < _BALANCED and all(side == inwards for side in sides)
 
 
 def _motorised(body: Body, model: RobotModel, spec: GripperSpec) -> Motors:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,7 @@ class MadeArm:
         force: Of the gripper, in N.
         tcp: Along z of the last link, in metres.
         closed: Position of the joints of the fingers when they are closed, in metres.
+        fingers: How many, evenly around the tcp.
     """
 
     effort: float = 150.0
@@ -32,6 +34,7 @@ class MadeArm:
     force: float = 20.0
     tcp: float = 0.115
     closed: float = 0.0
+    fingers: int = 2
 
     def write(self, folder: Path) -> Path:
         """Write the robot into a folder; the path of its robot file."""
@@ -45,6 +48,11 @@ class MadeArm:
 
     def _robot(self, name: str) -> str:
         joints = ", ".join(f"j{number}" for number in range(1, 7))
+        sides = "abc"[: self.fingers]
+        ends = "\n".join(
+            f"    slide_{side}: {{open: 0.0425, closed: {self.closed}}}" for side in sides
+        )
+        fingers = ", ".join(f"[finger_{side}]" for side in sides)
         return f"""\
 robot: {name}
 summary: An arm of six joints with two fingers
@@ -54,9 +62,8 @@ tcp: {{link: l6, position: [0, 0, {self.tcp}], rpy_deg: [0, 0, 90]}}
 home_deg: [0, -30, 120, 0, 90, 0]
 gripper:
   joints:
-    slide_a: {{open: 0.0425, closed: {self.closed}}}
-    slide_b: {{open: 0.0425, closed: {self.closed}}}
-  fingers: [[finger_a], [finger_b]]
+{ends}
+  fingers: [{fingers}]
   stroke: {self.stroke}
   force: {self.force}
 """
@@ -75,12 +82,13 @@ gripper:
         text = ""
         limit = '<limit lower="0" upper="0.0425" effort="60" velocity="0.2"/>'
         limit += f'<dynamics damping="{self.damping}"/>'
-        for side, sign in (("a", 1), ("b", -1)):
+        for number, side in enumerate("abc"[: self.fingers]):
+            yaw = 2.0 * math.pi * number / self.fingers
             text += link(
-                f"finger_{side}", 0.07, 0.012, self.finger_kg, 0.006 * sign, touching=self.touching
+                f"finger_{side}", 0.07, 0.012, self.finger_kg, 0.006, touching=self.touching
             )
             text += joint(
-                f"slide_{side}", "l6", f"finger_{side}", 0.06, f"{sign} 0 0", limit, "prismatic"
+                f"slide_{side}", "l6", f"finger_{side}", 0.06, "1 0 0", limit, "prismatic", yaw
             )
         return text
 
@@ -108,10 +116,17 @@ def link(
 
 
 def joint(
-    name: str, parent: str, child: str, up: float, axis: str, limit: str, kind: str = "revolute"
+    name: str,
+    parent: str,
+    child: str,
+    up: float,
+    axis: str,
+    limit: str,
+    kind: str = "revolute",
+    yaw: float = 0.0,
 ) -> str:
     """A joint at a height above the frame of its parent."""
     return (
         f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="0 0 {up}"/><axis xyz="{axis}"/>{limit}</joint>\n'
+        f'<origin xyz="0 0 {up}" rpy="0 0 {yaw}"/><axis xyz="{axis}"/>{limit}</joint>\n'
     )

@@ -103,3 +103,12 @@ def test_the_force_of_a_linkage_follows_from_its_lever():
     trial = try_gripper(load_robot(catalogue.robots["xarm6"], catalogue.folders))
     assert trial.expected == pytest.approx(20.0, rel=0.1)  # of 1.1 Nm
     assert [grip.force for grip in trial.grips] == pytest.approx([trial.expected] * 3, rel=0.2)
+
+
+def test_three_fingers_hold_cylinders_though_none_is_opposite_of_another(write):
+    model = write(MadeArm(fingers=3))
+    trial = try_gripper(model)
+    assert trial.opened.width == pytest.approx(0.085, abs=1e-3)
+    assert all(grip.held and grip.slip < 2e-3 for grip in trial.grips)
+    assert all(grip.force == pytest.approx(20.0, rel=0.2) for grip in trial.grips)
+    assert judge(RobotTrial(trial, ()), model) == ()

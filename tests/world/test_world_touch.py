@@ -87,7 +87,7 @@ def test_the_outer_side_of_a_finger_does_not_hold(build):
     assert not world.held("block", "arm")
 
 
-def test_fingers_that_spread_inside_a_frame_do_not_hold_it(build):
+def test_fingers_that_spread_inside_a_frame_hold_it_until_they_are_told_to_close(build):
     world = build(
         bench(height=0.6)
         + """
@@ -107,6 +107,8 @@ def test_fingers_that_spread_inside_a_frame_do_not_hold_it(build):
     forces = world.grip_forces("frame", "arm")
     assert len(forces) == 2
     assert min(forces) > 5.0
+    assert world.held("frame", "arm")
+    squeeze(world, "arm", opening=0.3, steps=1)
     assert not world.held("frame", "arm")
 
 

@@ -359,24 +359,23 @@ class Executor:
             yield self.encoder.hold()
         for who, grip in grips.items():
             if not self._has_gripped(grip):
-                cause = "still held" if grip.opening else "grasp missed"
+                cause = "still held" if grip.releases else "grasp missed"
                 raise StageError(labels[who], grip.robot, cause, grip_missed(world, grip))
 
     def _has_gripped(self, grip: Grip) -> bool:
         world = self._env.episode.world
-        if grip.opening:
+        gripper = world.robots[grip.robot].gripper
+        if grip.releases:
             held = bool(grip.load) and world.held(grip.load, grip.robot)
-            return not held and self.is_open(grip.robot)
+            return not held and (not gripper.moves() if grip.inside else self.is_open(grip.robot))
         if grip.load:
-            gripper = world.robots[grip.robot].gripper
             return world.held(grip.load, grip.robot) and not gripper.closes()
-        return not world.robots[grip.robot].gripper.moves()
+        return not gripper.moves()
 
     def _has_parted(self, grip: Grip) -> bool:
-        """Whether an opening gripper no longer touches the object that it held."""
+        """Whether a gripper that lets go no longer touches the object that it held."""
         world = self._env.episode.world
-        opens = grip.opening and grip.load
-        return not opens or not world.fingers_touch(grip.load, grip.robot)
+        return not (grip.releases and grip.load) or not world.fingers_touch(grip.load, grip.robot)
 
 
 def _next_act(who: str, step: ScriptStep, now: Situation) -> Go | Grip | None:

@@ -81,12 +81,14 @@ class Foresight:
         self.handles.pop(robot, None)
         if grip.opening:
             self._closed.discard(robot)
+        else:
+            self._closed.add(robot)
+        if grip.releases:
             dropped = self.loads.get(robot)
             self.loads[robot] = None
             if dropped and dropped not in self.loads.values():
                 self.guesses.add(dropped)  # it may fall
             return
-        self._closed.add(robot)
         self.loads[robot] = None
         if not grip.load:
             return

@@ -43,8 +43,12 @@ from taskbuilder.geometry import (
 )
 from taskbuilder.schema.bodies import Grasp
 from taskbuilder.schema.expert import Together
+from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.order import NOTHING, Order
 from taskbuilder.schema.robots import joint_values
+
+HALF_OPEN = 0.5
+"""Commanded opening above which a gripper holds what it holds from inside."""
 
 APPROACH_M = 0.08
 """Default length of the straight path to a grasp point, in metres."""
@@ -54,9 +58,8 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
     """The phases of an order, in sequence."""
     if order.grasp is not None:
         point = order.grasp
-        first = Grip(robot, 1.0)
         return (
-            lambda now: None if now.is_open(robot) else first,
+            lambda now: _ready(now, robot, point),
             *_way_in(robot, order, point, APPROACH_M),
             lambda now: _take(now, robot, point),
         )
@@ -70,7 +73,7 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
         name = "" if order.close == NOTHING else order.close
         return (lambda _: Grip(robot, 0.0, name),)
     if order.release:
-        return (lambda now: Grip(robot, 1.0, now.load(robot) or ""),)
+        return (lambda now: _let_go(now, robot),)
     if order.joint is not None:
         return (lambda now: move_joint(now, robot, order),)
     if order.push is not None:
@@ -82,10 +85,32 @@ def phases(robot: str, order: Order) -> tuple[Phase, ...]:
     raise NotImplementedError(f"{order.verb} has no phases")
 
 
+def _ready(now: Situation, robot: str, point: str) -> Grip | None:
+    """To open a gripper before it is at a grasp point, or to close it if it is to go inside."""
+    if _from_inside(now, robot, point):
+        return Grip(robot, 0.0)
+    return None if now.is_open(robot) else Grip(robot, 1.0)
+
+
 def _take(now: Situation, robot: str, point: str) -> Grip:
-    """To close a gripper at a grasp point."""
+    """To close a gripper at a grasp point, or to open it inside."""
     grasp = grasp_of(now.scene, point)
-    return Grip(robot, 0.0, point.partition(".")[0], (grasp.link if grasp else None) or "")
+    link = (grasp.link if grasp else None) or ""
+    thing, inside = point.partition(".")[0], _from_inside(now, robot, point)
+    return Grip(robot, 1.0 if inside else 0.0, thing, link, inside)
+
+
+def _let_go(now: Situation, robot: str) -> Grip:
+    """To open a gripper, or to close it if it holds something from inside."""
+    load = now.load(robot) or ""
+    inside = bool(load) and now.world.robots[robot].gripper.told() > HALF_OPEN
+    return Grip(robot, 0.0 if inside else 1.0, load, inside=inside)
+
+
+def _from_inside(now: Situation, robot: str, point: str) -> bool:
+    grasp = grasp_of(now.scene, point)
+    how = grasping(now.scene.robots[robot], now.world.robots[robot].model)
+    return grasp is not None and grasp.inside and how is not None and how.rule == "friction"
 
 
 def _way_in(robot: str, order: Order, frame: str | Vec3, usual: float) -> tuple[Phase, ...]:

@@ -172,12 +172,19 @@ class Grip:
         opening: From 0 (closed) to 1.
         load: The object to hold or to release; "" for none in particular.
         link: The link of the object that is held, if the task file names it; else "".
+        inside: Whether the object is held from inside, by opening.
     """
 
     robot: str
     opening: float
     load: str = ""
     link: str = ""
+    inside: bool = False
+
+    @property
+    def releases(self) -> bool:
+        """Whether the gripper lets go of something, instead of taking hold."""
+        return (self.opening > 0.0) != self.inside
 
 
 Phase = Callable[[Situation], Go | Grip | None]

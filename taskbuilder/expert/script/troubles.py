@@ -93,7 +93,7 @@ def grip_missed(world: World, grip: Grip) -> str:
     state = world.robots[grip.robot].gripper.words()
     names = ", ".join(touched(world, grip.robot).values())
     state += f" and touches {names}" if names else ""
-    if grip.opening:
+    if grip.releases:
         return f"{grip.robot} does not let go of {grip.load or 'what it touches'}: {state}"
     forces = world.grip_forces(grip.load, grip.robot) if grip.load else ()
     felt = f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
