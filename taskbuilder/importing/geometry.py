@@ -16,7 +16,14 @@ from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedShape, Link, Role
 from taskbuilder.importing.fitting import Choice, Fit, fit
-from taskbuilder.importing.mesh_files import UNITS, MeshFile, Up, load_mesh
+from taskbuilder.importing.mesh_files import (
+    UNITS,
+    MeshFile,
+    Up,
+    load_mesh,
+    load_picture,
+    textured,
+)
 from taskbuilder.importing.mesh_output import compound_obj, decimated, obj_files
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.primitives import box_corners, primitive_part
@@ -133,19 +140,26 @@ class Geometry:
             return [replace(shape, color=None, texture="")]
         path = self.packages.locate(shape.mesh, description.folder)
         mesh = self._load(path)
+        if role == "visual":
+            mesh = self._textured(mesh, shape, link, description.folder)
         matrix = self._matrix(mesh, shape, link, reference)
-        key = (path, tuple(matrix.reshape(-1).tolist()))
+        looks = shape.texture if role == "visual" else ""
+        key = (path, looks, tuple(matrix.reshape(-1).tolist()))
         points, faces = self._soup(mesh.moved(matrix), f"link {link.name}")
         self._note_solid(link.name, role, (points, faces), shape.pose)
         if role == "visual":
-            painted = self._painted(shape, link)
             if key not in self._drawn:
                 self._drawn[key] = self._draw(path, mesh.moved(matrix), link.name)
             file, colored = self._drawn[key]
             size = (1.0, 1.0, 1.0)
             return [
                 replace(
-                    painted, size=size, file=file, mesh="", color=None if colored else shape.color
+                    shape,
+                    size=size,
+                    file=file,
+                    mesh="",
+                    texture="",
+                    color=None if colored else shape.color,
                 )
             ]
         kept = _Source(path, mesh.triangles, (points, faces), shape)
@@ -325,6 +339,18 @@ class Geometry:
         """Keep what a link looks like: its visuals or, without them, its collision shapes."""
         key = link if role == "visual" else f"{link}/collision"
         self.solids.setdefault(key, []).append((placed(pose, part[0]), part[1]))
+
+    def _textured(self, mesh: MeshFile, shape: ImportedShape, link: Link, folder: Path) -> MeshFile:
+        """A mesh with the texture of the material that the description gives it."""
+        if not shape.texture or all(piece.uv is None for piece in mesh.pieces):
+            self._painted(shape, link)
+            return textured(mesh, None)
+        path = self.packages.locate(shape.texture, folder)
+        self.changes.note(
+            f"link {link.name}", "texture", path.name, "kept",
+            f"with the texture points of {mesh.path.name}",
+        )  # fmt: skip
+        return textured(mesh, load_picture(path))
 
     def _painted(self, shape: ImportedShape, link: Link) -> ImportedShape:
         """A visual whose texture is found, or left out."""

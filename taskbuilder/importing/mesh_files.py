@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -254,6 +255,8 @@ def _look(geometry: Any) -> tuple[Floats | None, Color | None, bytes | None]:
         color = _color(factor)
         if picture is not None and uv is not None and len(uv) == len(geometry.vertices):
             return np.asarray(uv, np.float64)[:, :2], color, _png(picture)
+        if uv is not None and len(uv) == len(geometry.vertices):
+            return np.asarray(uv, np.float64)[:, :2], color, None
         return None, color, None
     if visual.kind == "face":
         return None, _color(np.median(visual.face_colors, axis=0)), None
@@ -270,6 +273,41 @@ def _color(values: Any) -> Color | None:
         numbers = numbers / 255.0
     red, green, blue, *rest = (round(float(n), 4) for n in np.clip(numbers, 0.0, 1.0))
     return (red, green, blue, rest[0] if rest and rest[0] > 0.0 else 1.0)
+
+
+def textured(mesh: MeshFile, picture: bytes | None) -> MeshFile:
+    """The mesh with a texture where it has texture points and no texture of its own.
+
+    Args:
+        mesh: The mesh.
+        picture: PNG bytes; None to drop texture points that no texture uses.
+    """
+    pieces = (
+        piece
+        if piece.texture is not None or piece.uv is None
+        else replace(piece, texture=picture, uv=None if picture is None else piece.uv)
+        for piece in mesh.pieces
+    )
+    return replace(mesh, pieces=tuple(pieces))
+
+
+def load_picture(path: Path) -> bytes:
+    """The PNG bytes of a picture.
+
+    Raises:
+        AssetError: It is none, or it is too large.
+    """
+    with extra_needed("textures"):
+        from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # a picture that is too large is only warned of
+            with Image.open(path) as picture:
+                return _png(picture)
+    except Exception as error:
+        message = f"{path.name} cannot be read as a picture ({type(error).__name__})"
+        raise AssetError(codes.NOT_READABLE, message) from error
 
 
 def _png(picture: Any, most: int = 1024) -> bytes:

@@ -34,6 +34,8 @@ _SIZES = {
     "capsule": ("radius", "length"),
 }
 
+_Look = tuple[Rgba | None, str]  # a colour, and a reference to a texture or ""
+
 
 def read_urdf_text(
     path: Path, data: bytes, changes: Changes, *, folder: Path | None = None
@@ -63,8 +65,8 @@ def read_urdf_text(
     check_tree(robot, named, elements, report)
     check_mimics(elements, report)
     joints = [joint for element in elements for joint in _joint(element, path, report)]
-    colors = dict(_colors(robot))
-    links = [_link(element, path, colors, report) for element in robot.all("link")]
+    looks = dict(_looks(robot))
+    links = [_link(element, path, looks, report) for element in robot.all("link")]
     for finding in report.warnings():
         if finding.code == codes.IGNORED:
             changes.leave_out(f"{finding.path}: {finding.message.partition(';')[0]}".lstrip(": "))
@@ -174,7 +176,7 @@ def _joint(element: Element, path: Path, report: Report) -> Iterator[ImportedJoi
     )
 
 
-def _link(element: Element, path: Path, colors: dict[str, Rgba], report: Report) -> Link:
+def _link(element: Element, path: Path, looks: dict[str, _Look], report: Report) -> Link:
     name = element.get("name") or ""
     inertial = element.first("inertial")
     found = None
@@ -189,7 +191,7 @@ def _link(element: Element, path: Path, colors: dict[str, Rgba], report: Report)
         role: tuple(
             shape
             for one in element.all(role)
-            for shape in _shape(one, f"link {name}", path, colors, report)
+            for shape in _shape(one, f"link {name}", path, looks, report)
         )
         for role in ("visual", "collision")
     }
@@ -198,7 +200,7 @@ def _link(element: Element, path: Path, colors: dict[str, Rgba], report: Report)
 
 
 def _shape(
-    element: Element, subject: str, path: Path, colors: dict[str, Rgba], report: Report
+    element: Element, subject: str, path: Path, looks: dict[str, _Look], report: Report
 ) -> Iterator[ImportedShape]:
     geometry = element.first("geometry")
     solids = geometry.children if geometry else ()
@@ -208,7 +210,7 @@ def _shape(
         return
     solid = solids[0]
     place = Location(path, solid.line, solid.column)
-    color, texture = _look(element, colors)
+    color, texture = _look(element, looks)
     if solid.tag == "mesh":
         scale = as_vec3(numbers(solid, "scale") or (1.0, 1.0, 1.0))
         reference = solid.get("filename") or ""
@@ -226,27 +228,30 @@ def _shape(
             yield ImportedShape(solid.tag, size, read_pose(element), place, "", color, texture)  # type: ignore[arg-type]
 
 
-def _look(element: Element, colors: dict[str, Rgba]) -> tuple[Rgba | None, str]:
+def _look(element: Element, looks: dict[str, _Look]) -> _Look:
     """The colour and the texture of a visual."""
     material = element.first("material")
     if material is None:
         return None, ""
-    texture = material.first("texture")
-    own = _rgba(material)
-    return own or colors.get(material.get("name") or ""), (
-        (texture.get("filename") if texture else None) or ""
-    )
+    color, texture = _own_look(material)
+    known = looks.get(material.get("name") or "", (None, ""))
+    return color or known[0], texture or known[1]
 
 
-def _colors(element: Element) -> Iterator[tuple[str, Rgba]]:
-    """The named colours anywhere in a robot."""
+def _looks(element: Element) -> Iterator[tuple[str, _Look]]:
+    """The colours and textures of named materials anywhere in a robot."""
     for child in element.children:
         if child.tag == "material":
-            name, color = child.get("name"), _rgba(child)
-            if name and color:
-                yield name, color
+            name, look = child.get("name"), _own_look(child)
+            if name and any(look):
+                yield name, look
         elif child.tag in ("link", "visual"):
-            yield from _colors(child)
+            yield from _looks(child)
+
+
+def _own_look(material: Element) -> _Look:
+    texture = material.first("texture")
+    return _rgba(material), (texture.get("filename") if texture else None) or ""
 
 
 def _rgba(material: Element) -> Rgba | None:

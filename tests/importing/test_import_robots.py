@@ -150,6 +150,35 @@ def test_colours_of_mtl_files_are_kept(write, tmp_path):
     assert b"Kd 0.8 0.102 0.2" in material or b"Kd 0.8 0.1 0.2" in material
 
 
+@pytest.mark.parametrize("named", [False, True], ids=["own material", "named material"])
+def test_a_texture_of_a_material_is_kept_where_the_mesh_has_texture_points(named, write, package):
+    from PIL import Image
+
+    (package / "textures").mkdir()
+    Image.new("RGB", (8, 8), (250, 10, 10)).save(package / "textures" / "red.png")
+    square = b"v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0.05\n"
+    square += b"vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 1/1 4/4 2/2\n"
+    texture = '<texture filename="package://my_robot_description/textures/red.png"/>'
+    material = f'<material name="paint">{texture}</material>'
+    used = '<material name="paint"/>' if named else material
+    text = arm(MESH.format("../meshes/square.obj")).replace("</visual>", f"{used}</visual>")
+    text = (material if named else "") + text
+    imported = import_robot(ImportSource(write(text, {"square.obj": square})))
+    pictures = [content for name, content in imported.files.items() if name.endswith(".png")]
+    assert len(pictures) == 1
+    assert {row.after for row in rows(imported, "texture")} == {"kept"}
+    materials = b"".join(c for name, c in imported.files.items() if name.endswith(".mtl"))
+    assert b"map_Kd" in materials
+
+
+def test_a_texture_without_texture_points_is_left_out_and_said(write, package):
+    text = arm().replace(
+        "</visual>", '<material name="p"><texture filename="no.png"/></material></visual>'
+    )
+    imported = import_robot(ImportSource(write(text)))
+    assert {row.after for row in rows(imported, "texture")} == {"left out"}
+
+
 def test_placeholder_inertias_are_computed(write, tmp_path):
     text = arm().replace('ixx="0.01" iyy="0.01" izz="0.01"', 'ixx="1" iyy="1" izz="1"')
     imported = import_robot(ImportSource(write(text + two_fingers())))
