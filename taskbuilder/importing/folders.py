@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from taskbuilder.assets import codes
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, Finding, Location, UsageError
@@ -26,6 +27,7 @@ from taskbuilder.importing.shells import without_shells
 from taskbuilder.importing.steadying import with_steady_fingers
 from taskbuilder.importing.writing import MARK, urdf_text
 from taskbuilder.schema.catalogue import CatalogueEntry
+from taskbuilder.schema.robot import MOST_JOINTS
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.trials.proposing import corrected
 from taskbuilder.trials.robot_trial import GripperTrial
@@ -125,6 +127,7 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
     with _aside(name, description, geometry, changes) as urdf:
         proposal = propose(urdf, end=source.arm, home=home)
     if proposal is not None:
+        _require_arm(description, proposal)
         description = _without_unused(description, proposal, urdf, changes)
         touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
         description = geometry.refined(description, list(touching))
@@ -149,6 +152,23 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
                 loaded(proposal)
     shown = urdf_text(_collisions_shown(description), ["collision shapes"])
     return Imported(name, files, changes, proposal, shown, warnings)
+
+
+def _require_arm(description: ImportedBody, proposal: Proposal) -> None:
+    """Refuse a chain of joints that is longer than an arm may be, such as a snake's.
+
+    Raises:
+        FileError: It is.
+    """
+    joints = [joint.name for joint in proposal.arm]
+    if len(joints) > MOST_JOINTS:
+        first = joints[MOST_JOINTS]
+        place = next(joint.place for joint in description.joints if joint.name == first)
+        message = (
+            f"{len(joints)} joints move one after the other, and an arm has at most {MOST_JOINTS}; "
+            "make some of them fixed, or import the part of the robot that is an arm"
+        )
+        raise FileError([Finding(codes.NOT_IMPORTED, message, f"joint {first}", place)])
 
 
 def import_object(source: ImportSource) -> Imported:

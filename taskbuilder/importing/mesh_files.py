@@ -134,6 +134,8 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
             codes.NOT_READABLE,
             f"{path.name} is a pointer of Git LFS, not the file; run git lfs pull",
         )
+    if suffix == ".stl" and len(data) == 84 + 50 * _stated_count(data):
+        _require_few(path, _stated_count(data))  # before minutes are spent on reading it
     resolver: Any = _Resolver(path, packages)
     try:
         with np.errstate(all="ignore"), extra_needed("import", f"reading {suffix} files"):
@@ -158,14 +160,22 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
         raise AssetError(
             codes.BAD_MESH, f"{path.name}: has no triangles; export it with its surface"
         )
-    count = sum(len(piece.faces) for piece in pieces)
+    _require_few(path, sum(len(piece.faces) for piece in pieces))
+    unit, up = _stated(suffix, data)
+    return MeshFile(path, pieces, unit, up, tuple(oddities))
+
+
+def _stated_count(stl: bytes) -> int:
+    """The number of triangles that a binary STL file states."""
+    return int.from_bytes(stl[80:84], "little")
+
+
+def _require_few(path: Path, count: int) -> None:
     if count > MOST_SOURCE_TRIANGLES:
         raise AssetError(
             codes.BAD_MESH,
             f"{path.name}: has {count:,} triangles; reduce it below {MOST_SOURCE_TRIANGLES:,}",
         )
-    unit, up = _stated(suffix, data)
-    return MeshFile(path, pieces, unit, up, tuple(oddities))
 
 
 class _Resolver:

@@ -156,6 +156,8 @@ def _explained(error: BaseException, arguments: Mapping[str, str]) -> tuple[str,
             return codes.XACRO, f"the argument {name} has no value; give it with --arg {name}=VALUE"
         cause = inner if isinstance(inner, BaseException) else None
     text = str(error).replace("\n", " ")
+    if "xacro:arg: missing attribute 'default'" in text:
+        text = "an <xacro:arg> has no default; add one, even if --arg gives the value"
     if isinstance(error, OSError) or "No such file" in text:
         return codes.MISSING, f"{text}; give its package with --package NAME=DIR"
     given = f" (with {', '.join(arguments)})" if arguments else ""

@@ -23,6 +23,9 @@ from taskbuilder.schema.values import (
 
 LinkName = Annotated[str, Field(min_length=1, max_length=200)]
 
+MOST_JOINTS = 16
+"""Joints that an arm may have."""
+
 
 class Tcp(Model):
     """The tool centre point: a frame on a link, z the direction of approach, y that of closing."""
@@ -123,7 +126,7 @@ class RobotSpec(Model):
     robot: Name = Field(description="The name of its folder.")
     summary: Text
     urdf: Text = Field(description="Path relative to this file, or package://pybullet_data/….")
-    arm: Annotated[tuple[LinkName, ...], Field(min_length=1, max_length=16)] = Field(
+    arm: Annotated[tuple[LinkName, ...], Field(min_length=1, max_length=MOST_JOINTS)] = Field(
         description="The arm's joints, base to wrist."
     )
     tcp: Tcp = Field(description="The tool centre point, such as {link: tool}.")

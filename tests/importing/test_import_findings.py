@@ -32,6 +32,65 @@ def test_joints(wrong, said, write):
     assert place.line > 10
 
 
+def test_a_circle_of_joints_without_a_beginning(write):
+    circle = link("a", "<sphere radius='0.1'/>") + link("b", "<sphere radius='0.1'/>")
+    file = write(circle + joint("x", "a", "b") + joint("y", "b", "a"))
+    with pytest.raises(FileError, match=r"TB419.*a → b → a"):
+        import_robot(ImportSource(file))
+
+
+def test_more_joints_in_a_row_than_an_arm_has(write):
+    text = link("s0", "<sphere radius='0.1'/>")
+    for number in range(1, 21):
+        text += link(f"s{number}", "<sphere radius='0.1'/>")
+        text += joint(f"t{number}", f"s{number - 1}", f"s{number}")
+    with pytest.raises(FileError, match=r"TB433.*20 joints.*at most 16") as error:
+        import_robot(ImportSource(write(text)))
+    finding = error.value.findings[0]
+    assert finding.path == "joint t17"
+    assert finding.location.file.name == "arm.urdf"
+    line = finding.location.file.read_text().splitlines()[finding.location.line - 1]
+    assert 'name="t17"' in line
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "TB410"),
+        (b"\x00\xff\x13" * 100, "TB410"),
+        (b'<!DOCTYPE a [<!ENTITY a "b">]><robot name="&a;"/>', "TB410.*document type"),
+        (b"<robot name='deep'>" + b"<link>" * 5000, "TB410"),
+    ],
+    ids=["empty", "binary", "entities", "deep"],
+)
+def test_files_that_are_no_description(content, said, tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_bytes(content)
+    with pytest.raises(FileError, match=said):
+        import_robot(ImportSource(file))
+
+
+def test_a_mesh_of_more_than_is_read(write, package):
+    from taskbuilder.importing.packages import MAX_BYTES
+
+    file = write(arm('<mesh filename="../meshes/huge.stl"/>'))
+    with (package / "meshes" / "huge.stl").open("wb") as stream:
+        stream.truncate(MAX_BYTES + 1)  # a file of holes takes no room
+    with pytest.raises(FileError, match=r"TB403.*huge.stl") as error:
+        import_robot(ImportSource(file))
+    assert error.value.findings[0].location.line > 1
+
+
+def test_a_mesh_of_a_hundred_megabytes_of_triangles_is_refused_before_it_is_read(write, package):
+    file = write(arm('<mesh filename="../meshes/large.stl"/>'))
+    count = 4_000_000
+    with (package / "meshes" / "large.stl").open("wb") as stream:
+        stream.write(b"\0" * 80 + count.to_bytes(4, "little"))
+        stream.truncate(84 + 50 * count)
+    with pytest.raises(FileError, match=r"TB404.*4,000,000 triangles; reduce it"):
+        import_robot(ImportSource(file))
+
+
 def test_a_file_outside_the_root(write, tmp_path):
     (tmp_path / "secret.stl").write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
     for path in ("../../../../secret.stl", f"file://{tmp_path}/secret.stl"):
