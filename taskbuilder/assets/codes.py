@@ -24,6 +24,7 @@ TOO_MANY = "TB421"
 PLACEHOLDER = "TB422"
 CENTER_OF_MASS = "TB423"
 NO_COLLISION = "TB424"
+FILLED = "TB425"
 XACRO = "TB430"
 AMBIGUOUS = "TB431"
 UNIT = "TB432"
@@ -163,6 +164,13 @@ CODES: dict[str, tuple[str, str]] = {
         "An object, or a link of it that moves, can be seen but has no `<collision>`. It passes "
         "through everything, and nothing can be placed by its bounds. Add the element, usually "
         "with the geometry of `<visual>`.",
+    ),
+    FILLED: (
+        "Hollow mesh that collides as if it had a lid",
+        "An object that moves collides by convex shapes: each group of its mesh as its convex "
+        "hull. A mug of one group is filled, so nothing can be put into it, and no finger reaches "
+        "inside. `taskbuilder objects import FILE` cuts a mesh into convex pieces, with the extra "
+        "`import`. If the hull is meant, write `collide: hull`.",
     ),
     XACRO: (
         "Xacro cannot be expanded",

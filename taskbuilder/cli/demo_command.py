@@ -27,6 +27,7 @@ from taskbuilder.visual.film import save_film
 from taskbuilder.visual.rendering import check_views
 from taskbuilder.visual.still import save_image
 from taskbuilder.visual.strip import film_strip
+from taskbuilder.world.hollows import filled_hollows
 from taskbuilder.world.inertias import doubtful_inertias
 
 
@@ -35,7 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     found = _found(arguments)
     task = found.task
     check_views(task, arguments.variation, arguments.camera or ())
-    for finding in (*task.warnings, *doubtful_inertias(task.file)):
+    doubtful = (*doubtful_inertias(task.file), *filled_hollows(task.file))
+    for finding in (*task.warnings, *doubtful):
         print(show_finding(finding), file=sys.stderr)
     found.check()
     make_folder(arguments.out)

@@ -21,6 +21,7 @@ from taskbuilder.task import Task
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.world.hollows import filled_hollows
 from taskbuilder.world.inertias import doubtful_inertias, inertias
 from taskbuilder.world.pictures import capture
 from taskbuilder.world.placement import place_all
@@ -116,7 +117,7 @@ def check_inertias(task: Task) -> Result:
     ]
     furthest = max(factors, key=lambda factor: abs(math.log(factor)), default=1.0)
     check = Check("TB422", "inertias fit the shapes", True, furthest, None, "times")
-    return check, list(doubtful_inertias(task.file))
+    return check, [*doubtful_inertias(task.file), *filled_hollows(task.file)]
 
 
 def check_masses(task: Task, world: World) -> Result:
