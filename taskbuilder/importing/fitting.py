@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -21,6 +21,7 @@ from taskbuilder.importing.surfaces import (
     Part,
     components,
     distances,
+    is_closed,
     same_rows,
     sampled,
 )
@@ -37,6 +38,7 @@ FINE_M, FINE_SHARE = 0.002, 0.04
 COARSE_M, COARSE_SHARE = 0.003, 0.04
 """A hull may be so far off before it is cut into pieces."""
 _HULL_POINTS = 96
+_FEW_PARTS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,7 @@ class Fit:
         parts: Convex parts, for a mesh.
         error_m: How far its surface is from that of the mesh.
         tried: Name -> error of all that was measured, in metres.
+        uncut: Whether it should have been cut into pieces, and could not be.
     """
 
     kind: Literal["box", "cylinder", "sphere", "mesh"]
@@ -58,12 +61,15 @@ class Fit:
     parts: tuple[Part, ...]
     error_m: float
     tried: dict[str, float]
+    uncut: bool = False
 
     @property
     def words(self) -> str:
         """What it is, for a table."""
         if self.kind != "mesh":
             return self.kind
+        if self.uncut:
+            return "hull, a lid on what is hollow: it could not be cut into pieces"
         return "hull" if len(self.parts) == 1 else f"{len(self.parts)} convex pieces"
 
 
@@ -107,8 +113,8 @@ def fit(points: Floats, faces: Integers, choice: Choice = "auto", slack: float =
         if slack == math.inf or hulled.error_m <= slack * max(COARSE_M, COARSE_SHARE * diagonal):
             return hulled
     parts = convex_pieces(points, faces)
-    if not parts:  # it cannot be cut
-        return hulled
+    if not parts:
+        return replace(hulled, uncut=True)
     corners = [sampled(*part, max(60, 2 * _CANDIDATE_SAMPLES // len(parts))) for part in parts]
     error = _error(_outer(corners, parts), surface, noise)
     tried = {**tried, "pieces": error}
@@ -129,8 +135,35 @@ def convex_pieces(points: Floats, faces: Integers) -> tuple[Part, ...]:
         error = max(_error(sampled(*hull, 200), surface, noise) for hull in hulls)
         if error <= COARSE_M:
             return tuple(hulls)
-    parts = [hull_of(corners) for corners in decomposed(points, faces)]
+    parts: list[Part] = []
+    if 1 < count <= _FEW_PARTS:  # such as a mug and the handle that is stuck into it
+        parts = _cut_apart(points, faces, labels)
+    if not parts:
+        parts = [hull_of(corners) for corners in decomposed(points, faces)]
     return tuple(sorted(parts, key=lambda part: tuple(part[0].mean(axis=0).round(6).tolist())))
+
+
+def _cut_apart(points: Floats, faces: Integers, labels: Integers) -> list[Part]:
+    """Convex pieces of each part of a mesh; none if a part is open or cannot be cut.
+
+    Parts that reach into each other are hard to cut together.
+    """
+    pieces: list[Part] = []
+    for number in range(int(labels.max()) + 1):
+        used, own = np.unique(faces[labels == number], return_inverse=True)
+        part = points[used], np.asarray(own, np.int64).reshape(-1, 3)
+        if not is_closed(part[1]):
+            return []
+        hull = hull_of(part[0])
+        noise = math.sqrt(_area(*part) / _SAMPLES) * 0.6
+        if _error(sampled(*hull, 200), sampled(*part, _SAMPLES), noise) <= COARSE_M:
+            pieces.append(hull)
+            continue
+        cut = [hull_of(corners) for corners in decomposed(*part)]
+        if not cut:
+            return []
+        pieces += cut
+    return pieces if len(pieces) <= 2 * MOST_PIECES else []
 
 
 def hull_of(points: Floats, most: int = _HULL_POINTS) -> Part:

@@ -11,6 +11,7 @@ from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError
 from taskbuilder.importing.folders import ImportSource, import_object
 from taskbuilder.importing.geometry import MeshOptions
+from taskbuilder.importing.surfaces import welded_mesh
 from taskbuilder.importing.writing import write_folder
 
 
@@ -97,3 +98,36 @@ def test_units_that_cannot_be_guessed(tmp_path):
         import_object(ImportSource(file))
     _, urdf = imported_urdf(ImportSource(file, meshes=MeshOptions(unit=0.01)), tmp_path / "out")
     assert urdf.link("body").collisions[0].size == pytest.approx((0.07, 0.07, 0.07), abs=1e-5)
+
+
+def test_parts_that_reach_into_each_other_are_cut_one_by_one(monkeypatch):
+    from taskbuilder.importing import fitting
+
+    asked = []
+
+    def cut(points, faces):
+        asked.append(len(faces))
+        return [points[points[:, 2] <= 0.05], points[points[:, 2] >= 0.0]]
+
+    monkeypatch.setattr(fitting, "decomposed", cut)
+    handle, ring = box_mesh((0.02, 0.01, 0.06), (0.055, 0, 0.05)), trimesh_torus()
+    both = np.vstack([ring.vertices, handle.vertices])
+    faces = np.vstack([ring.faces, handle.faces + len(ring.vertices)])
+    pieces = fitting.convex_pieces(*welded_mesh(both, faces))
+    assert asked == [len(ring.faces)]
+    assert len(pieces) == 3
+
+
+def test_what_cannot_be_cut_is_said(monkeypatch):
+    from taskbuilder.importing import fitting
+
+    monkeypatch.setattr(fitting, "decomposed", lambda points, faces: [])
+    ring = trimesh_torus()
+    found = fitting.fit(*welded_mesh(ring.vertices, ring.faces))
+    assert "could not be cut" in found.words
+
+
+def trimesh_torus():
+    import trimesh
+
+    return trimesh.creation.torus(0.05, 0.01, major_sections=24, minor_sections=8)
