@@ -160,6 +160,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "PIL": (
         *("taskbuilder/visual/still.py", "taskbuilder/visual/video.py"),
         "taskbuilder/validate/html/pictures.py",
+        "taskbuilder/importing/mesh_files.py",
     ),
 }
 

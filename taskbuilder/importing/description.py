@@ -142,3 +142,17 @@ class ImportedBody:
     def with_links(self, links: Mapping[str, Link]) -> ImportedBody:
         """The same with some links replaced."""
         return replace(self, links=tuple(links.get(link.name, link) for link in self.links))
+
+
+def links_without_collision(description: ImportedBody) -> list[str]:
+    """Links that can be seen and that move, in rigid groups of which nothing collides."""
+    children = {joint.child for joint in description.joints if joint.moves}
+    needy: list[str] = []
+    for link in description.links:
+        if link.name not in children:
+            continue
+        group = description.rigid_group(link.name)
+        members = [one for one in description.links if one.name in group]
+        if not any(one.collisions for one in members):
+            needy += [one.name for one in members if one.visuals]
+    return needy

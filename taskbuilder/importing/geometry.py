@@ -14,7 +14,13 @@ from taskbuilder.assets.paths import AssetError
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
-from taskbuilder.importing.description import ImportedBody, ImportedShape, Link, Role
+from taskbuilder.importing.description import (
+    ImportedBody,
+    ImportedShape,
+    Link,
+    Role,
+    links_without_collision,
+)
 from taskbuilder.importing.fitting import Choice, Fit, fit
 from taskbuilder.importing.mesh_files import (
     UNITS,
@@ -404,20 +410,6 @@ def _places(sources: Sequence[_Source]) -> set[object]:
 _ROLES: tuple[Role, ...] = ("visual", "collision")
 
 
-def links_without_collision(description: ImportedBody) -> list[str]:
-    """Links that can be seen and that move, in rigid groups of which nothing collides."""
-    children = {joint.child for joint in description.joints if joint.moves}
-    needy: list[str] = []
-    for link in description.links:
-        if link.name not in children:
-            continue
-        group = description.rigid_group(link.name)
-        members = [one for one in description.links if one.name in group]
-        if not any(one.collisions for one in members):
-            needy += [one.name for one in members if one.visuals]
-    return needy
-
-
 def link_parts(geometry: Geometry, link: str) -> list[Part]:
     """What a link looks like or, where nothing is seen, what of it collides; in its frame."""
     return geometry.solids.get(link) or geometry.solids.get(f"{link}/collision") or []
@@ -434,4 +426,4 @@ def _spaced(values: Sequence[float]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-__all__ = ["Geometry", "MeshOptions", "link_parts", "links_without_collision"]
+__all__ = ["Geometry", "MeshOptions", "link_parts"]
