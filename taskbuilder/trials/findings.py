@@ -20,6 +20,7 @@ from taskbuilder.trials.stand import BLOCK_KG, PHYSICS_HZ
 from taskbuilder.world.grip_force import FINGERTIP_N, LIGHT_KG, most_damping
 
 _STROKE_SHARE, _STROKE_M = 0.1, 3e-3  # by which a declared stroke may be off
+_JAW_SHARE = 0.25  # a jaw that turns is open further at its tip than at the tcp
 _LEAST_LOAD_N = 2.0
 _ARRIVES = 0.5  # least share of its force with which a finger presses
 _LEFT, _STILL = 0.05, 0.5  # of the way of a free gripper: not arrived, and still moving
@@ -163,7 +164,8 @@ def _outside(trial: GripperTrial, places: _Places) -> Finding | None:
 def _stroke(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iterator[Finding]:
     measured, declared = trial.opened.width, spec.stroke
     off = declared - measured
-    if abs(off) <= max(_STROKE_SHARE * measured, _STROKE_M):
+    share = _JAW_SHARE if _has_fixed_jaw(spec, places) else _STROKE_SHARE
+    if abs(off) <= max(share * measured, _STROKE_M):
         return
     message = (
         f"{declared * 1000:.0f} mm are declared, and {measured * 1000:.0f} mm are open between the "
@@ -171,6 +173,15 @@ def _stroke(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iterator
     )
     severity: Severity = "error" if off > 0.0 else "warning"
     yield places.finding(codes.STROKE, message, ("gripper", "stroke"), severity)
+
+
+def _has_fixed_jaw(spec: GripperSpec, places: _Places) -> bool:
+    """Whether a finger is a jaw that no joint of the gripper moves."""
+    urdf = places.model.urdf
+    return any(
+        not any(joint.name in spec.joints for joint in urdf.moving_joints_above(links[0]))
+        for links in spec.fingers
+    )
 
 
 def _holding(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iterator[Finding]:
@@ -185,13 +196,12 @@ def _holding(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iterato
         return
     lost = [grip for grip in fitting if not grip.held]
     narrow = [grip for grip in lost if grip.width <= trial.closed.width and not grip.force]
-    if narrow:
+    if len(narrow) == len(fitting):  # some grippers are made for wide objects; figures tell of it
         message = (
             f"the fingers stay {trial.closed.width * 1000:.0f} mm apart when they are closed, so "
             f"a block of {_mm(narrow)} is not held; write values of closed at which they meet"
         )
-        severity: Severity = "error" if len(narrow) == len(fitting) else "warning"
-        yield places.finding(codes.NOT_HELD, message, ("gripper", "joints"), severity)
+        yield places.finding(codes.NOT_HELD, message, ("gripper", "joints"))
     lost = [grip for grip in lost if grip not in narrow]
     pressing = [grip for grip in fitting if grip not in narrow]
     least = min((grip.force for grip in pressing), default=math.inf)

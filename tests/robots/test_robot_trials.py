@@ -64,7 +64,7 @@ def test_a_sound_robot_gives_figures_and_no_finding(write):
         (MadeArm(force=0.5), "TB440", "gripper.force", "raise force from 0.5 to 20"),
         (MadeArm(tcp=0.2), "TB445", "tcp", "no finger is met from it along -y and +y"),
         (MadeArm(tcp=0.065), "TB445", "tcp", "no block fits"),
-        (MadeArm(closed=0.02), "TB440", "gripper.joints", "stay 40 mm apart"),
+        (MadeArm(closed=0.04), "TB440", "gripper.joints", "stay 80 mm apart"),
     ],
     ids=lambda value: value if isinstance(value, str) and value.startswith("TB") else "",
 )
