@@ -37,6 +37,7 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
+        "agent_tools",
         *("view", "validate", "bench", "benchmark", "learn", "evaluation", "importing"),
         *("trials", "visual", "expert"),
         *(
@@ -59,6 +60,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
             *SIMULATED,
         ),
     ),
+    "agent_tools": ("extras", "errors", "schema"),
     "view": (
         *("validate", "policies", "visual", "expert", "rollout", "env", "files"),
         *SIMULATED,

@@ -19,6 +19,7 @@ from taskbuilder.cli.inspection_arguments import (
     add_bench,
     add_explain,
     add_fix,
+    add_mcp,
     add_objects,
     add_robots,
     add_schema,
@@ -63,6 +64,7 @@ _COMMANDS = (
     "objects",
     "explain",
     "schema",
+    "mcp",
 )
 
 
@@ -368,4 +370,5 @@ _ADDERS = {
     "objects": add_objects,
     "explain": add_explain,
     "schema": add_schema,
+    "mcp": add_mcp,
 }

@@ -142,6 +142,23 @@ def add_fix(adder: CommandAdder) -> None:
     )
 
 
+def add_mcp(adder: CommandAdder) -> None:
+    """`taskbuilder mcp`."""
+    parser = adder.command(
+        "serve coding agents by the Model Context Protocol: tools to write, check and prove tasks "
+        "in one folder",
+        "--dir tasks",
+    )
+    parser.add_argument(
+        "--dir",
+        type=Path,
+        default=Path(),
+        metavar="DIR",
+        help="the folder with the tasks; the tools write nothing elsewhere (default: current "
+        "folder)",
+    )
+
+
 def add_watch(adder: CommandAdder) -> None:
     """`taskbuilder watch`."""
     parser = adder.command(
