@@ -166,7 +166,11 @@ class Field:
                 return rotate(tool.quaternion, vector)
 
 
-@pytest.fixture(scope="module", params=MODELS)
+FIELDS = ("panda", *(pytest.param(model, marks=pytest.mark.slow) for model in MODELS[:-1]))
+"""The arm with the most joints; those with fewer are slow."""
+
+
+@pytest.fixture(scope="module", params=FIELDS)
 def arms(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Field]:

@@ -89,9 +89,16 @@ OPTIONS = {
     "scene": {"observe": "scene", "distances": "log"},
     "pictures": {"cameras": ("front", "side"), **SMALL},
 }
+QUICK = ("local", "randomized", "pictures")
 
 
-@pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
+@pytest.mark.parametrize(
+    "options",
+    [
+        pytest.param(options, id=name, marks=() if name in QUICK else pytest.mark.slow)
+        for name, options in OPTIONS.items()
+    ],
+)
 def test_sound_environments_pass_with_all_options_in_all_views(options, pair):
     with closing(parallel_env(pair, render_mode="rgb_array", **options)) as env:
         assert check_env(env, raises=False) == ()
