@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from robot_modelling.forms import UPRIGHT_Y, Form, bar, block, hidden, plate
 from robot_modelling.modules import Module, Piece, module, with_tcp
-from robot_modelling.urdf import ORIGIN, Vec3, revolute
+from robot_modelling.urdf import ORIGIN, Vec3, following, revolute
 
 FOLDER = "../robotiq_2f85/meshes"
 MASS = 0.925  # kg, all of it
 REACH = 0.8757  # rad; it is closed at 0.8
 DRIVE = (10.0, 2.0)  # N m and rad/s
+LEADER = "finger_joint"  # the others move with it
 
 KNUCKLE: Vec3 = (0.0, 0.0306011, 0.054904)  # where it turns
 FINGER: Vec3 = (0.0, 0.0376, 0.043)  # where the finger hangs, from there
@@ -92,7 +93,7 @@ def gripper() -> Module:
     """Return the gripper with its tcp."""
     pieces, joints = [palm()], []
     for hand, side, joint in (
-        ("left", -1.0, "finger_joint"),
+        ("left", -1.0, LEADER),
         ("right", 1.0, "right_outer_knuckle_joint"),
     ):
         knuckle, finger = f"{hand}_outer_knuckle", f"{hand}_inner_finger"
@@ -104,9 +105,16 @@ def gripper() -> Module:
         axis = (side, 0.0, 0.0)
         on = (0.0, side * FINGER[1], FINGER[2])
         joints += [
-            revolute(joint, ("robotiq_base", knuckle), at, ORIGIN, (0.0, REACH), *DRIVE, axis),
-            revolute(
-                f"{finger}_joint", (knuckle, finger), on, ORIGIN, (-REACH, REACH), *DRIVE, axis
+            following(
+                revolute(joint, ("robotiq_base", knuckle), at, ORIGIN, (0.0, REACH), *DRIVE, axis),
+                LEADER,
+            ),
+            following(
+                revolute(
+                    f"{finger}_joint", (knuckle, finger), on, ORIGIN, (-REACH, REACH), *DRIVE, axis
+                ),
+                LEADER,
+                -1.0,
             ),
         ]
     return with_tcp(module(pieces, joints, FOLDER), "robotiq_base", (0.0, 0.0, TCP_HEIGHT))

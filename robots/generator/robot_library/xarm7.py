@@ -11,7 +11,7 @@ import math
 
 from robot_modelling.forms import UPRIGHT_Y, Form, bar, block, dome, hidden, plate
 from robot_modelling.modules import Module, Piece, module, mounted, with_tcp
-from robot_modelling.urdf import ORIGIN, Joint, Vec3, revolute
+from robot_modelling.urdf import ORIGIN, Joint, Vec3, following, revolute
 
 MAKER = "UFACTORY"
 
@@ -25,6 +25,7 @@ KNUCKLE: Vec3 = (0.0, 0.035, 0.059098)
 FINGER: Vec3 = (0.0, 0.035465, 0.042039)  # where the finger hangs, from the knuckle
 OPEN_FACE = 0.043  # of the pad, from the middle
 GRIPPER_DRIVE = (50.0, 2.0)  # N m and rad/s
+LEADER = "drive_joint"  # the others of the gripper move with it
 TCP_HEIGHT = 0.160
 
 
@@ -175,7 +176,7 @@ def gripper() -> Module:
                   (1.7493e-05, 0.0, 0.0, 1.7225e-05, side * 4.6433e-06, 5.1466e-06),
                   finger(side), is_pad=True),
         ]  # fmt: skip
-        name = "drive_joint" if hand == "left" else "right_outer_knuckle_joint"
+        name = LEADER if hand == "left" else "right_outer_knuckle_joint"
         at = (0.0, side * KNUCKLE[1], KNUCKLE[2])
         on = (0.0, side * FINGER[1], FINGER[2])
         turn, back = (side, 0.0, 0.0), (-side, 0.0, 0.0)
@@ -184,6 +185,7 @@ def gripper() -> Module:
             revolute(name, (base, out), at, ORIGIN, (0.0, 0.85), *GRIPPER_DRIVE, turn),
             revolute(f"{tip}_joint", (out, tip), on, ORIGIN, (0.0, 0.85), *GRIPPER_DRIVE, back),
         ]
+    joints = [following(joint, LEADER) for joint in joints]
     return with_tcp(module(pieces, joints), "xarm_gripper_base_link", (0.0, 0.0, TCP_HEIGHT))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from robot_modelling.solids import Mesh
 from robot_modelling.wavefront import merged, obj_text
@@ -57,6 +57,12 @@ class Joint:
     upper: float = 0.0
     effort: float = 0.0
     speed: float = 0.0
+    mimic: tuple[str, float] | None = None
+
+
+def following(joint: Joint, leader: str, multiplier: float = 1.0) -> Joint:
+    """Return the joint as one that moves with another; the leader itself stays as it is."""
+    return joint if joint.name == leader else replace(joint, mimic=(leader, multiplier))
 
 
 def revolute(
@@ -179,6 +185,9 @@ def joint_lines(joint: Joint) -> list[str]:
             f'    <limit lower="{joint.lower:.10g}" upper="{joint.upper:.10g}"'
             f' effort="{joint.effort:g}" velocity="{joint.speed:.10g}"/>',
         ]
+    if joint.mimic:
+        leader, multiplier = joint.mimic
+        lines.append(f'    <mimic joint="{leader}" multiplier="{multiplier:g}"/>')
     return [*lines, "  </joint>"]
 
 
