@@ -307,7 +307,7 @@ def load_picture(path: Path) -> bytes:
     Raises:
         AssetError: It is none, or it is too large.
     """
-    with extra_needed("textures"):
+    with extra_needed("import", "textures"):
         from PIL import Image
 
     try:
