@@ -12,7 +12,7 @@ from taskbuilder.jobs import LostError, worker_processes
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.trials.arm import JointTrial
 from taskbuilder.trials.findings import judge
-from taskbuilder.trials.gripping import MOST_PULL_N, Grip
+from taskbuilder.trials.gripping import MOST_PULL_N, BlockGrip
 from taskbuilder.trials.robot_trial import GripperTrial, RobotTrial, try_gripper, try_robot
 
 LIMIT_S = 120.0
@@ -96,7 +96,7 @@ def _joint_row(joint: JointTrial) -> list[str]:
     return [joint.joint, f"{needed} {unit}", effort, way(joint.sag), way(joint.lag)]
 
 
-def _grip_row(grip: Grip) -> list[str]:
+def _grip_row(grip: BlockGrip) -> list[str]:
     name = f"block of {_mm(grip.width)}"
     if not grip.fits:
         return [name, "does not fit", "", "", ""]

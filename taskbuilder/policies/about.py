@@ -57,14 +57,14 @@ class PolicyAbout(Model):
 def problem_of(about: Mapping[str, Any]) -> str | None:
     """What is wrong with what a policy's file says, or None."""
     try:
-        told = PolicyAbout.model_validate(dict(about))
+        record = PolicyAbout.model_validate(dict(about))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"]))
         return f"{where} is not as in policies: {first['msg']}"
-    env = told.env or TrainingEnv()
-    if sorted(env.cameras) != sorted(told.encoders):
-        seen, read = (", ".join(names) or "none" for names in (env.cameras, told.encoders))
+    env = record.env or TrainingEnv()
+    if sorted(env.cameras) != sorted(record.encoders):
+        seen, read = (", ".join(names) or "none" for names in (env.cameras, record.encoders))
         return f"it observes the cameras {excerpt(seen)}, and has networks for {excerpt(read)}"
     if env.cameras:
         width, height = env.camera_size or (0, 0)

@@ -14,7 +14,7 @@ from taskbuilder.schema.robots import RobotModel
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.sim.divergence import JOINT_SPEED_LIMIT
 from taskbuilder.trials.arm import JointTrial
-from taskbuilder.trials.gripping import Grip
+from taskbuilder.trials.gripping import BlockGrip
 from taskbuilder.trials.robot_trial import GripperTrial, RobotTrial
 from taskbuilder.trials.stand import BLOCK_KG, PHYSICS_HZ
 from taskbuilder.world.grip_force import FINGERTIP_N, LIGHT_KG, most_damping
@@ -220,7 +220,7 @@ def _holding(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iterato
 
 
 def _lost_force(
-    trial: GripperTrial, spec: GripperSpec, places: _Places, least: float, lost: list[Grip]
+    trial: GripperTrial, spec: GripperSpec, places: _Places, least: float, lost: list[BlockGrip]
 ) -> Finding:
     """Fingers that press with much less than their motors exert."""
     urdf = places.model.urdf
@@ -249,7 +249,7 @@ def _lost_force(
 
 
 def _too_weak(
-    trial: GripperTrial, spec: GripperSpec, places: _Places, lost: list[Grip], least: float
+    trial: GripperTrial, spec: GripperSpec, places: _Places, lost: list[BlockGrip], least: float
 ) -> Finding:
     held = [grip for grip in trial.grips if grip.held]
     message = (
@@ -314,7 +314,7 @@ def _way(value: float, slides: bool) -> str:
     )
 
 
-def _mm(grips: list[Grip]) -> str:
+def _mm(grips: list[BlockGrip]) -> str:
     return ", ".join(f"{grip.width * 1000:.0f} mm" for grip in grips)
 
 

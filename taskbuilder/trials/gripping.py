@@ -13,7 +13,7 @@ from taskbuilder.shapes import BoxShape, CylinderShape, Shape
 from taskbuilder.sim.contacts import closest_distance
 from taskbuilder.sim.divergence import JOINT_SPEED_LIMIT
 from taskbuilder.trials.opening import Opening
-from taskbuilder.trials.stand import BLOCK_KG, Block, Stand
+from taskbuilder.trials.stand import BLOCK_KG, Stand, TrialBlock
 
 GRAVITY: Vec3 = (0.0, 0.0, -9.81)
 SHARES = (0.2, 0.5, 0.85)
@@ -51,7 +51,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Grip:
+class BlockGrip:
     """What a gripper does with a block.
 
     Attributes:
@@ -106,7 +106,7 @@ def _ways(stand: Stand) -> Iterator[tuple[float, float]]:
             yield _finite(speed), abs(ends.open - ends.closed)
 
 
-def grips(stand: Stand, opened: Opening) -> Iterator[Grip]:
+def grips(stand: Stand, opened: Opening) -> Iterator[BlockGrip]:
     """Take hold of blocks of three widths.
 
     Args:
@@ -117,7 +117,7 @@ def grips(stand: Stand, opened: Opening) -> Iterator[Grip]:
         yield _grip(stand, share * opened.width, opened)
 
 
-def _grip(stand: Stand, width: float, opened: Opening) -> Grip:
+def _grip(stand: Stand, width: float, opened: Opening) -> BlockGrip:
     stand.at_home()
     side = min(max(0.35 * opened.width, _SIDES_M[0]), _SIDES_M[1])
     several = len(stand.robot.gripper.tips) > 2
@@ -128,11 +128,11 @@ def _grip(stand: Stand, width: float, opened: Opening) -> Grip:
     with stand.block(shape, stand.robot.tcp @ Pose((0.0, y, 0.0))) as block:
         inside = closest_distance(stand.robot.body, block.body, 0.0)
         if inside is not None and inside < -_DRIFT_M:
-            return Grip(width, fits=False, held=False)
+            return BlockGrip(width, fits=False, held=False)
         return _shaken(stand, block, width)
 
 
-def _shaken(stand: Stand, block: Block, width: float) -> Grip:
+def _shaken(stand: Stand, block: TrialBlock, width: float) -> BlockGrip:
     robot, client = stand.robot, stand.client
     robot.move_gripper(0.0)
     client.step(_steps(stand, _CLOSE_S))
@@ -147,7 +147,7 @@ def _shaken(stand: Stand, block: Block, width: float) -> Grip:
     slip = _moved(block, before)
     held = block.held() and slip < width + 0.02
     load = _pulled(stand, block) if held else 0.0
-    return Grip(width, True, held, force, slip, load)
+    return BlockGrip(width, True, held, force, slip, load)
 
 
 def _swing(stand: Stand) -> Iterator[list[float]]:
@@ -163,7 +163,7 @@ def _swing(stand: Stand) -> Iterator[list[float]]:
         yield (home + begun * (center - home) + begun * ways * math.sin(angle)).tolist()
 
 
-def _pulled(stand: Stand, block: Block) -> float:
+def _pulled(stand: Stand, block: TrialBlock) -> float:
     """The load, with its weight, at which a block slips when it is pulled down."""
     before, weight = block.in_hand(), BLOCK_KG * norm(GRAVITY)
     count = _steps(stand, _PULL_S)
@@ -176,7 +176,7 @@ def _pulled(stand: Stand, block: Block) -> float:
     return math.inf
 
 
-def _moved(block: Block, before: Pose) -> float:
+def _moved(block: TrialBlock, before: Pose) -> float:
     return _finite(norm(subtract(block.in_hand().position, before.position)))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.trials.arm import JointTrial, try_arm
-from taskbuilder.trials.gripping import Grip, Motion, free_motion, grips
+from taskbuilder.trials.gripping import BlockGrip, Motion, free_motion, grips
 from taskbuilder.trials.opening import Opening, measure, widest
 from taskbuilder.trials.stand import Stand, stand
 from taskbuilder.world.fingers import Fingers
@@ -30,7 +30,7 @@ class GripperTrial:
     closed: Opening
     expected: float
     motion: Motion
-    grips: tuple[Grip, ...]
+    grips: tuple[BlockGrip, ...]
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ class Stand:
         self.robot.go_home()
 
     @contextmanager
-    def block(self, shape: Shape, pose: Pose) -> Iterator[Block]:
+    def block(self, shape: Shape, pose: Pose) -> Iterator[TrialBlock]:
         """A block at a pose in the world; afterwards it is far away."""
         part = Part(shape, Pose(), _COLOR)
         body = create_body(
@@ -63,14 +63,14 @@ class Stand:
         thing = SceneObject(BLOCK, spec, body, {BLOCK: bounds(shape)}, {})
         touch = Touch(self.client, {ROBOT: self.robot}, {BLOCK: thing})
         try:
-            yield Block(body, self.robot, touch)
+            yield TrialBlock(body, self.robot, touch)
         finally:
             body.place(_AWAY)
             self.client.collide()
 
 
 @dataclass(frozen=True)
-class Block:
+class TrialBlock:
     """A block on the stand."""
 
     body: Body

@@ -89,7 +89,7 @@ def test_ctrl_c_ends_a_validation_with_130(tmp_path):
 
 @needs_proc
 def test_ctrl_c_leaves_no_half_written_picture(tmp_path):
-    command = [*MODULE, "render", "--all", "--size", "800x600", "--renderer", "tiny"]
+    command = [*MODULE, "render", "--suite", "seed", "--size", "800x600", "--renderer", "tiny"]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
     ) as child:

@@ -96,8 +96,8 @@ def _take(now: Situation, robot: str, point: str) -> Grip:
     """To close a gripper at a grasp point, or to open it inside."""
     grasp = grasp_of(now.scene, point)
     link = (grasp.link if grasp else None) or ""
-    thing, inside = point.partition(".")[0], _from_inside(now, robot, point)
-    return Grip(robot, 1.0 if inside else 0.0, thing, link, inside)
+    name, inside = point.partition(".")[0], _from_inside(now, robot, point)
+    return Grip(robot, 1.0 if inside else 0.0, name, link, inside)
 
 
 def _let_go(now: Situation, robot: str) -> Grip:
