@@ -23,7 +23,7 @@ from taskbuilder.files import write_whole
 from taskbuilder.learn.algorithms import check_name, find_algorithm
 from taskbuilder.learn.learner import Preset
 from taskbuilder.learn.recordings import recorded_options
-from taskbuilder.learn.settings import read_settings
+from taskbuilder.learn.settings import check_values, read_settings
 from taskbuilder.policies.runs import FORMAT, RUN_FILE, read_run
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import load_policy
@@ -292,8 +292,10 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
     """
     about = read_run(folder)
     try:
-        values = {n: about[n] for n in Plan.__dataclass_fields__ if n in about}
-        plan = plan_of({**from_json(values), **from_json(about["env"])})
+        values = from_json({n: about[n] for n in Plan.__dataclass_fields__ if n in about})
+        # No default would be what the run was begun with.
+        check_values(Plan, values, needed=("task", "steps", "seed"))
+        plan = plan_of({**values, **from_json(about["env"])})
     except (ValueError, KeyError, TypeError) as error:
         where = display_path(folder / RUN_FILE)
         raise UsageError(f"{where} is damaged: {excerpt(error)}") from None

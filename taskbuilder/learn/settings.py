@@ -134,3 +134,24 @@ def make_settings(kind: type[Any], chosen: Mapping[str, Any]) -> Any:
         raise UsageError(f"{name} is {value}; {limits[0]}")
     text = value if isinstance(value, str) else json.dumps(value)
     raise UsageError(f'{name} is "{text}"; something like {json.dumps(defaults[str(name)])}')
+
+
+def check_values(kind: type[Any], values: Mapping[str, Any], *, needed: Sequence[str]) -> None:
+    """Check values for the fields of a dataclass that were read from a file.
+
+    Args:
+        kind: The dataclass.
+        values: Values of some of its fields, by name.
+        needed: Names of fields that must be among them.
+
+    Raises:
+        ValueError: A value has another type, or is missing.
+    """
+    if lacking := [name for name in needed if name not in values]:
+        raise ValueError(f"it lacks {', '.join(lacking)}")
+    hints = get_type_hints(kind)
+    for name, value in values.items():
+        try:
+            TypeAdapter(hints[name]).validate_python(value, strict=True)
+        except ValidationError as error:
+            raise ValueError(f"{name}: {error.errors()[0]['msg']}") from None

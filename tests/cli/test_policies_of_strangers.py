@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -240,3 +241,20 @@ def test_pictures_that_a_policy_observes_are_bounded():
     env = {"cameras": ["front"], "camera_size": [4096, 4096]}
     assert "pictures of 4096x4096" in problem_of({"encoders": ["front"], "env": env})
     assert problem_of({"encoders": ["front"], "env": env | {"camera_size": [84, 84]}}) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"starts": "often"}, "starts: Input should be a valid number"),
+        ({"envs": 2.5}, "envs: Input should be a valid integer"),
+        ({"steps": None}, "it lacks steps"),
+    ],
+)
+def test_a_plan_with_values_of_other_types_is_refused(change, said, run, tmp_path):
+    file = write_run(tmp_path / "first") / "run.json"
+    plan = json.loads(file.read_text()) | change
+    file.write_text(json.dumps({name: value for name, value in plan.items() if value is not None}))
+    ran = run("plot", "first", "--out", "curves.png")
+    assert (ran.status, ran.out) == (2, "")
+    assert f"run.json is damaged: {said}" in ran.err
