@@ -17,7 +17,7 @@ the default noise to observations. There are 1,200 demonstrations. The policies 
 each variation without noise.
 
 Writes benchmarks/results/robust_cloning.json, with the commands that make each run again, and every
-episode to robust_cloning.csv. What was stopped goes on; nothing is left out. A run takes about a
+episode to robust_cloning.csv.gz. What was stopped goes on; nothing is left out. A run takes about a
 quarter of an hour on one core, most of it for the evaluations. `--publish` puts a policy of each
 task into the zoo, that of the median seed.
 """
@@ -26,6 +26,8 @@ from __future__ import annotations
 
 import argparse
 import csv
+import gzip
+import io
 import json
 import re
 import shutil
@@ -44,7 +46,7 @@ from taskbuilder import catalogue
 RANDOMIZED = "handover_randomized"
 TASKS = ("pick_push_place", "collaborative_lift", "handover", RANDOMIZED)
 RESULTS = Path(__file__).parent / "results"
-SUMMARY, ROWS = RESULTS / "robust_cloning.json", RESULTS / "robust_cloning.csv"
+SUMMARY, ROWS = RESULTS / "robust_cloning.json", RESULTS / "robust_cloning.csv.gz"
 FIRST_DEMO, FIRST_EPISODE = 100_000, 2_000_000
 UPDATES, EPISODES, NOISE_M = 15_000, 300, 0.005
 DEMOS = dict.fromkeys(TASKS, 600) | {RANDOMIZED: 1_200}
@@ -188,10 +190,11 @@ def write(folder: Path) -> None:
                 "commands": json.loads((out / "commands.json").read_text()),
             }
         )
-    with ROWS.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["task", "seed", "evaluation", "variation", "episode_seed", "success"])
-        writer.writerows(sorted(rows, key=lambda row: (row[0], int(row[1]))))
+    lines = io.StringIO()
+    writer = csv.writer(lines, lineterminator="\n")
+    writer.writerow(["task", "seed", "evaluation", "variation", "episode_seed", "success"])
+    writer.writerows(sorted(rows, key=lambda row: (row[0], int(row[1]))))
+    ROWS.write_bytes(gzip.compress(lines.getvalue().encode(), mtime=0))
     data = {
         "command": "python benchmarks/robust_cloning.py",
         "machine": describe_machine(),
@@ -208,7 +211,7 @@ def others(names: Collection[str]) -> tuple[list[dict[str, Any]], list[list[str]
     if not SUMMARY.exists():
         return [], []
     runs = json.loads(SUMMARY.read_text())["runs"]
-    with ROWS.open(newline="") as file:
+    with gzip.open(ROWS, "rt", encoding="utf-8", newline="") as file:
         _, *rows = csv.reader(file)
     return (
         [run for run in runs if f"{run['task']}-{run['seed']}" not in names],

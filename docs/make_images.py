@@ -56,7 +56,6 @@ TILE, ABREAST = 170, 6
 """Edge of the picture of an object in pixels, and how many are in a row."""
 INK = (60, 60, 64)
 IMAGES = Path(__file__).parent / "images"
-RESULTS = Path(__file__).parents[1] / "benchmarks" / "results"
 RUNS = {"": "learning", "-earlier": "learning_earlier"}
 """Groups of training runs, by what the names of their curves have."""
 PAPER = {
@@ -201,9 +200,10 @@ def _make_curves(folder: Path) -> None:
         if runs:
             _call("plot", *map(str, runs), "--out", str(folder / "curves.png"))
             _keep(folder / "curves.png", f"{name}-curves.png")
+    paper = unpack("paper", folder)
     for run, title in PAPER.items():
         curves = folder / "curves.png"
-        _call("plot", str(RESULTS / "paper" / run), "--title", title, "--out", str(curves))
+        _call("plot", str(paper / run), "--title", title, "--out", str(curves))
         _keep(curves, f"paper-{run.rpartition('-')[0]}-curves.png")
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from generators.results import RESULTS, read, signed
+from generators.results import read, signed
 from generators.tasks import title
 from taskbuilder import load_suite
 from taskbuilder.learn.logs import read_run
 from taskbuilder.policies.zoo import load_policy, zoo_names
 from taskbuilder.reference.markdown import table
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+from kept_runs import unpacked
 
 PHASE = 5_000
 """Training episodes in a row of the tables on the paper's learner."""
@@ -296,7 +302,8 @@ def _worst(evaluations: Sequence[Mapping[str, Any]] | None) -> str:
 
 def phases(run: str) -> str:
     """The training episodes of a run of the paper's learner, 5,000 at a time."""
-    table_of = read_run(RESULTS / "paper" / run).episodes
+    with unpacked("paper") as runs:
+        table_of = read_run(runs / run).episodes
     terms = [name for name in table_of if name.startswith("term/")]
     bonuses = [name for name in terms if table_of[name].min() >= 0.0]
     distances = [name for name in terms if name not in bonuses]
