@@ -8,10 +8,10 @@ class FetchPlate(d.Description):
 
     out = d.Beyond("plate.right", "board", axis="x", by=0.2)
     taken = d.Held("plate", by="right")
+    # A plate at rest rattles: for a step, it turns by up to 33°/s, and stays where it is.
+    still = d.Stationary("plate", speed=0.02, turn_deg=45)
     on_stand = d.On("plate", "stand") & d.Near("plate", "on_stand", within=0.04)
-    served = (
-        on_stand & d.Released("plate") & d.Stationary("plate") & d.Upright("plate", within_deg=8)
-    )
+    served = on_stand & d.Released("plate") & still & d.Upright("plate", within_deg=8)
 
     success = d.Sustained(served, seconds=1.0)
     failure = (
