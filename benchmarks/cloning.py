@@ -6,7 +6,7 @@ Collects what is not collected yet, trains what is not trained yet, goes on with
 plays each policy in 300 episodes that neither training nor the choice of a policy has seen, and
 writes
 
-- benchmarks/results/cloning.csv: every episode of every run, and
+- benchmarks/results/cloning.csv.gz: every episode of every run, and
 - benchmarks/results/cloning.json: what came of each run, with the commands that make it again.
 
 On one core, a run from states takes minutes and one from pictures about half an hour.
@@ -20,6 +20,8 @@ from __future__ import annotations
 
 import argparse
 import csv
+import gzip
+import io
 import json
 import shlex
 import shutil
@@ -174,10 +176,12 @@ def write(arguments: argparse.Namespace) -> None:
         about = (task, inputs, size if inputs == "pictures" else "", seed)
         rows += [[*about, p["seed"], int(p["success"])] for p in result["episodes"]]
     arguments.results.mkdir(parents=True, exist_ok=True)
-    with (arguments.results / "cloning.csv").open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["task", "inputs", "picture_size", "seed", "episode_seed", "success"])
-        writer.writerows(rows)
+    lines = io.StringIO()
+    writer = csv.writer(lines, lineterminator="\n")
+    writer.writerow(["task", "inputs", "picture_size", "seed", "episode_seed", "success"])
+    writer.writerows(rows)
+    packed = gzip.compress(lines.getvalue().encode(), mtime=0)
+    (arguments.results / "cloning.csv.gz").write_bytes(packed)
     data = {
         "command": shlex.join(["python", "benchmarks/cloning.py", *sys.argv[1:]]),
         "machine": describe_machine(),
