@@ -37,14 +37,14 @@ class PolicyAbout(Model):
 
     model_config = ConfigDict(extra="allow")
 
-    algorithm: str = ""
-    reward: str = ""
-    track: str = ""
-    command: str = ""
+    algorithm: str | None = None
+    reward: str | None = None
+    track: str | None = None
+    command: str | None = None
     data: str | None = None
-    seed: int = 0
-    step: int = 0
-    starts: float = 0.0
+    seed: int | None = None
+    step: int | None = None
+    starts: float | None = None
     teachers: list[str] = Field(default_factory=list)
     stages: list[str] = Field(default_factory=list)
     encoders: list[str] = Field(default_factory=list)

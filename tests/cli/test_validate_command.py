@@ -20,7 +20,7 @@ pytestmark = pytest.mark.in_process
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
 TASK_KEYS = {"task", "ok", "making", "findings", "checks", "measures", "probes", "tracebacks"}
-FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path"}
+FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path", "fix"}
 CHECK_KEYS = {"code", "family", "name", "ok", "value", "limit", "unit"}
 STATIC = ("validate", "--level", "static", "--format", "json")
 

@@ -122,7 +122,7 @@ scene:
         knob: {sphere: 0.02, at: [-0.09, 0, 0.03], color: red}
         post: {capsule: {radius: 0.01, length: 0.03}, at: [0, 0.09, 0.03]}
       mass: 0.3
-      grasps: {rim: {at: [-0.1, 0, 0.02], across: y}}
+      grasps: {rim: {at: [-0.1, 0, 0.02], across: y, inside: true}}
       place: {surface: table, center: [0.2, 0], size: [0.06, 0.1]}
     pins: {shape: {sphere: 0.01}, fixed: true, count: 2, arrange: {line: 0.1}, position: [0, 0, 2]}
     tiles:
