@@ -109,7 +109,7 @@ class Track(Model):
 
     @property
     def is_official(self) -> bool:
-        """Whether it is a track of the library as it is, and no shortened or changed one."""
+        """Whether it is one of the tracks of the library, neither shortened nor changed."""
         return TRACKS.get(self.name) == self
 
     @property

@@ -18,10 +18,10 @@ _CARRIES = 1e-3  # newtons: anything that rests has more, numerical noise has le
 class Held(Condition):
     """A robot holds a body: fingers press on it from opposite sides, or a suction cup holds it.
 
-    The fingers press on it from outside, or from inside while they are told to open. Three fingers
-    also hold a body if their forces balance. A body that is attached to a gripper is held, too.
-    ``by`` names one robot, or several robots that must all hold the body. If ``by`` is None, it is
-    enough that any robot holds the body.
+    The fingers press on it from outside, or from inside while they are commanded to open. Three
+    fingers also hold a body if their forces balance. A body that is attached to a gripper is held,
+    too. ``by`` names one robot, or several robots that must all hold the body. If ``by`` is None,
+    it is enough that any robot holds the body.
     """
 
     body: BodyName

@@ -114,8 +114,8 @@ class Fingers:
     def holds(self, body: Body, link: int | None, pushes: Pushes) -> bool:  # noqa: ARG002
         """Whether fingers press on a body, or on a link of it, from opposite sides.
 
-        They press towards each other or, if they are told to be more open than they are, away from
-        each other on what they hold from inside. Three fingers also hold what they press on if
+        They press towards each other or, if they are commanded further open than they are, away
+        from each other on what they hold from inside. Three fingers also hold what they press on if
         their forces balance.
         """
         strong = [push for push in pushes() if norm(push.force) > GRASP_FORCE_N]

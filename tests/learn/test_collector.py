@@ -64,7 +64,7 @@ def test_an_episode_that_was_lost_with_its_worker_is_not_counted_as_finished():
     assert lost.tolist() == [False, True]
     (episode,) = finished
     assert (episode.steps, episode.stage, episode.team_return) == (2, 2, 6.0)
-    # The transition leads to the last state of the episode, and the next one begins anew.
+    # The transition leads to the last state of the episode; the next row belongs to a new episode.
     assert rows[:, layout.next_observations["arm"]].tolist() == [[7.0], [8.0]]
     assert rows[:, layout.next_state].tolist() == [[70.0], [80.0]]
     assert collector.observations["arm"].tolist() == [[2.0], [2.0]]
