@@ -16,7 +16,7 @@ from taskbuilder.description.named import things_named
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import locks
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
-from taskbuilder.schema.choices import OtherRobots
+from taskbuilder.schema.choices import GraspChoice, OtherRobots
 from taskbuilder.schema.expert import waits
 from taskbuilder.schema.grasping import with_grasp
 from taskbuilder.schema.load import TaskFile, TaskFileError, read_task
@@ -41,7 +41,7 @@ class Task:
     declared: type[Description]
     warnings: tuple[Finding, ...] = ()
     robots: OtherRobots = ()
-    grasp: str = "task"
+    grasp: GraspChoice = "task"
 
     def __repr__(self) -> str:
         stages = len(self.description.stages)
@@ -83,7 +83,7 @@ def load_task(
     catalogue: Catalogue | None = None,
     guarded: bool = False,
     robots: Mapping[str, str | Path] | None = None,
-    grasp: str = "task",
+    grasp: GraspChoice = "task",
 ) -> Task:
     """Load a task by its name in the catalogue or by the path of its YAML file.
 

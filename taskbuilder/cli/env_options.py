@@ -86,6 +86,20 @@ def asked_options(
     return asked
 
 
+def option_words(options: Mapping[str, Any]) -> list[str]:
+    """The words of a command line that give these options; what `asked_options` reads."""
+    infos, words = option_infos(), []
+    for name, value in options.items():
+        if value is True and infos[name].true_word:
+            words.append(flag_of(name))
+        elif name == "robots":
+            for robot, model in value:
+                words += [flag_of(name), f"{robot}={model}"]
+        else:
+            words += [flag_of(name), str(value)]
+    return words
+
+
 def _help(info: OptionInfo) -> str:
     """What an option chooses, and what each of its values means."""
     words = {value: str(value) for value in info.choices}

@@ -12,9 +12,9 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, cast
 
-from taskbuilder.cli.env_options import asked_options
+from taskbuilder.cli.env_options import asked_options, option_words
 from taskbuilder.cli.output import (
     emit,
     paint,
@@ -27,12 +27,12 @@ from taskbuilder.cli.output import (
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_tasks, catalogue_of, make_folder
 from taskbuilder.cluster import cluster
+from taskbuilder.env.options import Options, ValidationOptions, make_options
 from taskbuilder.errors import FileError, display_path
 from taskbuilder.jobs import workers
 from taskbuilder.processes import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.validate.apart import Level
 from taskbuilder.validate.formats import document_writer
 from taskbuilder.validate.formats.cases import why_skipped
@@ -66,9 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         families_of(arguments.level, arguments.only)
     started = time.perf_counter()
     document_writer(arguments.format)  # a format that cannot be used is refused at once
-    asked = asked_options(arguments)
-    robots, grasp = asked.get("robots", ()), asked.get("grasp", "task")
-    pages = _Pages(arguments.report, catalogue, robots, grasp)
+    pages = _Pages(arguments.report, catalogue, make_options(**asked_options(arguments)))
     reports: list[TaskReport] = []
     try:
         with ending(_validated(names, catalogue, arguments)) as validated:
@@ -85,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
         _print_some(reports, arguments.format)
         raise
     for name in names:  # nothing is left to go on with
-        if left := partial_result(name, **_options(catalogue, arguments)):
+        if left := partial_result(name, **_arguments(catalogue, arguments)):
             left.remove()
     alone = len(reports) == 1  # then its page shows the same time
     seconds = reports[0].seconds if alone else time.perf_counter() - started
@@ -99,7 +97,7 @@ def _validated(
 ) -> Generator[TaskReport, None, None]:
     """The reports, each as soon as it is made."""
     check_spread(arguments)
-    options = _options(catalogue, arguments)
+    options = _arguments(catalogue, arguments)
     if arguments.resume:
         _tell_of_partial(names, options)
     keep = not arguments.ray  # whose machines have no folder in common
@@ -119,30 +117,27 @@ def _validated(
         yield report
 
 
-class _Options(TypedDict):
+class _Arguments(ValidationOptions):
     """The arguments of `validate_task` on which a result depends."""
 
     level: Level
     seeds: int
     catalogue: Catalogue
-    robots: dict[str, str | Path]
-    grasp: str
     only: list[str] | None
 
 
-def _options(catalogue: Catalogue, arguments: argparse.Namespace) -> _Options:
-    asked = asked_options(arguments)
+def _arguments(catalogue: Catalogue, arguments: argparse.Namespace) -> _Arguments:
+    options = cast("ValidationOptions", asked_options(arguments))
     return {
+        **options,
         "level": arguments.level,
         "seeds": QUICK_SEEDS if arguments.quick else arguments.seeds or SEEDS,
         "catalogue": catalogue,
-        "robots": dict(asked.get("robots", ())),
-        "grasp": asked.get("grasp", "task"),
         "only": arguments.only,
     }
 
 
-def _tell_of_partial(names: Sequence[str], options: _Options) -> None:
+def _tell_of_partial(names: Sequence[str], options: _Arguments) -> None:
     """Say on standard error from where each task goes on."""
     for name in names:
         if found := partial_result(name, **options):
@@ -159,9 +154,7 @@ def _with_command(report: TaskReport, name: str, arguments: argparse.Namespace) 
         words += ["--only", family]
     words += ["--quick"] if arguments.quick else []
     words += ["--seeds", str(arguments.seeds)] if arguments.seeds and not arguments.quick else []
-    for robot, model in arguments.robots or ():
-        words += ["--robot", f"{robot}={model}"]
-    words += ["--grasp", arguments.grasp] if arguments.grasp else []
+    words += option_words(asked_options(arguments))
     for folder in arguments.task_path or ():
         words += ["--task-path", str(folder)]
     return replace(report, making=replace(report.making, command=shlex.join(words)))
@@ -174,11 +167,8 @@ class _Pages:
         UsageError: There can be no such folder.
     """
 
-    def __init__(
-        self, folder: Path | None, catalogue: Catalogue, robots: OtherRobots, grasp: str
-    ) -> None:
-        self._folder, self._catalogue, self._robots = folder, catalogue, robots
-        self._grasp = grasp
+    def __init__(self, folder: Path | None, catalogue: Catalogue, options: Options) -> None:
+        self._folder, self._catalogue, self._options = folder, catalogue, options
         self._written: list[tuple[str, Page]] = []
         self._error: Exception | None = None
         if folder:
@@ -197,7 +187,7 @@ class _Pages:
         from taskbuilder.validate.html.page import make_page
 
         taken = [INDEX, *(file for file, _ in self._written)]
-        page = make_page(name, report, self._catalogue, robots=self._robots, grasp=self._grasp)
+        page = make_page(name, report, self._catalogue, options=self._options)
         return write_page(folder, page, taken).name, page
 
     def finish(self) -> str:

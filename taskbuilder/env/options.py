@@ -9,9 +9,9 @@ fields. So a new option is a new field, and the same field in `EnvOptions` for t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from taskbuilder.env.option_info import OptionInfo, OptionKind, about, check_choice, check_value
 from taskbuilder.errors import UsageError
@@ -19,6 +19,7 @@ from taskbuilder.extensions import RENDERERS
 from taskbuilder.schema.choices import GraspChoice, OtherRobots
 
 if TYPE_CHECKING:  # models of files, which the command line does without until a command runs
+    from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.schema.load import TaskFile
     from taskbuilder.task import Task
 
@@ -275,13 +276,14 @@ class Options:
         }
 
     @property
-    def chosen(self) -> dict[str, Any]:
+    def chosen(self) -> EnvOptions:
         """The options that differ from their defaults."""
-        return {
+        chosen = {
             each.name: value
             for each in fields(self)
             if (value := getattr(self, each.name)) != each.default
         }
+        return cast("EnvOptions", chosen)
 
     def applied(self, task: Task) -> TaskFile:
         """The task file with the horizon, control rate, robots and grasping of these options.
@@ -298,6 +300,35 @@ class Options:
         self._check(task)
         file = with_grasp(with_robots(task.file, self.robots, task.file.catalogue), self.grasp)
         return with_timing(file, self.horizon, self.control_hz)
+
+    def load(
+        self,
+        reference: str | Path,
+        *,
+        catalogue: Catalogue | None = None,
+        guarded: bool = False,
+    ) -> Task:
+        """Load a task with the horizon, control rate, robots and grasping of these options.
+
+        Args:
+            reference: Name or path of the task.
+            catalogue: Catalogue in which to look up names; see `load_task`.
+            guarded: Whether to import the description in a child process first; see `load_task`.
+
+        Raises:
+            UnknownNameError: There is no such task, or no robot of a name in ``robots``.
+            UsageError: An option does not fit the task.
+            FileError: The files of the task, or of such a robot, have errors.
+        """
+        from taskbuilder.env.timing import with_timing
+        from taskbuilder.task import load_task
+
+        self.check()
+        robots = dict(self.robots)
+        task = load_task(
+            reference, catalogue=catalogue, guarded=guarded, robots=robots, grasp=self.grasp
+        )
+        return replace(task, file=with_timing(task.file, self.horizon, self.control_hz))
 
     def check(self) -> None:
         """Check what can be checked without a task.
@@ -340,23 +371,34 @@ def options_about(*kinds: OptionKind) -> tuple[str, ...]:
     return tuple(name for name, info in option_infos().items() if info.kind in kinds)
 
 
-class TrainingOptions(TypedDict, total=False):
-    """The options of environments that a training run chooses, for type checkers."""
+class _PlayedOptions(TypedDict, total=False):
+    """The options about what is played, in any variation, and what agents observe of it."""
 
     horizon: int | None
     control_hz: int | None
-    variation: Variation
     randomize: Randomize
     position_noise: float
     observe: ObservedPart
     frame: Frame
     rotation: Rotation
     distances: Distances
+    robots: Mapping[str, str | Path] | OtherRobots
+    grasp: GraspChoice
+
+
+class ValidationOptions(_PlayedOptions, total=False):
+    """The options of environments that a validation chooses, for type checkers."""
+
+    reward: RewardSharing
+
+
+class TrainingOptions(_PlayedOptions, total=False):
+    """The options of environments that a training run chooses, for type checkers."""
+
+    variation: Variation
     cameras: tuple[str, ...]
     camera_size: tuple[int, int] | None
     renderer: Renderer
-    robots: Mapping[str, str | Path] | OtherRobots
-    grasp: GraspChoice
 
 
 class EnvOptions(TrainingOptions, total=False):

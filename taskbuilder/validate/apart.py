@@ -12,14 +12,14 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
+from taskbuilder.env.options import Options
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.jobs import DONE, RAISED, TRIES, LostError, Worker, packed, say, tell_of_loss
 from taskbuilder.jobs import wait_for as wait_for_words
 from taskbuilder.processes import Fault
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.load import read_task
-from taskbuilder.task import Task, load_task
+from taskbuilder.task import Task
 from taskbuilder.validate.broken import broken_family
 from taskbuilder.validate.checks.static import static_failure
 from taskbuilder.validate.losses import finding_of_loss, lost_family, refused_import
@@ -82,8 +82,7 @@ class ValidationConfig:
         only: Names of the families to run; None for all.
         limits: The time limits.
         kept: Intermediate result of a process that was lost.
-        robots: Other models for robots of the scene.
-        grasp: How grippers with fingers hold objects; see `load_task`.
+        options: Options of every environment of the task.
     """
 
     reference: str
@@ -94,22 +93,15 @@ class ValidationConfig:
     only: tuple[str, ...] | None
     limits: Limits = field(default_factory=lambda: LIMITS)
     kept: Kept | None = None
-    robots: OtherRobots = ()
-    grasp: str = "task"
+    options: Options = field(default_factory=Options)
 
     def load(self, *, guarded: bool = False) -> Task:
-        """Load the task; see `load_task`.
+        """Load the task, with the changes of the options.
 
         Args:
             guarded: Whether to import the description in a child process first.
         """
-        return load_task(
-            self.reference,
-            catalogue=self.catalogue,
-            guarded=guarded,
-            robots=dict(self.robots),
-            grasp=self.grasp,
-        )
+        return self.options.load(self.reference, catalogue=self.catalogue, guarded=guarded)
 
 
 class Listener(Protocol):

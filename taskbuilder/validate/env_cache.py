@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from taskbuilder.description.load import is_interrupt
-from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.env.options import Options
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
 from taskbuilder.expert.script.player import Expert, has_expert
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.choices import OtherRobots
-from taskbuilder.task import Task, load_task
+from taskbuilder.task import Task
 from taskbuilder.validate.locate import failure_of_description
 
 SMALL = (32, 24)
@@ -38,15 +38,13 @@ class EnvSource:
         reference: Name or path of the task.
         catalogue: The catalogue that names are looked up in.
         number: Number of the validation, so that files that have changed since another are reread.
-        robots: Other models for robots of the scene.
-        grasp: How grippers with fingers hold objects; see `load_task`.
+        options: Options of every environment of the task.
     """
 
     reference: str
     catalogue: Catalogue
     number: int
-    robots: OtherRobots = ()
-    grasp: str = "task"
+    options: Options = field(default_factory=Options)
 
 
 class EnvCache:
@@ -54,10 +52,11 @@ class EnvCache:
 
     Args:
         task: The task.
+        options: Options of all environments.
     """
 
-    def __init__(self, task: Task) -> None:
-        self.task = task
+    def __init__(self, task: Task, options: Options | None = None) -> None:
+        self.task, self.options = task, options or Options()
         self._envs: dict[tuple[int, int | None, bool], TaskEnv] = {}
         self._experts: dict[tuple[int, int | None, bool], Expert] = {}
 
@@ -77,9 +76,10 @@ class EnvCache:
         key = (variation, horizon, endless)
         if key not in self._envs:
             task = _endless(self.task) if endless else self.task
-            self._envs[key] = parallel_env(
-                task, variation=variation, horizon=horizon, camera_size=SMALL
-            )
+            options = replace(self.options, variation=variation, camera_size=SMALL)
+            if horizon is not None:
+                options = replace(options, horizon=horizon)
+            self._envs[key] = TaskEnv(task, options)
         return self._envs[key]
 
     def expert(
@@ -120,13 +120,8 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
         task: The task, if it has been loaded already.
     """
     if source not in _CACHES:
-        loaded = task or load_task(
-            source.reference,
-            catalogue=source.catalogue,
-            robots=dict(source.robots),
-            grasp=source.grasp,
-        )
-        _CACHES[source] = EnvCache(loaded)
+        loaded = task or source.options.load(source.reference, catalogue=source.catalogue)
+        _CACHES[source] = EnvCache(loaded, source.options)
     return _CACHES[source]
 
 

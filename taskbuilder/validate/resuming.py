@@ -47,7 +47,7 @@ class PartialResult:
         self._checksum = checksum(entry)
         asked = (
             str(entry.file.resolve()),
-            *(config.level, config.seeds, config.only, config.robots, config.grasp),
+            *(config.level, config.seeds, config.only, config.options),
             *(__version__, sys.version),
         )
         digest = blake2b(repr(asked).encode(), digest_size=8).hexdigest()

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from taskbuilder.description.load import is_interrupt, load_description
+from taskbuilder.env.options import Options, ValidationOptions, make_options
 from taskbuilder.errors import (
     ExplosionError,
     FileError,
@@ -24,9 +25,7 @@ from taskbuilder.geometry import total
 from taskbuilder.jobs import LostError, Map, workers
 from taskbuilder.processes import CHILDREN, owned
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.grasping import grasp_rules
-from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.schema.proofs import checksum
 from taskbuilder.task import Task
 from taskbuilder.validate.apart import (
@@ -120,10 +119,9 @@ def validate_task(
     jobs: int = 1,
     only: Collection[str] | None = None,
     apart: bool = True,
-    robots: Mapping[str, str | Path] | None = None,
-    grasp: str = "task",
     keep: bool = False,
     resume: bool = False,
+    **options: Unpack[ValidationOptions],
 ) -> TaskReport:
     """Validate a task.
 
@@ -144,30 +142,28 @@ def validate_task(
         apart: Whether to load and play the task only in child processes, where a crash or hang does
             no harm. Use False to debug a description in this process. Without a POSIX system,
             there are no such child processes, and the task is played in this one.
-        robots: Robot models that replace those of the task file; see `load_task`.
-        grasp: How grippers with fingers hold objects; see `load_task`.
         keep: Whether to write the results to the user's cache folder after each family of checks,
             so that a later call with ``resume=True`` can continue from there.
         resume: Whether to continue an interrupted call with the same arguments. If the task file or
             the description has changed since, the validation starts anew.
+        options: Options of all environments of the task; see `Options`.
 
     Raises:
         UnknownNameError: There is no such task, or ``robots`` names an unknown model.
-        UsageError: ``only`` names an unknown family, or ``robots`` or ``grasp`` does not fit the
-            task; see `load_task`.
+        UsageError: ``only`` names an unknown family, or an option does not fit the task.
     """
     if isinstance(reference, Task):
         catalogue = catalogue or reference.file.catalogue
-        robots = {**dict(reference.robots), **dict(robots or {})}
-        grasp = reference.grasp if grasp == "task" else grasp
+        options["robots"] = {**dict(reference.robots), **dict(options.get("robots", ()))}
+        if options.get("grasp", "task") == "task":
+            options["grasp"] = reference.grasp
         reference = reference.reference
     catalogue = catalogue or Catalogue.discover()
     wanted = None if only is None else tuple(only)
     if wanted:
         families_of(level, wanted)  # a wrong name is refused before anything takes its time
-    others = other_robots(robots or {})
     config = ValidationConfig(
-        str(reference), level, seeds, catalogue, jobs, wanted, robots=others, grasp=grasp
+        str(reference), level, seeds, catalogue, jobs, wanted, options=make_options(**options)
     )
     watched, summed = Stopwatch(), _checksum(config)
     found = _partial(config) if keep or resume else None
@@ -191,19 +187,16 @@ def partial_result(
     seeds: int,
     catalogue: Catalogue,
     only: Collection[str] | None = None,
-    robots: Mapping[str, str | Path] | None = None,
-    grasp: str = "task",
+    **options: Unpack[ValidationOptions],
 ) -> PartialResult | None:
     """The file of what an interrupted validation has found; None if its task cannot be read.
 
     The arguments are those of `validate_task`.
     """
     wanted = None if only is None else tuple(only)
-    others = other_robots(robots or {})
+    played = make_options(**options)
     return _partial(
-        ValidationConfig(
-            str(reference), level, seeds, catalogue, 1, wanted, robots=others, grasp=grasp
-        )
+        ValidationConfig(str(reference), level, seeds, catalogue, 1, wanted, options=played)
     )
 
 
@@ -246,7 +239,7 @@ def _validated(config: ValidationConfig, listener: Listener) -> TaskReport:
         return TaskReport(config.reference, config.reference, (failure,))
     static = (_timed(static_family(task), started), *_foreign_static(task))
     if config.level == "static":
-        return TaskReport(task.name, headline(task, config.robots), static)
+        return TaskReport(task.name, headline(task, config.options), static)
     limit_s = config.limits.piece(task.file.spec.timing.episode_steps)
     with workers(
         config.jobs if config.level == "full" else 1,
@@ -322,11 +315,11 @@ def _play(
     from taskbuilder.validate.context import Context
     from taskbuilder.validate.env_cache import EnvSource, close_cache
 
-    source = EnvSource(config.reference, config.catalogue, next(_RUNS), config.robots, config.grasp)
+    source = EnvSource(config.reference, config.catalogue, next(_RUNS), config.options)
     context = Context(
         task, source, config.seeds, listener.progress, spread, limit_s, listener.alive
     )
-    report = TaskReport(task.name, headline(task, config.robots), static, context.measures)
+    report = TaskReport(task.name, headline(task, config.options), static, context.measures)
     if config.kept:
         report = config.kept.report
         context.take_over(config.kept.state)
@@ -406,21 +399,28 @@ def _checked(context: Context, family: Family) -> FamilyResult:
     return FamilyResult(family.name, (check,), (finding,), "the description fails")
 
 
-def headline(task: Task, others: OtherRobots = ()) -> str:
-    """A task in one line: name, size, other robots than the file's, grasping, length, file."""
+def headline(task: Task, options: Options) -> str:
+    """A task in one line: name, size, other robots than the file's, options, length, file."""
     spec = task.file.spec
     robots, objects = len(spec.scene.robots), len(spec.scene.objects)
     return " · ".join(
         (
             task.name,
             f"{robots} robot{'s' * (robots != 1)}",
-            *(f"{name}: {model}" for name, model in others),
+            *(f"{name}: {model}" for name, model in options.robots),
             *(["grasp attach"] if "attach" in grasp_rules(task.file).values() else []),
+            *(f"{name.replace('_', ' ')} {value}" for name, value in _unseen(options).items()),
             f"{objects} object{'s' * (objects != 1)}",
             f"{spec.timing.episode_steps} steps at {spec.timing.control_hz} Hz",
             display_path(task.file.entry.file),
         )
     )
+
+
+def _unseen(options: Options) -> dict[str, object]:
+    """The options that the rest of the headline does not show."""
+    shown = ("robots", "grasp", "horizon", "control_hz")
+    return {name: value for name, value in options.chosen.items() if name not in shown}
 
 
 def _timed(result: FamilyResult, started: float) -> FamilyResult:

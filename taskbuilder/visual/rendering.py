@@ -9,6 +9,7 @@ from pathlib import Path
 from taskbuilder.env.options import Renderer
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.choices import GraspChoice
 from taskbuilder.schema.task import LOOK_PARTS
 from taskbuilder.task import Task, load_task
 from taskbuilder.visual.annotations import Annotator, check_words
@@ -54,7 +55,7 @@ def render(
     randomize: int = 0,
     renderer: Renderer = "auto",
     robots: Mapping[str, str | Path] | None = None,
-    grasp: str = "task",
+    grasp: GraspChoice = "task",
     catalogue: Catalogue | None = None,
 ) -> list[Path]:
     """Take pictures of a task.

@@ -240,6 +240,24 @@ def test_github_gets_an_annotation_for_each_finding_and_a_closing_line(run, good
     assert closing.startswith("failed: broken.yaml: 1 error in ")
 
 
+def test_the_environment_is_validated_with_the_options_that_are_given(run, good):
+    options = ("--horizon", "20", "--control-hz", "20", "--frame", "base", "--reward", "local")
+    ran = run("validate", "good.yaml", "--seeds", "2", "--only", "contract", "--only", "repeat",
+              *options)  # fmt: skip
+    assert (ran.status, ran.err) == (0, "")
+    headline = ran.out.splitlines()[0]
+    assert "20 steps at 20 Hz" in headline
+    assert "reward local" in headline and "frame base" in headline
+    (task,) = run(*STATIC, "good.yaml", *options).data["tasks"]
+    assert set(options) <= set(task["making"]["command"].split())
+
+
+def test_an_option_that_does_not_fit_the_task_is_refused(run, good):
+    ran = run(*STATIC, "good.yaml", "--control-hz", "7")
+    assert ran.status == 2
+    assert "control_hz 7 does not divide physics_hz" in ran.err
+
+
 def test_what_was_not_run_is_listed_with_the_reason(run, good):
     good.write_text(good.read_text().replace("position: [0.5, 0, 0.02]", "position: [0.5, 0, 2]"))
     ran = run("validate", "good.yaml", "--quick", "--level", "build")

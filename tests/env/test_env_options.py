@@ -9,10 +9,16 @@ from typing import get_args, get_type_hints
 import pytest
 
 from taskbuilder.cli.arguments import parse
-from taskbuilder.cli.env_options import asked_options
+from taskbuilder.cli.env_options import PLAYED, asked_options, option_words
 from taskbuilder.data.plan import CollectPlan, describe
 from taskbuilder.env.option_info import about
-from taskbuilder.env.options import EnvOptions, Options, option_infos
+from taskbuilder.env.options import (
+    EnvOptions,
+    Options,
+    ValidationOptions,
+    option_infos,
+    options_about,
+)
 from taskbuilder.errors import UsageError
 from taskbuilder.learn.plan import load_plan, make_plan, save_plan
 from taskbuilder.task import load_task
@@ -24,6 +30,23 @@ def test_the_keywords_are_the_fields():
     assert keywords == kept
     assert {*EnvOptions.__annotations__} == {field.name for field in fields(Options)}
     assert not EnvOptions.__required_keys__
+
+
+def test_a_validation_takes_what_changes_episodes_of_a_variation():
+    assert {*ValidationOptions.__annotations__} == {*options_about(*PLAYED)} - {"variation"}
+
+
+def test_the_command_line_of_options_reads_as_the_same_options():
+    options = {
+        "reward": "local",
+        "horizon": 40,
+        "randomize": True,
+        "position_noise": 0.25,
+        "robots": (("left", "panda"), ("right", "/robots/xarm6.yaml")),
+        "frame": "base",
+    }
+    arguments = parse(["validate", "handover", *option_words(options)])
+    assert asked_options(arguments) == options
 
 
 def test_every_option_says_what_it_means():
@@ -51,7 +74,8 @@ class WindyOptions(Options):
 
 def test_an_added_option_is_everywhere(monkeypatch, tmp_path):
     monkeypatch.setattr("taskbuilder.env.options.Options", WindyOptions)
-    for command in ("train handover", "collect handover", "evaluate zoo:x/y", "demo handover"):
+    commands = ("train handover", "collect handover", "evaluate zoo:x/y", "demo handover")
+    for command in (*commands, "validate handover"):
         arguments = parse([*command.split(), "--wind", "2.5"])
         assert asked_options(arguments)["wind"] == 2.5
     plan = make_plan("handover", algorithm="ppo", wind=2.5)

@@ -21,6 +21,7 @@ from pettingzoo.utils.conversions import parallel_to_aec
 
 from taskbuilder.env.action_encoder import Actions
 from taskbuilder.env.joint import JointEnv
+from taskbuilder.env.options import EnvOptions, Options
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.quiet import without_remarks
 from taskbuilder.task import Task
@@ -94,7 +95,7 @@ def _compared(
 ) -> list[Result]:
     """Compare all views of the environment with its scene."""
     play_ends(compared, 0, actions[:1])
-    of_joint, of_rows = check_views(context.task, find)
+    of_joint, of_rows = check_views(context.task, find, context.source.options)
     compared.add(of_joint)
     compared.add(compare_turns(context.cache, 0))
     results = compared.results(find)
@@ -134,15 +135,16 @@ def _actions(context: Context, env: TaskEnv) -> list[Actions]:
 
 
 def _check_suite(cache: EnvCache, code: str) -> Result:
-    return check_suite(cache.task, code)
+    return check_suite(cache.task, code, cache.options)
 
 
-def check_suite(task: Task, code: str) -> Result:
+def check_suite(task: Task, code: str, options: Options | None = None) -> Result:
     """The environment of a task passes the tests of a library; their warnings are ignored.
 
     Args:
         task: The task.
         code: One of `SUITES`.
+        options: Options of the environment.
 
     Raises:
         Exception: The description raised it.
@@ -151,7 +153,7 @@ def check_suite(task: Task, code: str) -> Result:
     findings = []
     try:
         with without_remarks():
-            suite(task)
+            suite(task, {**(options or Options()).chosen, "camera_size": SMALL})
     except Exception as error:  # the tests of other libraries may raise anything
         if arose_in_description(error, task.file.entry):
             raise
@@ -161,26 +163,26 @@ def check_suite(task: Task, code: str) -> Result:
     return Check(code, f"{name} passes", not wrong, wrong, 0, "refusals"), findings
 
 
-def _parallel(task: Task) -> None:
-    with _made(task) as env:
+def _parallel(task: Task, options: EnvOptions) -> None:
+    with _made(task, options) as env:
         parallel_api_test(env, num_cycles=_cycles(env))
 
 
-def _turn_based(task: Task) -> None:
-    with _made(task) as env:
+def _turn_based(task: Task, options: EnvOptions) -> None:
+    with _made(task, options) as env:
         # api_test reads the shape of the first agent's observation wherever another agent observes
         # an array. A dictionary has no shape, so agents that observe images come last.
         env.possible_agents.sort(key=lambda agent: isinstance(env.observation_space(agent), Dict))
         api_test(parallel_to_aec(env), num_cycles=_cycles(env))
     with contextlib.ExitStack() as opened:  # the test closes none of those that it makes
         seed_test(
-            lambda: parallel_to_aec(opened.enter_context(contextlib.closing(_env(task)))),
+            lambda: parallel_to_aec(opened.enter_context(contextlib.closing(_env(task, options)))),
             num_cycles=SEED_CYCLES,
         )
 
 
-def _joint(task: Task) -> None:
-    env = JointEnv(task, camera_size=SMALL)
+def _joint(task: Task, options: EnvOptions) -> None:
+    env = JointEnv(task, **options)
     _seed(env.observation_space, env.action_space)
     try:
         check_env(env, skip_render_check=True)
@@ -188,7 +190,7 @@ def _joint(task: Task) -> None:
         env.close()
 
 
-SUITES: Mapping[str, tuple[str, Callable[[Task], None]]] = MappingProxyType(
+SUITES: Mapping[str, tuple[str, Callable[[Task, EnvOptions], None]]] = MappingProxyType(
     {
         "TB521": ("parallel_api_test", _parallel),
         "TB522": ("api_test and seed_test", _turn_based),
@@ -201,9 +203,9 @@ _TESTS = ("parallel_api_test", "api_test", "seed_test", "check_env")
 
 
 @contextlib.contextmanager
-def _made(task: Task) -> Iterator[TaskEnv]:
+def _made(task: Task, options: EnvOptions) -> Iterator[TaskEnv]:
     """An environment with seeded spaces, so that the tests always draw the same actions."""
-    env = _env(task)
+    env = _env(task, options)
     for agent in env.possible_agents:
         _seed(env.observation_space(agent), env.action_space(agent))
     try:
@@ -212,8 +214,8 @@ def _made(task: Task) -> Iterator[TaskEnv]:
         env.close()
 
 
-def _env(task: Task) -> TaskEnv:
-    return parallel_env(task, camera_size=SMALL)
+def _env(task: Task, options: EnvOptions) -> TaskEnv:
+    return parallel_env(task, **options)
 
 
 def _seed(*spaces: Any) -> None:

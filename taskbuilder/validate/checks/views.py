@@ -13,7 +13,7 @@ from itertools import islice
 from pettingzoo.utils.conversions import parallel_to_aec
 
 from taskbuilder.env.joint import JointEnv
-from taskbuilder.env.options import EnvOptions
+from taskbuilder.env.options import EnvOptions, Options
 from taskbuilder.env.vector import make_vec
 from taskbuilder.task import Task
 from taskbuilder.validate.comparing import Compared, play_ends
@@ -48,7 +48,7 @@ def compare_turns(cache: EnvCache, seed: int) -> Differences:
     return compared.wrong
 
 
-def check_views(task: Task, find: Find) -> tuple[Differences, Result]:
+def check_views(task: Task, find: Find, options: Options) -> tuple[Differences, Result]:
     """Compare the joint and the vector environment of a task, with pictures of all its cameras.
 
     The joint environment is compared with its scene. The multi-agent environment in it plays what
@@ -57,13 +57,15 @@ def check_views(task: Task, find: Find) -> tuple[Differences, Result]:
     Args:
         task: The task.
         find: Makes findings.
+        options: Options of both, besides their length and pictures.
     """
-    options: EnvOptions = {
+    kept: EnvOptions = {
+        **options.chosen,
         "horizon": HORIZON,
         "camera_size": SMALL,
         "cameras": tuple(task.file.spec.scene.cameras),
     }
-    with closing(JointEnv(task, **options)) as env, closing(make_vec(task, 2, **options)) as vec:
+    with closing(JointEnv(task, **kept)) as env, closing(make_vec(task, 2, **kept)) as vec:
         env.action_space.seed(0)
         compared = Compared(SingleAgent(env), env.parallel, view="JointEnv")
         # The same action again, so that arms move away from where they stand.

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from taskbuilder.description.description import Description
+from taskbuilder.env.options import Options
 from taskbuilder.errors import FileError
 from taskbuilder.jobs import LostError, worker_processes
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.schema.choices import OtherRobots
 from taskbuilder.schema.expert import ExpertStage
-from taskbuilder.task import Task, load_task
+from taskbuilder.task import Task
 from taskbuilder.validate.html.pictures import Picture, Pictures, take_pictures
 from taskbuilder.validate.report import TaskReport
 
@@ -56,8 +56,7 @@ def make_page(
     catalogue: Catalogue,
     *,
     apart: bool = True,
-    robots: OtherRobots = (),
-    grasp: str = "task",
+    options: Options | None = None,
 ) -> Page:
     """Gather what a page shows; pictures are taken here, unless no physics was asked for.
 
@@ -66,14 +65,14 @@ def make_page(
         report: Its validation.
         catalogue: Where it was looked up.
         apart: Load the task and take its pictures in another process; see `validate_task`.
-        robots: Other models for robots of the scene.
-        grasp: How grippers with fingers hold objects; see `load_task`.
+        options: Options of the environments that were validated.
     """
+    asked = (reference, report, catalogue, options or Options())
     if not apart:
-        return _made(reference, report, catalogue, robots, grasp)
+        return _made(*asked)
     try:
         with worker_processes([{}], limit_s=PICTURES_LIMIT_S) as spread:
-            (page,) = spread(_made_apart, [(reference, report, catalogue, robots, grasp)])
+            (page,) = spread(_made_apart, [asked])
     except LostError as error:
         lost = f"The process that takes them {error.fault.cause}."
         return Page(report, pictures=Pictures(trouble=lost))
@@ -84,17 +83,15 @@ def make_page(
     return found
 
 
-def _made_apart(asked: tuple[str, TaskReport, Catalogue, OtherRobots, str]) -> Page:
+def _made_apart(asked: tuple[str, TaskReport, Catalogue, Options]) -> Page:
     """A page, without the description, which only the process that imported it knows."""
     page = _made(*asked)
     return replace(page, task=page.task and replace(page.task, declared=Description))
 
 
-def _made(
-    reference: str, report: TaskReport, catalogue: Catalogue, robots: OtherRobots, grasp: str
-) -> Page:
+def _made(reference: str, report: TaskReport, catalogue: Catalogue, options: Options) -> Page:
     try:
-        task = load_task(reference, catalogue=catalogue, robots=dict(robots), grasp=grasp)
+        task = options.load(reference, catalogue=catalogue)
     except FileError:
         return Page(report)  # its findings say why
     if len(report.families) < 2:

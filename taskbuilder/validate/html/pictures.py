@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, repeat
 
-from taskbuilder.env.parallel import TaskEnv, parallel_env
+from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.rollout.play import replay
 from taskbuilder.rollout.record import Rollout
@@ -180,7 +180,7 @@ def _moments(
     task: Task, demo: Rollout, wanted: Mapping[int, tuple[int, ...]]
 ) -> tuple[Moment, ...]:
     """Play an episode again, and take a picture of it after some of its control steps."""
-    env = parallel_env(task, variation=demo.variation, horizon=max(demo.horizon, 1))
+    env = TaskEnv(task, replace(demo.options, horizon=max(demo.horizon, 1)))
     taken: list[Moment] = []
 
     def watch(env: TaskEnv) -> None:
