@@ -247,7 +247,8 @@ def test_the_environment_is_validated_with_the_options_that_are_given(run, good)
     assert (ran.status, ran.err) == (0, "")
     headline = ran.out.splitlines()[0]
     assert "20 steps at 20 Hz" in headline
-    assert "reward local" in headline and "frame base" in headline
+    assert "reward local" in headline
+    assert "frame base" in headline
     (task,) = run(*STATIC, "good.yaml", *options).data["tasks"]
     assert set(options) <= set(task["making"]["command"].split())
 
