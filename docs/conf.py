@@ -1,7 +1,9 @@
 """Sphinx configuration: `sphinx-build -W -b html docs docs/_build/html`."""
 
+import os
 import sys
 from pathlib import Path
+from urllib.parse import urlparse
 
 from taskbuilder import __version__
 
@@ -11,7 +13,13 @@ project = "taskbuilder"
 author = "The taskbuilder contributors"
 release = __version__
 
-extensions = ["myst_parser"]
+extensions = [
+    "myst_parser",
+    "sphinx_design",
+    "sphinx_copybutton",
+    "sphinxext.opengraph",
+    "notfound.extension",
+]
 exclude_patterns = ["_build", "generators"]
 
 myst_enable_extensions = ["colon_fence", "deflist"]
@@ -21,9 +29,17 @@ html_theme = "furo"
 html_title = f"taskbuilder {release}"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
+html_js_files = [("gallery.js", {"defer": "defer"})]
 html_copy_source = False
+html_baseurl = os.environ.get("READTHEDOCS_CANONICAL_URL") or os.environ.get("SITE_URL", "")
 html_show_copyright = False
 html_show_sphinx = False
+
+copybutton_exclude = ".linenos, .gp, .go"  # prompts and output are not copied
+ogp_site_url = html_baseurl
+ogp_use_first_image = True
+ogp_enable_meta_description = True
+notfound_urls_prefix = f"{urlparse(html_baseurl).path.rstrip('/')}/"
 
 
 def setup(app):

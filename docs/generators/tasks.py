@@ -15,8 +15,10 @@ from taskbuilder import load_suite
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
 from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.expert import each_order
 from taskbuilder.schema.load import fill
 from taskbuilder.schema.objects import ObjectSpec
+from taskbuilder.schema.order import Order
 from taskbuilder.schema.placing import Place
 from taskbuilder.schema.shapes import PartSpec, Shape
 from taskbuilder.schema.sites import Marker, SiteSpec
@@ -39,6 +41,10 @@ PUBLISHED: Mapping[str, tuple[str, Mapping[str, str]]] = {
         {"grasp": "c_g", "reach": "−‖bᵢ − o‖", "carry": "−‖g − o‖", "handover": "c_h"},
     ),
 }
+
+
+_EVERYWHERE = {"reach", "retreat", "home", "posture", "release"}
+"""Verbs that say little of a task."""
 
 
 @cache
@@ -65,13 +71,24 @@ def gallery(words: str) -> str:
     suite, _, folder = words.partition(" ")
     images = "images" if folder else "../images"
     shown, seed = (load_suite(name, catalogue=Catalogue()).tasks for name in (suite, "seed"))
-    cards = []
+    cards, tags = [], []
     for name in shown:
         if suite == "seed" or name not in seed:
+            tags.append(_tags(library()[name]))
             summary = library()[name].file.spec.summary
             link = f"[{title(name)}]({folder}{name}.md)"
             cards.append(f"![{summary}]({images}/{name}.gif)\n\n{link}: {summary}")
-    return side_by_side(cards)
+    return side_by_side(cards, tags)
+
+
+def _tags(task: Task) -> dict[str, str]:
+    """What a gallery filters a task by: the models of its robots, and what its expert does."""
+    spec = task.file.spec
+    verbs = {order.verb for _, _, order in each_order(spec.expert) if isinstance(order, Order)}
+    return {
+        "robots": " ".join(dict.fromkeys(robot.model for robot in spec.scene.robots.values())),
+        "skills": " ".join(sorted(verbs - _EVERYWHERE)),
+    }
 
 
 def missing_pages() -> Iterator[tuple[Path, str]]:

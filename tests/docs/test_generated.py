@@ -19,6 +19,9 @@ PAGES = {
     page.relative_to(DOCS.parent).as_posix(): page.read_text(encoding="utf-8") for page in pages()
 }
 
+FRONT_PAGE = "docs/index.md"
+"""Of the site; in the repository, the README is in its place."""
+
 
 @pytest.mark.parametrize("name", PAGES)
 def test_what_a_page_shows_is_so(name, monkeypatch):
@@ -37,7 +40,7 @@ def test_every_generator_is_asked():
     assert {*asked} == {*GENERATORS}
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", sorted({*PAGES} - {FRONT_PAGE}))
 def test_a_page_needs_no_build(name):
     directives = set(re.findall(r"^[`:]{3,}\{(\w+)", PAGES[name], re.MULTILINE))
     assert directives <= {"toctree"}
