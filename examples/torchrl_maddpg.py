@@ -32,7 +32,7 @@ class Course:
 
 def make() -> EnvBase:
     """An environment whose arms are one group: they see and say equally many numbers."""
-    env = taskbuilder.parallel_env("handover", frame="base")
+    env = taskbuilder.NumericInfos(taskbuilder.parallel_env("handover", frame="base"))
     return PettingZooWrapper(env, group_map={"arms": list(env.possible_agents)})
 
 

@@ -8,7 +8,7 @@ import taskbuilder
 
 def make() -> PettingZooWrapper:
     """An environment with a group for each arm: what they see may differ in size."""
-    env = taskbuilder.parallel_env("handover")
+    env = taskbuilder.NumericInfos(taskbuilder.parallel_env("handover"))
     groups = MarlGroupMapType.ONE_GROUP_PER_AGENT
     return PettingZooWrapper(env, group_map=groups, return_state=True)
 

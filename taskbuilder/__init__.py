@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
     from taskbuilder.data.environment import make_from
     from taskbuilder.env.joint import JointEnv
+    from taskbuilder.env.numeric_infos import NumericInfos
     from taskbuilder.env.parallel import TaskEnv, parallel_env
     from taskbuilder.env.vector import TaskVectorEnv, make_vec
     from taskbuilder.errors import FileError, TaskbuilderError, UnknownNameError, UsageError
@@ -48,6 +49,7 @@ __all__ = [
     "Expert",
     "FileError",
     "JointEnv",
+    "NumericInfos",
     "Policy",
     "RecordedEpisode",
     "Rollout",
@@ -96,6 +98,7 @@ _HOMES = {
     "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
+    "NumericInfos": "taskbuilder.env.numeric_infos",
     "Policy": "taskbuilder.rollout.play",
     "RecordedEpisode": "taskbuilder.data.dataset",
     "Rollout": "taskbuilder.rollout.record",

@@ -13,7 +13,7 @@ from generators.expressions import expression
 from generators.stages import numbered
 from taskbuilder import load_suite
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
-from taskbuilder.reference.markdown import code, fence, number, side_by_side, table
+from taskbuilder.reference.markdown import code, fence, in_gallery, number, table
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.expert import each_order
 from taskbuilder.schema.load import fill
@@ -71,14 +71,14 @@ def gallery(words: str) -> str:
     suite, _, folder = words.partition(" ")
     images = "images" if folder else "../images"
     shown, seed = (load_suite(name, catalogue=Catalogue()).tasks for name in (suite, "seed"))
-    cards, tags = [], []
+    cards = []
     for name in shown:
         if suite == "seed" or name not in seed:
-            tags.append(_tags(library()[name]))
             summary = library()[name].file.spec.summary
             link = f"[{title(name)}]({folder}{name}.md)"
-            cards.append(f"![{summary}]({images}/{name}.gif)\n\n{link}: {summary}")
-    return side_by_side(cards, tags)
+            card = f"![{summary}]({images}/{name}.gif)\n\n{link}: {summary}"
+            cards.append((card, _tags(library()[name])))
+    return in_gallery(cards)
 
 
 def _tags(task: Task) -> dict[str, str]:

@@ -169,6 +169,11 @@ def _no_preset(given: Mapping[str, Any]) -> str:
     return ""
 
 
+def collects(algorithm: Algorithm) -> bool:
+    """Whether an algorithm says how it collects transitions."""
+    return algorithm.collection is not _no_collection
+
+
 @dataclass(frozen=True)
 class Algorithm:
     """An algorithm that `train` finds by name; see `taskbuilder.learn.algorithms`.
@@ -184,7 +189,8 @@ class Algorithm:
         presets: The presets by name.
         default_preset: The preset of a run that names none, from the fields of its plan that are
             given; "" for none.
-        cannot: Fields of a plan that the algorithm does not support, with the reason.
+        cannot: Fields of a plan that the algorithm does not support, with the reason, which
+            follows the algorithm's name in a message: "learns from no demonstrations".
         settings_of: The settings that match the networks of a trained policy to start from.
         from_data: Whether it learns from a data set, in place of episodes of its own.
     """
@@ -198,3 +204,8 @@ class Algorithm:
     cannot: Mapping[str, str] = field(default_factory=dict)
     settings_of: Callable[[TrainedPolicy], Mapping[str, Any]] = lambda policy: {}  # noqa: ARG005  # the default ignores them
     from_data: bool = False
+
+    @property
+    def refused(self) -> Mapping[str, str]:
+        """Fields of a plan that the algorithm or its collection refuses, with the reason."""
+        return {**getattr(self.collection, "cannot", {}), **self.cannot}

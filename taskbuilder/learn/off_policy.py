@@ -32,6 +32,9 @@ class OffPolicy:
 
     at_rest = True
 
+    needs = ("capacity", "warm_up", "update_every", "n_step")
+    """What it needs of the settings of learners."""
+
     def __init__(
         self,
         learner: OffPolicyLearner,

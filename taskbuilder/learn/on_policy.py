@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,6 +25,12 @@ class OnPolicy:
     """
 
     memories: Mapping[str, Replay] = {}
+
+    needs = ("rollout_steps",)
+    """What it needs of the settings of learners."""
+
+    cannot: ClassVar = {"demos": "learns from no demonstrations; maddpg does"}
+    """Fields of a plan that its learners do not support."""
 
     def __init__(
         self,

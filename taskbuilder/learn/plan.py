@@ -229,7 +229,7 @@ def make_plan(
         chosen["cameras"] = tuple(chosen.get("cameras", ()))
     plan = plan_of({"task": task, **preset.plan, **trained, **chosen})
     plan.check()
-    for name, why in algorithm.cannot.items():
+    for name, why in algorithm.refused.items():
         if plan.values[name] != defaults[name]:
             raise UsageError(f"{plan.algorithm} {why}")
     own = read_settings(algorithm.settings, settings)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import zip_longest
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -27,22 +26,19 @@ def number(value: float) -> str:
     return f"{value:g}".replace("-", "−")
 
 
-def side_by_side(cards: Iterable[str], tags: Iterable[Mapping[str, str]] = ()) -> str:
-    """Cards in a row where a page has room, below each other where it has no style.
+def side_by_side(cards: Iterable[str]) -> str:
+    """Cards in a row where a page has room, below each other where it has no style."""
+    return in_gallery((card, {}) for card in cards)
 
-    Args:
-        cards: The cards.
-        tags: What each can be filtered by: words by name, separated by spaces.
-    """
-    inner = "\n\n".join(
-        f"<div{_data(tag)}>\n\n{card}\n\n</div>"
-        for card, tag in zip_longest(cards, tags, fillvalue={})
-    )
+
+def in_gallery(cards: Iterable[tuple[str, Mapping[str, str]]]) -> str:
+    """Cards side by side, each with what it can be filtered by: words by name."""
+    inner = "\n\n".join(f"<div{_data(tags)}>\n\n{card}\n\n</div>" for card, tags in cards)
     return f'<div class="gallery">\n\n{inner}\n\n</div>'
 
 
-def _data(tag: Mapping[str, str]) -> str:
-    return "".join(f' data-{name}="{words}"' for name, words in tag.items())
+def _data(tags: Mapping[str, str]) -> str:
+    return "".join(f' data-{name}="{words}"' for name, words in tags.items())
 
 
 def first_sentences(doc: str | None) -> str:

@@ -24,6 +24,7 @@ from taskbuilder.errors import (
 )
 from taskbuilder.extensions import ACTION_MODES, DOORS
 from taskbuilder.learn.algorithms import find_algorithm
+from taskbuilder.learn.runs import train
 from taskbuilder.task import load_task
 from taskbuilder.validate.formats import document_writer
 from taskbuilder.validate.runner import validate_task
@@ -60,6 +61,31 @@ CODES = {"LAB101": Code("Wrong", "It is wrong.")}
 def run(task):
     RETURN
 FAMILY = CheckFamily(CODES, run)
+"""
+
+LEARNER = """\
+from dataclasses import dataclass
+import numpy as np
+from taskbuilder.learn.learner import Algorithm
+from taskbuilder.learn.on_policy import OnPolicy
+
+@dataclass(frozen=True)
+class Settings:
+    rollout_steps: int = 2
+    discount: float = 0.9
+
+class Learner:
+    def __init__(self, shapes, settings, *, shared_reward, seed, device):
+        self.shapes, self.settings = shapes, settings
+    def act(self, observations, rng, progress_fraction):
+        sizes = self.shapes.actions.items()
+        return {a: np.zeros((len(observations[a]), size), np.float32) + 0.0 for a, size in sizes}
+    def update(self, rollout, lost, rng, progress_fraction):
+        return {}
+    def arrays(self):
+        return {}
+
+ALGORITHM = Algorithm("odd", Settings, Learner, collection=OnPolicy)
 """
 
 
@@ -237,6 +263,36 @@ def test_something_that_is_no_algorithm_is_named(install):
         find_algorithm("odd")
     with pytest.raises(UsageError, match=r'no algorithm "od"; did you mean "odd"\?'):
         find_algorithm("od")
+
+
+@pytest.mark.parametrize(
+    ("broken", "wrong"),
+    [
+        (("collection=OnPolicy", "presets={}"), "has no `collection`"),
+        (("rollout_steps", "steps"), "has settings without rollout_steps"),
+        (("shared_reward, ", ""), "failed: TypeError: .*shared_reward"),
+        (("def act", "def play"), "makes a learner without `act`"),
+        (("+ 0.0", '+ {}["oops"]'), "failed: KeyError: 'oops'"),
+        (("size)", "size + 1)"), r"actions of arm from `act` of shape \(1, 6\), not \(1, 5\)"),
+        (("+ 0.0", "+ np.nan"), "actions of arm from `act` that are not finite"),
+        (("return {}", "return {}[0]"), "failed: KeyError: 0"),
+    ],
+)
+def test_a_broken_learner_is_named(broken, wrong, install, tmp_path):
+    pytest.importorskip("torch")
+    assert broken[0] in LEARNER
+    code = LEARNER.replace(*broken)
+    install("lab_parts", {"taskbuilder.algorithms": {"odd": "ALGORITHM"}}, code)
+    with pytest.raises(ExtensionError, match=wrong) as caught:
+        train("reach", algorithm="odd", steps=4, envs=1, film_every=0, out=tmp_path / "run")
+    assert 'the algorithm "odd" of lab_parts 1.0' in str(caught.value)
+
+
+def test_a_learner_of_its_own_episodes_takes_no_demonstrations(install, tmp_path):
+    pytest.importorskip("torch")
+    install("lab_parts", {"taskbuilder.algorithms": {"odd": "ALGORITHM"}}, LEARNER)
+    with pytest.raises(UsageError, match="odd learns from no demonstrations"):
+        train("reach", algorithm="odd", demos=2, steps=4, out=tmp_path / "run")
 
 
 def test_a_report_format_that_returns_no_text_is_named(install, own_task, capfd):

@@ -7,6 +7,7 @@ from torchrl.envs import MarlGroupMapType, PettingZooWrapper
 from torchrl.envs.utils import check_env_specs
 
 import taskbuilder
+from taskbuilder import NumericInfos
 
 TASKS = ("collaborative_lift", "handover", "pick_push_place")
 
@@ -14,13 +15,14 @@ TASKS = ("collaborative_lift", "handover", "pick_push_place")
 @pytest.mark.parametrize("groups", list(MarlGroupMapType))
 @pytest.mark.parametrize("task", TASKS)
 def test_an_environment_passes_its_check(task, groups):
-    env = PettingZooWrapper(taskbuilder.parallel_env(task), group_map=groups, return_state=True)
+    numeric = NumericInfos(taskbuilder.parallel_env(task))
+    env = PettingZooWrapper(numeric, group_map=groups, return_state=True)
     check_env_specs(env)
     env.close()
 
 
 def test_an_environment_of_dictionaries_passes_its_check():
-    env = taskbuilder.parallel_env("handover", flat=False)
+    env = NumericInfos(taskbuilder.parallel_env("handover", flat=False))
     wrapped = PettingZooWrapper(env, group_map=MarlGroupMapType.ONE_GROUP_PER_AGENT)
     check_env_specs(wrapped)
     wrapped.close()

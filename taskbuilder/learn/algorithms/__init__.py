@@ -6,7 +6,6 @@ training needs torch, and the command's help needs none of them.
 
 from __future__ import annotations
 
-from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,8 +32,9 @@ def find_algorithm(name: str) -> Algorithm:
     """
     part = _part(name)
     if part is not None:
-        foreign: Algorithm = part.load(_no_algorithm)
-        return foreign
+        from taskbuilder.learn.foreign_learner import named_in_errors, problem_of_algorithm
+
+        return named_in_errors(part, part.load(problem_of_algorithm))
     algorithm: Algorithm = import_module(f"{__name__}.{name}").ALGORITHM
     return algorithm
 
@@ -54,13 +54,3 @@ def _part(name: str) -> ForeignPart | None:
         return DOOR.part(name, ALGORITHMS)
     except UnknownNameError as error:
         raise UsageError(str(error)) from None
-
-
-def _no_algorithm(part: object) -> str | None:
-    from taskbuilder.learn.learner import Algorithm
-
-    if not isinstance(part, Algorithm):
-        return "is no object of taskbuilder.learn.learner.Algorithm"
-    if not is_dataclass(part.settings):
-        return "has settings that are no dataclass"
-    return None

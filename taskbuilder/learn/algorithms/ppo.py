@@ -384,6 +384,5 @@ ALGORITHM = Algorithm(
         ),
     },
     default_preset=lambda given: "finetune" if given.get("init") else "mappo",
-    cannot={"demos": "learns from no demonstrations; maddpg does"},
     settings_of=_settings_of,
 )
