@@ -17,5 +17,5 @@ for library in "$@"; do
   [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
   # The imports of robomimic 0.3.0 need six, which it does not ask for.
   "$venv/bin/pip" install --quiet ".[data,render]" pytest six "$library" -c "$here/constraints.txt"
-  "$venv/bin/python" -m pytest -q -c /dev/null --rootdir "$here" -p no:cacheprovider "$here"
+  "$venv/bin/python" -m pytest -q -c /dev/null --rootdir "$here" --confcutdir tests/data_interop -p no:cacheprovider "$here"
 done
