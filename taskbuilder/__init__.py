@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from taskbuilder.validate.environments import check_env
     from taskbuilder.validate.report import TaskReport
     from taskbuilder.validate.runner import validate_task
+    from taskbuilder.view.notebook import EpisodeView, show
     from taskbuilder.visual.rendering import render
     from taskbuilder.world.building import build_world
     from taskbuilder.world.world import World
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Catalogue",
     "Dataset",
+    "EpisodeView",
     "EvaluationSummary",
     "Expert",
     "FileError",
@@ -85,6 +87,7 @@ __all__ = [
     "play",
     "render",
     "replay",
+    "show",
     "train",
     "validate",
     "validate_task",
@@ -94,6 +97,7 @@ __all__ = [
 _HOMES = {
     "Catalogue": "taskbuilder.schema.catalogue",
     "Dataset": "taskbuilder.data.dataset",
+    "EpisodeView": "taskbuilder.view.notebook",
     "EvaluationSummary": "taskbuilder.evaluation.summary",
     "Expert": "taskbuilder.expert.script.player",
     "FileError": "taskbuilder.errors",
@@ -131,6 +135,7 @@ _HOMES = {
     "play": "taskbuilder.rollout.play",
     "render": "taskbuilder.visual.rendering",
     "replay": "taskbuilder.rollout.play",
+    "show": "taskbuilder.view.notebook",
     "train": "taskbuilder.learn.runs",
     "validate": "taskbuilder.validate",
     "validate_task": "taskbuilder.validate.runner",

@@ -30,6 +30,19 @@ def export(world: World, recording: Recording, file: Path) -> None:
         UsageError: Viser is not installed.
         OSError: The file cannot be written.
     """
+    write_whole(file, as_html(world, recording).encode())
+
+
+def as_html(world: World, recording: Recording) -> str:
+    """An episode as a page of HTML.
+
+    Args:
+        world: The world of the episode's variation, in any state.
+        recording: The episode.
+
+    Raises:
+        UsageError: Viser is not installed.
+    """
     server = PageServer(0)
     try:
         scene = BrowserScene(server.viser, lambda _: None)
@@ -43,7 +56,8 @@ def export(world: World, recording: Recording, file: Path) -> None:
             label.text = _words(recording, step)
             serializer.insert_sleep(1.0 / recording.control_hz)
         serializer.insert_sleep(LAST_S)
-        write_whole(file, serializer.as_html().encode())
+        html: str = serializer.as_html()
+        return html
     finally:
         server.close()
 
