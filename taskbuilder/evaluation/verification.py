@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.digests import differences, digest_of
-from taskbuilder.evaluation.certificate import seals
+from taskbuilder.evaluation.certificate import seals, task_version
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.wording import excerpt
 
@@ -20,8 +20,9 @@ class Point:
     """One comparison of a verification.
 
     Attributes:
-        about: The subject: ``policy``, ``task``, ``library``, ``seeds``, ``certificate``,
-            ``versions``, ``processor``, ``system``, ``options``, ``episodes`` or ``results``.
+        about: The subject: ``policy``, ``task version``, ``task``, ``library``, ``seeds``,
+            ``certificate``, ``versions``, ``processor``, ``system``, ``options``, ``episodes`` or
+            ``results``.
         differs: The differences, in words; empty if there are none.
         decides: Whether a difference means that the certificate is not verified. Another machine
             may still give the same episodes bit for bit.
@@ -58,10 +59,16 @@ def compare_files(data: Mapping[str, Any], here: Mapping[str, Any]) -> tuple[Poi
     )
 
 
+def compare_version(data: Mapping[str, Any], here: int) -> Point:
+    """Compare the version of the task with that of today."""
+    there = task_version(data)
+    return Point("task version", () if there == here else (f"{there} there, and {here} here",))
+
+
 def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
     """Compare the seals, to find edits of the certificate; seeds are a point of their own."""
     now = seals(data)
-    edited = [name for name, seal in now.items() if data["seals"].get(name) != seal]
+    edited = [name for name in {**now, **data["seals"]} if data["seals"].get(name) != now.get(name)]
     seeds = ["are not those that the certificate was made with"] if "seeds" in edited else []
     drawn = [each.get("seed") for each in data["episodes"]["policy"]]
     first = data["seeds"][0]
@@ -69,7 +76,7 @@ def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
         seeds = ["are not those of its episodes"]
     elif not seeds and data["seeds"] != list(range(first, first + len(drawn))):
         seeds = ["do not follow each other, as those of an evaluation do"]
-    edits = (f"{name} edited" for name in edited if name != "seeds")
+    edits = (f"{excerpt(name)} edited" for name in edited if name != "seeds")
     return Point("seeds", tuple(seeds)), Point("certificate", tuple(edits))
 
 

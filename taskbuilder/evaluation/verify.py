@@ -19,6 +19,7 @@ from taskbuilder.evaluation.verification import (
     compare_files,
     compare_machines,
     compare_seals,
+    compare_version,
 )
 from taskbuilder.jobs import Map, workers
 from taskbuilder.policies.fitting import env_options
@@ -132,7 +133,7 @@ def verify_data(
         chosen = other_robots(robots) or _robots(data, catalogue)
         subject = _subject(player, data, catalogue, chosen, given=given)
         here["task"] = digests_of_task(subject.task)
-        files = compare_files(data, here)
+        files = (compare_version(data, subject.task.version), *compare_files(data, here))
         subject.check()
         trial = trial_of(subject, file, data["seeds"], data["controls_seeds"])
         arms = play_arms(subject, trial.seeds, trial.compared, spread, track)
