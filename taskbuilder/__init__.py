@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from taskbuilder.rollout.record import Rollout
     from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.schema.suites import Suite
+    from taskbuilder.sharing.pulling import Pulled, pull
+    from taskbuilder.sharing.pushing import Pushed, push
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate import validate
     from taskbuilder.validate.environments import check_env
@@ -49,6 +51,8 @@ __all__ = [
     "FileError",
     "JointEnv",
     "Policy",
+    "Pulled",
+    "Pushed",
     "RecordedEpisode",
     "Rollout",
     "Suite",
@@ -81,6 +85,8 @@ __all__ = [
     "parallel_env",
     "parse_policy",
     "play",
+    "pull",
+    "push",
     "render",
     "replay",
     "train",
@@ -97,6 +103,8 @@ _HOMES = {
     "FileError": "taskbuilder.errors",
     "JointEnv": "taskbuilder.env.joint",
     "Policy": "taskbuilder.rollout.play",
+    "Pulled": "taskbuilder.sharing.pulling",
+    "Pushed": "taskbuilder.sharing.pushing",
     "RecordedEpisode": "taskbuilder.data.dataset",
     "Rollout": "taskbuilder.rollout.record",
     "Suite": "taskbuilder.schema.suites",
@@ -126,6 +134,8 @@ _HOMES = {
     "parallel_env": "taskbuilder.env.parallel",
     "parse_policy": "taskbuilder.policies.grammar",
     "play": "taskbuilder.rollout.play",
+    "pull": "taskbuilder.sharing.pulling",
+    "push": "taskbuilder.sharing.pushing",
     "render": "taskbuilder.visual.rendering",
     "replay": "taskbuilder.rollout.play",
     "train": "taskbuilder.learn.runs",

@@ -42,13 +42,19 @@ def _bases(file: TaskFile) -> list[tuple[Path, str]]:
     return bases if data is None else [*bases, (data, f"{data.name}/")]
 
 
-def files_to_carry(task: Task) -> frozenset[Path]:
-    """The files of a task that come with no package; none if the task itself is in a package."""
-    if task.file.entry.trusted:
+def files_to_carry(task: Task, *, packaged: bool = False) -> frozenset[Path]:
+    """The files of a task that come with no package; none if the task itself is in a package.
+
+    Args:
+        task: The task.
+        packaged: Whether the files of a task in a package count, too, apart from those of robots
+            and objects of the catalogue.
+    """
+    if task.file.entry.trusted and not packaged:
         return frozenset()
     data = pybullet_data_folder()
-    packaged = [folder for _, folder, trusted in folders_of_models(task) if trusted]
-    folders = [*packaged, *([data] if data is not None else [])]
+    models = [folder for _, folder, trusted in folders_of_models(task) if trusted]
+    folders = [*models, *([data] if data is not None else [])]
     files = {file.resolve() for file in _files(task)}
     return frozenset(f for f in files if not any(f.is_relative_to(folder) for folder in folders))
 

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.arrays import StoreError
+from taskbuilder.carried import Trust
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
-from taskbuilder.data.environment import Trust, make_from
+from taskbuilder.data.environment import make_from
 from taskbuilder.data.machines import (
     PICTURE_PACKAGES,
     machine_changes,
