@@ -86,7 +86,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "evaluation": (
         *("policies", "visual", "expert", "rollout", "env", "sources", "jobs", "processes"),
-        *("machine", "digests", "files", "untrusted", *SIMULATED),
+        *("machine", "digests", "files", "untrusted", "reference", *SIMULATED),
     ),
     "data": (
         *("policies", "rollout", "env", "carried", "sources", "jobs", "processes", "machine"),

@@ -39,7 +39,7 @@ from taskbuilder.cli.shared_options import (
     add_task,
     add_tasks,
 )
-from taskbuilder.cli.sharing_arguments import add_pull, add_push
+from taskbuilder.cli.sharing_arguments import add_leaderboard, add_pull, add_push
 from taskbuilder.extensions import REPORT_FORMATS
 from taskbuilder.validate.formats import NAMES as REPORT_NAMES
 from taskbuilder.wording import suggestion
@@ -59,6 +59,7 @@ _COMMANDS = (
     "train",
     "evaluate",
     "benchmark",
+    "leaderboard",
     "push",
     "pull",
     "plot",
@@ -367,6 +368,7 @@ _ADDERS = {
     "train": add_train,
     "evaluate": add_evaluate,
     "benchmark": add_benchmark,
+    "leaderboard": add_leaderboard,
     "push": add_push,
     "pull": add_pull,
     "plot": add_plot,

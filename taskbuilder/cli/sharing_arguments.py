@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from taskbuilder.cli.learning_arguments import CommandAdder
-from taskbuilder.cli.shared_options import add_json
+from taskbuilder.cli.shared_options import add_count, add_jobs, add_json, add_ray
 
 
 def add_push(adder: CommandAdder) -> None:
@@ -62,4 +62,41 @@ def add_pull(adder: CommandAdder) -> None:
         metavar="SHA256",
         help="accept a task, or the one of this SHA-256; a task is a program, so read it first",
     )
+    add_json(parser)
+
+
+def add_leaderboard(adder: CommandAdder) -> None:
+    """`taskbuilder leaderboard`."""
+    parser = adder.command(
+        "make a leaderboard of a folder of certificates, and play a sample of each again",
+        "certificates --replay 10 --out board",
+    )
+    parser.add_argument(
+        "folder", type=Path, metavar="FOLDER", help="folder of the certificates and policies"
+    )
+    add_count(
+        parser,
+        "--replay",
+        (0, 100_000),
+        "episodes of each certificate to play again, chosen at random",
+        default=5,
+    )
+    parser.add_argument(
+        "--also",
+        action="append",
+        type=Path,
+        default=[],
+        metavar="FILE",
+        help="leaderboard.json of another machine, whose verifications are believed (may be "
+        "repeated)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("leaderboard"),
+        metavar="DIR",
+        help="folder to write to (default leaderboard); verifications that are there are kept",
+    )
+    add_jobs(parser)
+    add_ray(parser, "the episodes")
     add_json(parser)

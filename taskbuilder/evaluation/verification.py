@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.digests import differences, digest_of
+from taskbuilder.evaluation.arms import SUBJECT
 from taskbuilder.evaluation.certificate import seals, task_version
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.wording import excerpt
@@ -144,6 +145,27 @@ def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple
     ]
     if not results and not _same(data["results"], again["results"]):
         results = ["are named otherwise"]  # "a.b" may be one name, or two
+    return Point("episodes", tuple(differing)), Point("results", tuple(results))
+
+
+def compare_sample(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple[Point, ...]:
+    """Compare some episodes of the policy bit for bit, and its rates with its own episodes.
+
+    Args:
+        data: The certificate.
+        again: A certificate of the same trial, with the episodes that were played again alone.
+    """
+    subject = str(SUBJECT)
+    listed = data["episodes"][subject]
+    played = {subject: again["episodes"][subject]}
+    seeds = {each["seed"] for each in played[subject]}
+    differing = _episodes({subject: [e for e in listed if e.get("seed") in seeds]}, played)
+    rates = {"success_rate": "success", "success_at_end_rate": "success_at_end"}
+    results = [
+        f"{rate} is not that of its episodes"
+        for rate, name in rates.items()
+        if data["results"].get(rate) != sum(bool(e.get(name)) for e in listed) / len(listed)
+    ]
     return Point("episodes", tuple(differing)), Point("results", tuple(results))
 
 
