@@ -19,6 +19,7 @@ LIBRARY = (
     "tasks/*.yaml",
     "tasks/index.json",
     "tasks/proofs.json",
+    "tasks/versions.json",
     "tasks/objects/*.urdf",
     "tasks/objects/*.obj",
     "robots/*/robot.yaml",

@@ -12,7 +12,7 @@ gymnasium.register_envs(taskbuilder.gym)
 def main(steps: int = 100_000) -> PPO:
     """Learn for some control steps."""
     torch.set_num_threads(1)  # small networks: more threads are slower
-    env = gymnasium.make("taskbuilder/Handover-v0")
+    env = gymnasium.make("taskbuilder/Handover-v1")
     model = PPO("MlpPolicy", env, n_steps=500, batch_size=100, seed=0, device="cpu")
     model.learn(steps)
     env.close()

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from taskbuilder.rollout.record import Rollout
     from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.schema.suites import Suite
+    from taskbuilder.sharing.pulling import Pulled, pull
+    from taskbuilder.sharing.pushing import Pushed, push
     from taskbuilder.task import Task, load_task
     from taskbuilder.validate import validate
     from taskbuilder.validate.environments import check_env
@@ -53,6 +55,8 @@ __all__ = [
     "JointEnv",
     "NumericInfos",
     "Policy",
+    "Pulled",
+    "Pushed",
     "RecordedEpisode",
     "Rollout",
     "Suite",
@@ -85,6 +89,8 @@ __all__ = [
     "parallel_env",
     "parse_policy",
     "play",
+    "pull",
+    "push",
     "render",
     "replay",
     "show",
@@ -104,6 +110,8 @@ _HOMES = {
     "JointEnv": "taskbuilder.env.joint",
     "NumericInfos": "taskbuilder.env.numeric_infos",
     "Policy": "taskbuilder.rollout.play",
+    "Pulled": "taskbuilder.sharing.pulling",
+    "Pushed": "taskbuilder.sharing.pushing",
     "RecordedEpisode": "taskbuilder.data.dataset",
     "Rollout": "taskbuilder.rollout.record",
     "Suite": "taskbuilder.schema.suites",
@@ -133,6 +141,8 @@ _HOMES = {
     "parallel_env": "taskbuilder.env.parallel",
     "parse_policy": "taskbuilder.policies.grammar",
     "play": "taskbuilder.rollout.play",
+    "pull": "taskbuilder.sharing.pulling",
+    "push": "taskbuilder.sharing.pushing",
     "render": "taskbuilder.visual.rendering",
     "replay": "taskbuilder.rollout.play",
     "show": "taskbuilder.view.notebook",

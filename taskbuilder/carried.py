@@ -54,6 +54,27 @@ class CarriedTask:
         return digest_of_task(self.file, self.folders, digests_of(self.files))
 
 
+Trust = bool | str
+"""Whether to run tasks of somebody else: none, all, or the one of this SHA-256."""
+
+
+class UntrustedTaskError(UsageError):
+    """A task is somebody else's, and nobody has said to trust it.
+
+    Attributes:
+        carried: The task.
+    """
+
+    def __init__(self, message: str, carried: CarriedTask) -> None:
+        super().__init__(message)
+        self.carried = carried
+
+
+def is_trusted(carried: CarriedTask, trust: Trust) -> bool:
+    """Whether somebody has said to trust a task."""
+    return trust is True or bool(trust and trust == carried.digest)
+
+
 def digests_of(files: Mapping[str, bytes]) -> dict[str, str]:
     """SHA-256 of each file by name."""
     return {name: digest(content) for name, content in files.items()}
@@ -70,13 +91,17 @@ def digest_of_task(file: str, folders: Sequence[str], digests: Mapping[str, str]
     return digest_of({"file": file, "folders": list(folders), "files": dict(digests)})
 
 
-def carry(task: Task) -> CarriedTask | None:
+def carry(task: Task, *, packaged: bool = False) -> CarriedTask | None:
     """The files of a task to carry; None if the task belongs to a package.
+
+    Args:
+        task: The task.
+        packaged: Whether a task that belongs to a package is carried, too.
 
     Raises:
         UsageError: Its files are too large.
     """
-    paths = sorted(files_to_carry(task))
+    paths = sorted(files_to_carry(task, packaged=packaged))
     if not paths:
         return None
     if sum(path.stat().st_size for path in paths) > LARGEST:

@@ -1,4 +1,4 @@
-"""Names for `gymnasium.make`: ``taskbuilder/Handover-v0`` and its like.
+"""Names for `gymnasium.make`: ``taskbuilder/Handover-v1`` and its like.
 
 Importing this module registers every task of the library, and ``taskbuilder/Task-v0`` for any task
 by name or path::
@@ -7,23 +7,28 @@ by name or path::
     import taskbuilder.gym
 
     gymnasium.register_envs(taskbuilder.gym)  # does nothing but say what the import is for
-    env = gymnasium.make("taskbuilder/Handover-v0")
+    env = gymnasium.make("taskbuilder/Handover-v1")
 
-``gymnasium.make("taskbuilder.gym:taskbuilder/Handover-v0")`` imports it by itself.
+``gymnasium.make("taskbuilder.gym:taskbuilder/Handover-v1")`` imports it by itself. The number is
+the version of the task. Names that end with ``-v0`` are from before tasks had versions: they make
+the task as it is today, and Gymnasium warns that there is a newer name. `gymnasium.make_vec` makes
+a `taskbuilder.env.joint_vector.JointVectorEnv`.
 ``taskbuilder/LeRobot-v0`` is a task as LeRobot's policies see it.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import gymnasium
 
 from taskbuilder._library import folder
-
-_ENTRY = "taskbuilder.env.joint:JointEnv"
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.summaries import summarize
 
 
 def _register() -> None:
-    gymnasium.register("taskbuilder/Task-v0", entry_point=_ENTRY)
+    _register_task("Task", 0)
     # Without wrappers, which would hide the instruction that LeRobot reads.
     gymnasium.register(
         "taskbuilder/LeRobot-v0",
@@ -31,9 +36,21 @@ def _register() -> None:
         order_enforce=False,
         disable_env_checker=True,
     )
-    for file in sorted(folder("tasks").glob("[a-z]*.yaml")):
-        name = "".join(part.capitalize() for part in file.stem.split("_"))
-        gymnasium.register(f"taskbuilder/{name}-v0", entry_point=_ENTRY, kwargs={"task": file.stem})
+    library, catalogue = folder("tasks"), Catalogue()
+    for name, entry in catalogue.tasks.items():
+        if entry.root == library:
+            title = "".join(part.capitalize() for part in name.split("_"))
+            for version in (0, summarize(entry, catalogue).version):
+                _register_task(title, version, task=name)
+
+
+def _register_task(title: str, version: int, **options: Any) -> None:
+    gymnasium.register(
+        f"taskbuilder/{title}-v{version}",
+        entry_point="taskbuilder.env.joint:JointEnv",
+        vector_entry_point="taskbuilder.env.joint_vector:JointVectorEnv",
+        kwargs=options,
+    )
 
 
 _register()

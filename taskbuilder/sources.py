@@ -9,6 +9,7 @@ from taskbuilder.assets.mesh import Mesh
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import pybullet_data_folder
 from taskbuilder.digests import Digests, digests, digests_of_folder
+from taskbuilder.schema.load import TaskFile
 from taskbuilder.task import Task
 
 LIBRARY = Path(__file__).resolve().parent
@@ -25,29 +26,47 @@ def digests_of_library() -> Digests:
 
 def digests_of_task(task: Task) -> Digests:
     """Digests of a task's files: its own, those beside it that it imports, robots and meshes."""
-    bases = [(task.file.entry.root, "")]
-    bases += [(folder, f"{name}/") for name, folder, _ in folders_of_models(task)]
+    return digests(_files(task), _bases(task.file))
+
+
+def digests_of_objects(file: TaskFile) -> Digests:
+    """Digests of the files that the objects of a task are made of."""
+    return digests(_files_of_objects(file), _bases(file))
+
+
+def _bases(file: TaskFile) -> list[tuple[Path, str]]:
+    """Folders that the names of a task's files are relative to, with what they then begin with."""
+    bases = [(file.entry.root, "")]
+    bases += [(folder, f"{name}/") for name, folder, _ in _folders_of_models(file)]
     data = pybullet_data_folder()
-    if data is not None:
-        bases.append((data, f"{data.name}/"))
-    return digests(_files(task), bases)
+    return bases if data is None else [*bases, (data, f"{data.name}/")]
 
 
-def files_to_carry(task: Task) -> frozenset[Path]:
-    """The files of a task that come with no package; none if the task itself is in a package."""
-    if task.file.entry.trusted:
+def files_to_carry(task: Task, *, packaged: bool = False) -> frozenset[Path]:
+    """The files of a task that come with no package; none if the task itself is in a package.
+
+    Args:
+        task: The task.
+        packaged: Whether the files of a task in a package count, too, apart from those of robots
+            and objects of the catalogue.
+    """
+    if task.file.entry.trusted and not packaged:
         return frozenset()
     data = pybullet_data_folder()
-    packaged = [folder for _, folder, trusted in folders_of_models(task) if trusted]
-    folders = [*packaged, *([data] if data is not None else [])]
+    models = [folder for _, folder, trusted in folders_of_models(task) if trusted]
+    folders = [*models, *([data] if data is not None else [])]
     files = {file.resolve() for file in _files(task)}
     return frozenset(f for f in files if not any(f.is_relative_to(folder) for folder in folders))
 
 
 def folders_of_models(task: Task) -> list[tuple[str, Path, bool]]:
     """Name and folder of each robot and object of the catalogue, and whether it is packaged."""
-    robots = [(robot.name, robot.entry) for robot in task.file.robots.values()]
-    objects = [(thing.spec.object, thing.entry) for thing in task.file.models.values()]
+    return _folders_of_models(task.file)
+
+
+def _folders_of_models(file: TaskFile) -> list[tuple[str, Path, bool]]:
+    robots = [(robot.name, robot.entry) for robot in file.robots.values()]
+    objects = [(thing.spec.object, thing.entry) for thing in file.models.values()]
     return [(name, entry.root, entry.trusted) for name, entry in (*robots, *objects)]
 
 
@@ -61,9 +80,13 @@ def _files(task: Task) -> Iterator[Path]:
     for model in task.file.robots.values():
         yield model.entry.file
         yield from _files_of(model.urdf)
-    for thing in task.file.models.values():
+    yield from _files_of_objects(task.file)
+
+
+def _files_of_objects(file: TaskFile) -> Iterator[Path]:
+    for thing in file.models.values():
         yield thing.entry.file
-    for asset in (*task.file.assets.values(), *task.file.collisions.values()):
+    for asset in (*file.assets.values(), *file.collisions.values()):
         yield from _files_of(asset)
 
 

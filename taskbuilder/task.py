@@ -62,6 +62,11 @@ class Task:
         return self.file.entry.name
 
     @property
+    def version(self) -> int:
+        """The number of its version."""
+        return self.file.spec.version
+
+    @property
     def reference(self) -> str:
         """What it can be loaded by elsewhere: its name in an installed package, or its path."""
         entry = self.file.entry
@@ -71,6 +76,17 @@ class Task:
     def agents(self) -> tuple[str, ...]:
         """The names of the robots, in the order of the task file."""
         return tuple(self.file.spec.scene.robots)
+
+
+def other_version(record: Mapping[str, Any], task: Task) -> str:
+    """What is said of a file that was made with another version of a task; "" for the same.
+
+    Args:
+        record: What the file says; files from before there were versions are of version 1.
+        task: The task as it is here.
+    """
+    there = record.get("task_version", 1)
+    return "" if there == task.version else f"{there} there, and {task.version} here"
 
 
 def _counted(number: int, what: str) -> str:

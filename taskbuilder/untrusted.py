@@ -78,6 +78,20 @@ def digest_within(folder: Path, name: str, largest: int) -> str:
     return sha.hexdigest()
 
 
+def copy_within(folder: Path, name: str, largest: int, to: Path) -> str:
+    """Copy such a file to a new file; returns the SHA-256 of what was copied, in hexadecimal.
+
+    Raises:
+        OSError: As `read_within` does, or the new file is there or cannot be written.
+    """
+    sha = hashlib.sha256()
+    with _opened_within(folder, name, largest) as file, to.open("xb") as copied:
+        while part := file.read(1 << 20):
+            sha.update(part)
+            copied.write(part)
+    return sha.hexdigest()
+
+
 def place_within(folder: Path, name: str) -> Path:
     """The path of a file or folder in a folder that came from somebody else.
 

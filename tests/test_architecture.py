@@ -38,7 +38,7 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         "agent_tools",
-        *("view", "validate", "bench", "benchmark", "learn", "evaluation", "importing"),
+        *("view", "validate", "bench", "sharing", "benchmark", "learn", "evaluation", "importing"),
         *("trials", "visual", "expert"),
         *(
             "policies",
@@ -46,6 +46,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "env",
             "digests",
             "data",
+            "carried",
             "machine",
             "sources",
             "reference",
@@ -70,6 +71,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *("diagnostics", "jobs", "digests", "arrays", "files", "processes", *SIMULATED),
     ),
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
+    "sharing": (
+        *("evaluation", "data", "policies", "carried", "digests", "arrays", "files", "untrusted"),
+        *("task", "schema", "errors", "wording", "_lazy"),
+    ),
     "benchmark": (
         *("learn", "evaluation", "data", "policies", "visual", "expert", "env"),
         *("cluster", "jobs", "machine", "files", "untrusted", *SIMULATED),
@@ -81,7 +86,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "evaluation": (
         *("policies", "visual", "expert", "rollout", "env", "sources", "jobs", "processes"),
-        *("machine", "digests", "files", "untrusted", *SIMULATED),
+        *("machine", "digests", "files", "untrusted", "reference", *SIMULATED),
     ),
     "data": (
         *("policies", "rollout", "env", "carried", "sources", "jobs", "processes", "machine"),
@@ -95,7 +100,8 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "rollout": ("env", "arrays", *SIMULATED),
     "env": ("processes", *SIMULATED),
     "carried": ("sources", "task", "digests", "schema", "errors"),
-    "sources": ("task", "assets", "digests"),
+    "versions": ("sources", "schema", "digests"),
+    "sources": ("task", "schema", "assets", "digests"),
     "reference": ("diagnostics", "description", *FILES),
     "task": ("description", *FILES),
     "world": ("sim", "raster", "kinematics", "cameras", "shapes", *FILES),

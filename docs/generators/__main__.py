@@ -6,6 +6,7 @@ from generators import fill, pages, tasks
 from taskbuilder._library import folder
 from taskbuilder.schema.index import index_text
 from taskbuilder.schema.summaries import INDEX
+from taskbuilder.versions import VERSIONS, versions_text
 
 for page, text in tasks.missing_pages():
     page.write_text(text, encoding="utf-8")
@@ -17,3 +18,4 @@ for page in pages():
     page.write_text(text, encoding="utf-8")
 library = folder("tasks")
 (library / INDEX).write_text(index_text(library), encoding="utf-8")
+(library / VERSIONS).write_text(versions_text(library), encoding="utf-8")

@@ -203,7 +203,7 @@ def _protocol(several: Sequence[MethodResults]) -> Iterator[str]:
     yield f"  seeds from {track.first_seed} on, which belong to version {track.version} alone."
     yield f"- Methods may be tuned on these tasks alone: {', '.join(track.development)}."
     yield "- Tuning runs are declared by whoever ran the benchmark, and cannot be checked."
-    yield from (f"- Tasks: {', '.join(suite.tasks)}.", "")
+    yield from (f"- Tasks: {suite.labels}.", "")
     yield f"Every number is in `{TABLE}` and `{DATA}`; certificates are in `{CELLS}/`."
     yield ""
 

@@ -71,6 +71,7 @@ class SuiteTasks(Model):
     Attributes:
         name: Name of the suite.
         tasks: Names of its tasks.
+        versions: The version of each task; from before there were any, they are 1.
         train: Numbers of the variations to train in.
         test: Numbers of the variations to evaluate in.
     """
@@ -79,6 +80,17 @@ class SuiteTasks(Model):
     tasks: tuple[Label, ...] = Field(min_length=1)
     train: tuple[Number, ...] = Field(min_length=1)
     test: tuple[Number, ...] = Field(min_length=1)
+    versions: tuple[Number, ...] = ()
+
+    def version(self, task: str) -> int:
+        """The version of a task."""
+        return dict(zip(self.tasks, self.versions, strict=False)).get(task, 1)
+
+    @property
+    def labels(self) -> str:
+        """The tasks with their versions, such as ``handover, reach (version 2)``."""
+        numbers = ((task, self.version(task)) for task in self.tasks)
+        return ", ".join(f"{name} (version {n})" if n > 1 else name for name, n in numbers)
 
 
 class About(Model):
@@ -287,7 +299,7 @@ def _differences(there: About, here: About) -> list[str]:
     """In what two benchmarks differ, in words."""
     pairs: Mapping[str, tuple[Any, Any]] = {
         "suite": (there.suite.name, here.suite.name),
-        "tasks": (", ".join(there.suite.tasks), ", ".join(here.suite.tasks)),
+        "tasks": (there.suite.labels, here.suite.labels),
         "train variations": (there.suite.train, here.suite.train),
         "test variations": (there.suite.test, here.suite.test),
         "track": (there.track.label, here.track.label),

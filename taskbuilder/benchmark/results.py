@@ -312,6 +312,7 @@ def _rows(results: MethodResults) -> Iterator[Mapping[str, Any]]:
                 "comparable": about.track.is_official,
                 "tuning_runs": "" if about.tuning_runs is None else about.tuning_runs,
                 "task": cell.task,
+                "task_version": about.suite.version(cell.task),
                 "development": each.development,
                 "seed": cell.seed,
                 "status": cell.status,

@@ -22,6 +22,7 @@ from taskbuilder.learn.settings import read_settings
 from taskbuilder.policies.grammar import PolicyLike, parse_policy
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.suites import Suite, find_suite
+from taskbuilder.schema.summaries import summarize
 from taskbuilder.wording import suggestion
 
 SEEDS = (11, 12, 13)
@@ -106,6 +107,7 @@ def benchmark(
             tasks=found.tasks,
             train=found.train.variations,
             test=found.test.variations,
+            versions=tuple(summarize(catalogue.task(n), catalogue).version for n in found.tasks),
         ),
         track=chosen,
         method=method,

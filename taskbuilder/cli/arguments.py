@@ -39,6 +39,7 @@ from taskbuilder.cli.shared_options import (
     add_task,
     add_tasks,
 )
+from taskbuilder.cli.sharing_arguments import add_leaderboard, add_pull, add_push
 from taskbuilder.extensions import REPORT_FORMATS
 from taskbuilder.validate.formats import NAMES as REPORT_NAMES
 from taskbuilder.wording import suggestion
@@ -58,6 +59,9 @@ _COMMANDS = (
     "train",
     "evaluate",
     "benchmark",
+    "leaderboard",
+    "push",
+    "pull",
     "plot",
     "bench",
     "robots",
@@ -364,6 +368,9 @@ _ADDERS = {
     "train": add_train,
     "evaluate": add_evaluate,
     "benchmark": add_benchmark,
+    "leaderboard": add_leaderboard,
+    "push": add_push,
+    "pull": add_pull,
     "plot": add_plot,
     "bench": add_bench,
     "robots": add_robots,

@@ -28,6 +28,7 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.summaries import summarize
 from taskbuilder.visual.film import save_film
 from taskbuilder.wording import printable
 
@@ -43,6 +44,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _info(arguments: argparse.Namespace) -> int:
     told = summarize_dataset(load_dataset(arguments.folder))
+    catalogue = catalogue_of(arguments)
+    for name, task in told["tasks"].items():
+        entry = catalogue.tasks.get(name)
+        task["version_here"] = summarize(entry, catalogue).version if entry else None
     if arguments.json:
         print_json(told)
     else:
@@ -97,9 +102,17 @@ def _task_rows(task: Mapping[str, Any]) -> list[list[str]]:
         *(["variation", line] for line in variations),
         ["seeds", f"{seeds[0]} to {seeds[1]}"],
         ["steps", f"median {steps['median']:g}, at most {steps['most']}; {task['control_hz']} Hz"],
+        ["version", _version(task)],
         ["return", f"mean {task['return']:.2f}"],
         ["instructions", f"{len(task['instructions'])}, such as: {task['instructions'][0]}"],
     ]
+
+
+def _version(task: Mapping[str, Any]) -> str:
+    """The version of the task, and that of today where it is another one."""
+    here = task.get("version_here")
+    other = here is not None and here != task["version"]
+    return f"{task['version']}; the task here has version {here}" if other else f"{task['version']}"
 
 
 def _size(count: int) -> str:

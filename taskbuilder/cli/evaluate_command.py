@@ -33,6 +33,7 @@ from taskbuilder.evaluation.subject import DISTURBANCES, Subject, find_subject
 from taskbuilder.evaluation.summary import EvaluationSummary
 from taskbuilder.files import write_whole
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.task import other_version
 from taskbuilder.visual.capture import Frame
 from taskbuilder.visual.film import save_film
 from taskbuilder.visual.rendering import check_views
@@ -119,6 +120,8 @@ def _begun(found: Subject, arguments: argparse.Namespace) -> range:
     if not arguments.json:
         print(paint(f"{found.task.name} · {found.name}", "bold"))
         rows = [*(origin(found.about) if found.about else []), ["plays", _episodes(seeds)]]
+        if found.about and (other := other_version(found.about, found.task)):
+            rows.append(["version", f"{other}, so that it plays what it was not trained on"])
         if found.any_grasp:
             rows.append(["grasp", str(found.options["grasp"])])
         disturbed = [f"{n}: {found.options[n]}" for n in DISTURBANCES if found.options.get(n)]
@@ -170,6 +173,7 @@ def _episodes(seeds: range) -> str:
 def _as_data(found: Subject, arms: Arms) -> dict[str, Any]:
     return {
         "task": found.task.name,
+        "task_version": found.task.version,
         "policy": found.name,
         **as_data(arms, found.stages),
         "about": dict(found.about),

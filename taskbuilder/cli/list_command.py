@@ -42,6 +42,7 @@ def _describe(entry: CatalogueEntry, catalogue: Catalogue) -> dict[str, Any]:
     proof = proof_of(entry)
     return {
         "name": entry.name,
+        "version": summary.version,
         "path": display_path(entry.file),
         "robots": summary.robots,
         "objects": list(summary.objects),

@@ -22,6 +22,7 @@ from taskbuilder.learn.recordings import unlike_recorded
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.policies.runs import RUN_FILE
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.task import other_version
 
 if TYPE_CHECKING:  # loads PyTorch
     from taskbuilder.learn.checkpoint_evaluator import Evaluation
@@ -91,6 +92,9 @@ def _begin(arguments: argparse.Namespace, planned: RunSetup) -> None:
     if planned.dataset is not None:
         for difference in unlike_recorded(planned.dataset, planned.plan.options):
             say(f"on request: {difference}")
+        about = planned.dataset.about["tasks"][planned.task.name]
+        if other := other_version(about, planned.task):
+            say(f"the data set is of another version of the task: {other}")
     with runs.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
         runs.create(folder, planned, command=command, catalogue=catalogue, track=_track)

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from taskbuilder.arrays import StoreError
+from taskbuilder.carried import Trust
 from taskbuilder.data import layout
 from taskbuilder.data.dataset import Dataset, RecordedEpisode, load_dataset
-from taskbuilder.data.environment import Trust, make_from
+from taskbuilder.data.environment import make_from
 from taskbuilder.data.machines import (
     PICTURE_PACKAGES,
     machine_changes,
@@ -28,6 +29,7 @@ from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.sources import digests_of_library, digests_of_task
+from taskbuilder.task import other_version
 
 
 @dataclass(frozen=True)
@@ -193,7 +195,10 @@ class _Replayer:
         """Files of the tasks that are not those that the data set was collected with."""
         changes = []
         for name, about in self._dataset.about["tasks"].items():
-            here = digests_of_task(self._env(name, 0).task)
+            task = self._env(name, 0).task
+            if other := other_version(about, task):
+                changes.append(f"task {name}: version {other}")
+            here = digests_of_task(task)
             changes += [f"task {name}: {file}" for file in differences(about["files"], here)]
         return changes
 

@@ -11,7 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from taskbuilder.arrays import StoreError
-from taskbuilder.carried import LARGEST, CarriedTask, load_carried
+from taskbuilder.carried import (
+    LARGEST,
+    CarriedTask,
+    Trust,
+    UntrustedTaskError,
+    is_trusted,
+    load_carried,
+)
 from taskbuilder.data import layout
 from taskbuilder.digests import differences
 from taskbuilder.env.options import Renderer, from_json, make_options
@@ -20,21 +27,6 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.sources import digests_of_task
 from taskbuilder.task import Task, load_task
-
-Trust = bool | str
-"""Whether to run tasks that come with a data set: none, all, or the one of this SHA-256."""
-
-
-class UntrustedTaskError(UsageError):
-    """The task of a data set comes with it, and nobody has said to trust it.
-
-    Attributes:
-        carried: The task.
-    """
-
-    def __init__(self, message: str, carried: CarriedTask) -> None:
-        super().__init__(message)
-        self.carried = carried
 
 
 def make_from(
@@ -187,7 +179,7 @@ def _trusted(carried: CarriedTask, folder: Path, trust: Trust) -> Task:
     Raises:
         UntrustedTaskError: It is not trusted.
     """
-    if trust is True or (trust and trust == carried.digest):
+    if is_trusted(carried, trust):
         return load_carried(carried)
     what = "this is not the one that is trusted" if trust else "it is not in the catalogue here"
     where = where_carried(folder, carried)

@@ -222,6 +222,7 @@ def _described(plan: CollectPlan, task: Task) -> tuple[str, dict[str, Any]]:
     with closing(plan.make_env(task, (plan.variations or (0,))[0])) as env:
         world = env.episode.world
         return task.name, {
+            "task_version": task.version,
             "summary": spec.summary,
             "instructions": list(spec.instructions),
             "agents": list(env.possible_agents),

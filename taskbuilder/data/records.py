@@ -78,6 +78,7 @@ class _Carried(_Record):
 
 
 class _Task(_Record):
+    task_version: Annotated[int, Field(ge=1, le=9999)] = 1
     summary: _Text
     control_hz: _Hertz
     max_episode_steps: Annotated[int, Field(ge=1, le=1_000_000)]

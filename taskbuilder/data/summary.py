@@ -52,6 +52,7 @@ def _of_task(dataset: Dataset, name: str, rates: Mapping[str, tuple[int, int]]) 
     lines = [line for line in dataset.contents["episodes"] if line["task"] == name]
     seeds = [line["seed"] for line in lines]
     return {
+        "version": task.get("task_version", 1),
         "summary": task["summary"],
         "episodes": len(lines),
         "successes": sum(line["success"] for line in lines),

@@ -235,14 +235,13 @@ def _opened(content: bytes, kind: _Kind, size: VideoSize) -> Iterator[Any]:
     """
     import av
 
-    # PyAV's stub has a list of texts for the options of streams; it takes dictionaries.
-    limits: Any = {"max_pixels": str((size.width + 128) * (size.height + 128)), "threads": "1"}
+    limits = {"max_pixels": str((size.width + 128) * (size.height + 128)), "threads": "1"}
     with av.open(
         io.BytesIO(content),
         "r",
         format=kind.container,
+        options=limits,  # of the streams, too
         container_options={**_LIMITS, **_NO_REFERENCES.get(kind.container, {})},
-        stream_options=[limits],
         io_open=_refuse,
     ) as file:
         streams = [(stream.type, _codec(stream)) for stream in file.streams]

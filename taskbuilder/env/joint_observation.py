@@ -55,9 +55,9 @@ class JointObservation:
         """The joint observation.
 
         Args:
-            observations: The observation of every robot.
+            observations: The observation of every robot, or arrays of many of them.
         """
-        numbers = np.concatenate([_numbers(seen) for seen in observations.values()])
+        numbers = np.concatenate([_numbers(seen) for seen in observations.values()], axis=-1)
         if not self._shown_to:
             return numbers
         images = {name: observations[agent][name] for name, agent in self._shown_to.items()}

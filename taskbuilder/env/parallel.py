@@ -70,7 +70,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
 
     def __init__(self, task: Task, options: Options, render_mode: str | None = None) -> None:
         self.metadata = {
-            "name": f"{task.name}_v0",
+            "name": f"{task.name}_v{task.version}",
             "render_modes": ["rgb_array"],
             "is_parallelizable": True,
             "render_fps": options.control_hz or task.file.spec.timing.control_hz,

@@ -68,7 +68,7 @@ class TaskVectorEnv(VectorEnv[VectorValues, VectorValues, Any]):
         self._finalizer = weakref.finalize(self, backend.close)
         self.config = config
         self.num_envs = num_envs = config.num_envs
-        name = f"{config.task.name}_v0"
+        name = f"{config.task.name}_v{config.task.version}"
         self.metadata = {"name": name, "render_modes": [], "autoreset_mode": mode}
         self._same_step = mode is AutoresetMode.SAME_STEP
         self._signature = signature = config.signature

@@ -130,7 +130,12 @@ def summary_of(subject: Subject, arms: Arms) -> EvaluationSummary:
     """What the episodes of an evaluation say together."""
     own = tuple(arms[SUBJECT])
     comparison = compare(arms) if len(arms) > 1 else None
-    return replace(summarise(own, len(subject.stages) - 1), baselines=comparison, rollouts=own)
+    return replace(
+        summarise(own, len(subject.stages) - 1),
+        task_version=subject.task.version,
+        baselines=comparison,
+        rollouts=own,
+    )
 
 
 def check_certifiable(subject: Subject, seeds: Sequence[int]) -> None:

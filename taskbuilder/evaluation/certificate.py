@@ -27,7 +27,7 @@ MOST_BYTES = 32 << 20
 """Maximum size of a certificate in bytes."""
 
 _SECTIONS = (
-    *("task", "policy", "options", "seeds", "controls_seeds", "digests"),
+    *("task", "task_version", "policy", "options", "seeds", "controls_seeds", "digests"),
     *("versions", "processor", "system", "results", "episodes"),
 )
 """The sections with a seal each, so that an edited section can be named."""
@@ -69,6 +69,7 @@ def certificate_of(trial: Trial, arms: Arms, command: str) -> dict[str, Any]:
         "made": datetime.now(UTC).isoformat(timespec="seconds"),
         "command": command,
         "task": trial.task.name,
+        "task_version": trial.task.version,
         "policy": trial.policy,
         "options": dict(trial.options),
         "seeds": list(trial.seeds),
@@ -98,7 +99,13 @@ def sources(trial: Trial) -> dict[str, Digests]:
 
 def seals(data: Mapping[str, Any]) -> dict[str, str]:
     """A digest of each section of a certificate, to detect edits."""
-    return {name: digest_of(data[name]) for name in _SECTIONS}
+    return {name: digest_of(data[name]) for name in _SECTIONS if name in data}
+
+
+def task_version(data: Mapping[str, Any]) -> int:
+    """The version of the task; certificates from before there were any are of version 1."""
+    version: int = data.get("task_version", 1)
+    return version
 
 
 def write_certificate(path: Path, data: Mapping[str, Any]) -> None:
@@ -146,7 +153,9 @@ def _misshapen(data: Mapping[str, Any]) -> Iterator[str]:
         if not isinstance(data.get(name), shape):
             yield f"it has no {name}"
             return
-    keys = {"kind", "format", "command", *shapes}
+    if type(data.get("task_version", 1)) is not int:
+        yield "its task_version is no whole number"
+    keys = {"kind", "format", "command", "task_version", *shapes}
     yield from (f"it has {excerpt(name)}, which no certificate has" for name in {*data} - keys)
     seeds, compared = data["seeds"], data["controls_seeds"]
     if not seeds or not all(type(seed) is int and seed >= 0 for seed in seeds):

@@ -47,6 +47,7 @@ class EvaluationSummary:
         best: Seed of the best episode: success first, then the highest return.
         median: Seed of the median episode in this order.
         failed: Seed of the median unsuccessful episode, or None.
+        task_version: The version of the task.
         baselines: The comparison with the baselines, or None if none have played.
         rollouts: The records of all episodes, where they were kept.
     """
@@ -66,6 +67,7 @@ class EvaluationSummary:
     best: int
     median: int
     failed: int | None
+    task_version: int = 1
     baselines: Comparison | None = None
     rollouts: tuple[Rollout, ...] = field(default=(), repr=False, compare=False)
 

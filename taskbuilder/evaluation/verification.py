@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.digests import differences, digest_of
-from taskbuilder.evaluation.certificate import seals
+from taskbuilder.evaluation.arms import SUBJECT
+from taskbuilder.evaluation.certificate import seals, task_version
 from taskbuilder.machine import processor, system, versions
 from taskbuilder.wording import excerpt
 
@@ -20,8 +21,9 @@ class Point:
     """One comparison of a verification.
 
     Attributes:
-        about: The subject: ``policy``, ``task``, ``library``, ``seeds``, ``certificate``,
-            ``versions``, ``processor``, ``system``, ``options``, ``episodes`` or ``results``.
+        about: The subject: ``policy``, ``task version``, ``task``, ``library``, ``seeds``,
+            ``certificate``, ``versions``, ``processor``, ``system``, ``options``, ``episodes`` or
+            ``results``.
         differs: The differences, in words; empty if there are none.
         decides: Whether a difference means that the certificate is not verified. Another machine
             may still give the same episodes bit for bit.
@@ -58,10 +60,16 @@ def compare_files(data: Mapping[str, Any], here: Mapping[str, Any]) -> tuple[Poi
     )
 
 
+def compare_version(data: Mapping[str, Any], here: int) -> Point:
+    """Compare the version of the task with that of today."""
+    there = task_version(data)
+    return Point("task version", () if there == here else (f"{there} there, and {here} here",))
+
+
 def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
     """Compare the seals, to find edits of the certificate; seeds are a point of their own."""
     now = seals(data)
-    edited = [name for name, seal in now.items() if data["seals"].get(name) != seal]
+    edited = [name for name in {**now, **data["seals"]} if data["seals"].get(name) != now.get(name)]
     seeds = ["are not those that the certificate was made with"] if "seeds" in edited else []
     drawn = [each.get("seed") for each in data["episodes"]["policy"]]
     first = data["seeds"][0]
@@ -69,7 +77,7 @@ def compare_seals(data: Mapping[str, Any]) -> tuple[Point, ...]:
         seeds = ["are not those of its episodes"]
     elif not seeds and data["seeds"] != list(range(first, first + len(drawn))):
         seeds = ["do not follow each other, as those of an evaluation do"]
-    edits = (f"{name} edited" for name in edited if name != "seeds")
+    edits = (f"{excerpt(name)} edited" for name in edited if name != "seeds")
     return Point("seeds", tuple(seeds)), Point("certificate", tuple(edits))
 
 
@@ -137,6 +145,27 @@ def compare_episodes(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple
     ]
     if not results and not _same(data["results"], again["results"]):
         results = ["are named otherwise"]  # "a.b" may be one name, or two
+    return Point("episodes", tuple(differing)), Point("results", tuple(results))
+
+
+def compare_sample(data: Mapping[str, Any], again: Mapping[str, Any]) -> tuple[Point, ...]:
+    """Compare some episodes of the policy bit for bit, and its rates with its own episodes.
+
+    Args:
+        data: The certificate.
+        again: A certificate of the same trial, with the episodes that were played again alone.
+    """
+    subject = str(SUBJECT)
+    listed = data["episodes"][subject]
+    played = {subject: again["episodes"][subject]}
+    seeds = {each["seed"] for each in played[subject]}
+    differing = _episodes({subject: [e for e in listed if e.get("seed") in seeds]}, played)
+    rates = {"success_rate": "success", "success_at_end_rate": "success_at_end"}
+    results = [
+        f"{rate} is not that of its episodes"
+        for rate, name in rates.items()
+        if data["results"].get(rate) != sum(bool(e.get(name)) for e in listed) / len(listed)
+    ]
     return Point("episodes", tuple(differing)), Point("results", tuple(results))
 
 

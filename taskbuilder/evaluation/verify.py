@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,9 @@ from taskbuilder.evaluation.verification import (
     compare_episodes,
     compare_files,
     compare_machines,
+    compare_sample,
     compare_seals,
+    compare_version,
 )
 from taskbuilder.jobs import Map, workers
 from taskbuilder.policies.fitting import env_options
@@ -107,6 +109,7 @@ def verify_data(
     catalogue: Catalogue | None = None,
     spread: Map = map,
     track: Track = lambda episodes, _: episodes,
+    sample: Sequence[int] | None = None,
 ) -> Verification:
     """Verify a certificate that has been read; see `verify`.
 
@@ -118,6 +121,8 @@ def verify_data(
         catalogue: Where tasks and robots are looked up.
         spread: A map, perhaps over several processes.
         track: Wraps episodes as they are played.
+        sample: Seeds of the only episodes of the policy to play; by default, all episodes of the
+            policy and of the baselines are played.
     """
     catalogue = catalogue or Catalogue.discover()
     given = policy is not None
@@ -132,11 +137,13 @@ def verify_data(
         chosen = other_robots(robots) or _robots(data, catalogue)
         subject = _subject(player, data, catalogue, chosen, given=given)
         here["task"] = digests_of_task(subject.task)
-        files = compare_files(data, here)
+        files = (compare_version(data, subject.task.version), *compare_files(data, here))
         subject.check()
         trial = trial_of(subject, file, data["seeds"], data["controls_seeds"])
-        arms = play_arms(subject, trial.seeds, trial.compared, spread, track)
-        again = certificate_of(trial, arms, "")
+        seeds, compared = trial.seeds, trial.compared
+        if sample is not None:
+            seeds, compared = sample, 0
+        again = certificate_of(trial, play_arms(subject, seeds, compared, spread, track), "")
     except UsageError as error:
         if "task" not in here:
             raise  # it is not said where it is
@@ -146,7 +153,8 @@ def verify_data(
         played = _unplayed(str(error))
     else:
         claims = compare_claims(data, again, policy_given=given)
-        played = (claims, *compare_episodes(data, again))
+        compare = compare_episodes if sample is None else compare_sample
+        played = (claims, *compare(data, again))
     return Verification(file, data, (*files, *sealed, *machines, *played))
 
 

@@ -348,6 +348,7 @@ def go_on(folder: Path, run: RunSetup, watch: OnStatus = lambda _: None) -> None
     plan, task = run.plan, run.task
     about = {
         "task": task.name,
+        "task_version": task.version,
         "algorithm": plan.algorithm,
         "reward": plan.reward,
         "track": plan.track,

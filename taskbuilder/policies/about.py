@@ -37,6 +37,7 @@ class PolicyAbout(Model):
 
     model_config = ConfigDict(extra="allow")
 
+    task_version: int = 1
     algorithm: str | None = None
     reward: str | None = None
     track: str | None = None

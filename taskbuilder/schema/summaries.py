@@ -29,19 +29,22 @@ class TaskSummary:
         objects: The names of its objects, furniture included.
         episode_steps: Control steps of an episode, or None where the file has errors.
         summary: What the task file says of itself.
+        version: The number of its version.
     """
 
     robots: Mapping[str, str] = field(default_factory=dict)
     objects: tuple[str, ...] = ()
     episode_steps: int | None = None
     summary: str = "(has errors)"
+    version: int = 1
 
 
 def summarize(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     """What is said of a task: from the index beside it, or else from its file."""
     indexed = _read_index(entry.root).get(entry.file.stem)
     if entry.trusted and indexed and indexed["checksum"] == checksum(entry.file):
-        known = {key: indexed[key] for key in ("robots", "episode_steps", "summary")}
+        keys = ("robots", "episode_steps", "summary", "version")
+        known = {key: indexed[key] for key in keys if key in indexed}
         return TaskSummary(objects=tuple(indexed["objects"]), **known)
     return read_summary(entry, catalogue)
 
@@ -61,7 +64,9 @@ def read_summary(entry: CatalogueEntry, catalogue: Catalogue) -> TaskSummary:
     except FileError:
         return TaskSummary()
     robots = {name: robot.model for name, robot in spec.scene.robots.items()}
-    return TaskSummary(robots, tuple(spec.scene.objects), spec.timing.episode_steps, spec.summary)
+    return TaskSummary(
+        robots, tuple(spec.scene.objects), spec.timing.episode_steps, spec.summary, spec.version
+    )
 
 
 @cache

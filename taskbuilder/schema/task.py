@@ -100,6 +100,11 @@ class TaskSpec(Model):
     """A task file."""
 
     task: Name = Field(description="Name of the task: the file name without .yaml.")
+    version: Annotated[int, Field(ge=1, le=9999)] = Field(
+        1,
+        description="Number of the task's version, which the id of its environment ends with. A "
+        "task whose scene, reward or success has changed has the next number.",
+    )
     summary: Text = Field(description="One sentence: who does what.")
     instructions: tuple[Text, ...] = Field(
         (),

@@ -127,7 +127,7 @@ def test_a_changed_byte_of_the_task_is_named(name, made, verify):
         file.write("#")
     ran = verify(made)
     assert ran.status == 1
-    assert f"  task         {name}\n" in ran.out
+    assert f"  task          {name}\n" in ran.out
     assert ran.out.splitlines()[-1] == "not verified: task differs"  # it plays as before
 
 
@@ -153,7 +153,7 @@ def test_a_changed_byte_of_the_library_is_named(made, tmp_path):
         command, cwd=tmp_path, env=os.environ, capture_output=True, text=True, check=False
     )
     assert done.returncode == 1, done.stderr
-    assert "  library      taskbuilder/geometry.py\n" in done.stdout
+    assert "  library       taskbuilder/geometry.py\n" in done.stdout
     assert done.stdout.splitlines()[-1] == "not verified: library differs"
 
 
@@ -182,7 +182,7 @@ def test_an_edit_that_playing_cannot_find_breaks_a_seal(made, verify):
     _edit(made, lambda data: data["versions"].__setitem__("numpy", "0.1"))
     ran = verify(made)
     assert ran.status == 1
-    assert "certificate  versions edited" in ran.out
+    assert "certificate   versions edited" in ran.out
 
 
 def test_another_machine_is_named_and_decides_nothing(made, verify):

@@ -33,7 +33,8 @@ def test_list_as_json_has_the_documented_shape(run):
         task for task in run("list", "--json").data["tasks"] if task["name"] == "handover"
     ]
     assert set(handover) == {
-        *("name", "path", "robots", "objects", "episode_steps", "summary", "proof", "suites")
+        *("name", "version", "path", "robots", "objects", "episode_steps", "summary"),
+        *("proof", "suites"),
     }
     assert handover["objects"] == ["table", "stick", "obstacle"]
     assert handover["suites"] == ["seed", "pairs"]

@@ -15,12 +15,12 @@ from pathlib import Path
 import pytest
 from own_task import DESCRIPTION, GOOD
 
-from taskbuilder.carried import carry, load_carried
+from taskbuilder.carried import UntrustedTaskError, carry, load_carried
 from taskbuilder.cli import main
 from taskbuilder.data import layout
 from taskbuilder.data.checking import check_dataset
 from taskbuilder.data.dataset import load_dataset
-from taskbuilder.data.environment import UntrustedTaskError, make_from
+from taskbuilder.data.environment import make_from
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task

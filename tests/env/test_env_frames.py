@@ -512,7 +512,7 @@ def test_vectors_of_environments_take_the_options():
 
 
 def test_the_joint_view_takes_the_options():
-    env = gymnasium.make("taskbuilder/Handover-v0", disable_env_checker=True, **LEARNERS)
+    env = gymnasium.make("taskbuilder/Handover-v1", disable_env_checker=True, **LEARNERS)
     single = parallel_env("handover", **LEARNERS)
     seen_, _ = env.reset(seed=5)
     apart, _ = single.reset(seed=5)

@@ -41,7 +41,7 @@ EXCUSED_DICT = {
     "Observation space for each agent probably should be": "likewise",
     "Action space for each agent probably should be": "likewise",
 }
-ID = {name: f"taskbuilder/{name.title().replace('_', '')}-v0" for name in LIBRARY}
+ID = {name: f"taskbuilder/{name.title().replace('_', '')}-v1" for name in LIBRARY}
 
 
 @contextmanager
@@ -192,7 +192,7 @@ def test_two_joint_views_with_one_seed_go_alike():
 
 def test_gymnasium_runs_several_joint_views_at_once():
     with excusing():
-        envs = gymnasium.make_vec("taskbuilder/Handover-v0", num_envs=2, vectorization_mode="sync")
+        envs = gymnasium.make_vec("taskbuilder/Handover-v1", num_envs=2, vectorization_mode="sync")
         observation, _ = envs.reset(seed=0)
         assert observation.shape == (2, *envs.single_observation_space.shape)
         envs.step(envs.action_space.sample())
@@ -211,18 +211,18 @@ import gymnasium
 {registered}
 env = gymnasium.make("{name}")
 env.reset(seed=0)
-print(env.action_space.shape, "taskbuilder/Handover-v0" in gymnasium.registry)
+print(env.action_space.shape, "taskbuilder/Handover-v1" in gymnasium.registry)
 """
 
 
 def test_registering_is_an_import():
     registered = "import taskbuilder.gym; gymnasium.register_envs(taskbuilder.gym)"
-    code = NAMES.format(registered=registered, name="taskbuilder/PickPushPlace-v0")
+    code = NAMES.format(registered=registered, name="taskbuilder/PickPushPlace-v1")
     assert printed(code) == "(10,) True\n"
 
 
 def test_a_name_can_say_what_registers_it():
-    code = NAMES.format(registered="", name="taskbuilder.gym:taskbuilder/PickPushPlace-v0")
+    code = NAMES.format(registered="", name="taskbuilder.gym:taskbuilder/PickPushPlace-v1")
     assert printed(code) == "(10,) True\n"
 
 

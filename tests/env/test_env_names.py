@@ -111,7 +111,7 @@ def test_is_success_is_whether_the_episode_has_succeeded(make):
 @pytest.mark.parametrize("options", [{}, {"horizon": 7}])
 def test_the_length_of_episodes_is_where_wrappers_look(options):
     length = options.get("horizon", 50)
-    env = gymnasium.make("taskbuilder/Handover-v0", **options)
+    env = gymnasium.make("taskbuilder/Handover-v1", **options)
     assert env.spec.max_episode_steps == length
     assert env.get_wrapper_attr("max_episode_steps") == length
     assert env.get_wrapper_attr("_max_episode_steps") == length
@@ -133,7 +133,7 @@ def test_an_environment_that_gymnasium_did_not_make_has_no_spec():
 
 
 def test_several_at_once_tell_their_instructions():
-    envs = gymnasium.make_vec("taskbuilder/Handover-v0", 2, vectorization_mode="sync")
+    envs = gymnasium.make_vec("taskbuilder/Handover-v1", 2, vectorization_mode="sync")
     _, infos = envs.reset(seed=0)
     assert infos["instruction"].tolist() == list(envs.call("task_description"))
     envs.close()

@@ -13,11 +13,13 @@ from taskbuilder.expert import Expert
 from taskbuilder.schema.proofs import proof_of
 from taskbuilder.schema.suites import find_suites
 from taskbuilder.validate.traces import digest, physical
+from taskbuilder.versions import content_digest, read_versions
 
 pytestmark = pytest.mark.in_process
 
 ENTRIES = {name: entry for name, entry in catalogue().tasks.items() if entry.trusted}
 TASKS = sorted(ENTRIES)
+VERSIONS = read_versions(ENTRIES["handover"].root)
 SUITES = find_suites(catalogue())
 BY_SIZE = {1: "single", 2: "pairs", 3: "trios", 4: "quads"}
 SEED = 20_000
@@ -91,6 +93,17 @@ def test_it_has_been_proved_as_it_is(name):
     assert measured["making"]["seeds"] == proof.seeds >= 40
     (succeeded,) = (check for check in measured["checks"] if check["code"] == "TB531")
     assert succeeded["value"] >= 0.98
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_changed_task_has_a_new_version(name):
+    file = load_task(name).file
+    recorded = VERSIONS.get(name, {}).get(str(file.spec.version))
+    assert recorded, "a new version: run `make docs`"
+    assert recorded == content_digest(file), (
+        "its scene, reward or success has changed: write the next version in the task file, "
+        "then run `make docs`"
+    )
 
 
 @pytest.mark.parametrize("suite", sorted(SUITES))

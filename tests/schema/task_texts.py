@@ -62,6 +62,7 @@ TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 
 
 ONE_OF_EVERYTHING = """\
 task: everything
+version: 2
 summary: Every feature of the format, once.
 instructions:
   - put the {pebble.color} pebble of {pebble.mass} kg into {tray.color}

@@ -275,8 +275,8 @@ def test_a_name_that_is_a_value_is_marked_at_the_value(findings):
 
 
 def test_a_key_spelt_like_the_models_own_mark_for_keys_is_a_key_like_any_other(findings):
-    known = "task, summary, instructions, cooperation, timing, scene, observe, observation_noise, "
-    known += "state, expert, variations, randomize, looks"
+    known = "task, version, summary, instructions, cooperation, timing, scene, observe, "
+    known += "observation_noise, state, expert, variations, randomize, looks"
     assert findings(("task: plain", 'task: plain\n"[key]": 1')) == [
         f"2:1: error[TB102] [key]: unknown key; known keys: {known}"
     ]
