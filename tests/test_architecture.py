@@ -38,7 +38,8 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         "agent_tools",
-        *("view", "validate", "bench", "sharing", "benchmark", "learn", "evaluation", "importing"),
+        *("view", "steering", "validate", "bench", "sharing", "benchmark", "learn"),
+        *("evaluation", "importing"),
         *("trials", "visual", "expert"),
         *(
             "policies",
@@ -63,7 +64,21 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "agent_tools": ("extras", "errors", "schema"),
     "view": (
-        *("validate", "policies", "visual", "expert", "rollout", "env", "files"),
+        *(
+            "steering",
+            "validate",
+            "data",
+            "policies",
+            "visual",
+            "expert",
+            "rollout",
+            "env",
+            "files",
+        ),
+        *SIMULATED,
+    ),
+    "steering": (
+        *("data", "policies", "expert", "rollout", "env", "arrays"),
         *SIMULATED,
     ),
     "validate": (

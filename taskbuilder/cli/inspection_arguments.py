@@ -214,6 +214,19 @@ def add_view(adder: CommandAdder) -> None:
         metavar="FILE",
         help="instead, write an HTML file that plays an episode and needs no server",
     )
+    parser.add_argument(
+        "--record",
+        type=Path,
+        metavar="DIR",
+        help="folder of a new data set, or of one to continue, for episodes that people steer",
+    )
+    add_count(
+        parser,
+        "--horizon",
+        (1, 1_000_000),
+        "length of episodes that people steer, in control steps (default: six times that of the "
+        "task; for a trained policy, as in its training)",
+    )
     add_count(
         parser,
         "--port",

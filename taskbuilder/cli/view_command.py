@@ -21,7 +21,12 @@ def run(arguments: argparse.Namespace) -> int:
     from taskbuilder.view.server import PageServer
     from taskbuilder.view.stage import Choice, Stage
 
-    stage = Stage(arguments.task, catalogue_of(arguments))
+    stage = Stage(
+        arguments.task,
+        catalogue_of(arguments),
+        record=arguments.record,
+        horizon=arguments.horizon,
+    )
     choice = Choice(arguments.policy or stage.players[0], arguments.seed, arguments.variation)
     if arguments.export:
         return _export(stage, choice, arguments.export)

@@ -14,6 +14,10 @@ import numpy as np
 
 from taskbuilder.arrays import Arrays, StoreError
 
+OPERATOR = "operator"
+"""Whose each control step of a robot was: the number of a person, counted from 1; 0 for the policy;
+-1 for nobody, where the robot held still because its person had left."""
+
 _POSE = re.compile(r"objects/[A-Za-z][A-Za-z0-9_.]{0,99}/pose")
 """Poses of movable objects; which objects can move may differ between variations."""
 
@@ -71,6 +75,9 @@ def expected_arrays(
     for agent, robot in task["robots"].items():
         for name, kind in _of_robot(robot, steps, normalized=normalized):
             kinds[f"agents/{agent}/{name}"] = kind
+        if people := len(episode.get("operators", ())):
+            labels = frozenset(range(-1, people + 1))
+            kinds[f"agents/{agent}/{OPERATOR}"] = ArrayKind((steps,), "int64", values=labels)
     for camera in episode["cameras"]:
         kinds[f"cameras/{camera}/intrinsics"] = ArrayKind((3, 3))
         kinds[f"cameras/{camera}/extrinsics"] = ArrayKind((states, 4, 4))

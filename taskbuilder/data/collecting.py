@@ -116,18 +116,18 @@ def collect(
         folder.mkdir(parents=True, exist_ok=True)
         with layout.locked(folder):
             about = describe(plan, loaded)
-            _begin(folder, about)
-            _write_tasks(folder, loaded)
+            begin_folder(folder, about)
+            write_tasks(folder, loaded)
             # A node draws as this machine does, whatever else is installed there.
             drawn = replace(plan, renderer=about["renderer"] or plan.renderer)
             job = CollectJob(drawn, folder, players)
             if not layout.is_finished(folder):
                 played = _play_all(job, tasks, report, jobs=jobs, nodes=nodes)
-                _finish(folder, about, played)
+                finish_folder(folder, about, played)
             wanted = _wanted(plan, loaded)
             report(CollectProgress(wanted, wanted, 0, 0.0))
     except OSError as error:
-        raise CollectingError(_disk_words(error, folder)) from error
+        raise CollectingError(disk_words(error, folder)) from error
     except LostError as lost:
         raise CollectingError(
             f"{lost}\n{_there(folder)}; run the same command again to continue"
@@ -139,7 +139,7 @@ def _wanted(plan: CollectPlan, tasks: Iterable[Task]) -> int:
     return plan.episodes * sum(counts)
 
 
-def _begin(folder: Path, about: Mapping[str, Any]) -> None:
+def begin_folder(folder: Path, about: Mapping[str, Any]) -> None:
     """Write what the data set says of itself, or compare it with what is there.
 
     Raises:
@@ -175,7 +175,7 @@ def _begin(folder: Path, about: Mapping[str, Any]) -> None:
         )
 
 
-def _write_tasks(folder: Path, tasks: Sequence[Task]) -> None:
+def write_tasks(folder: Path, tasks: Sequence[Task]) -> None:
     """Write the files of tasks that come with no package, so that others can play them."""
     for task in tasks:
         carried = carry(task)
@@ -292,8 +292,17 @@ def _check_hope(task: Task, series: Sequence[Series]) -> None:
     )
 
 
-def _finish(folder: Path, about: Mapping[str, Any], played: Sequence[AttemptResult]) -> None:
-    """Remove what is left over, and write index, card and manifest."""
+def finish_folder(folder: Path, about: Mapping[str, Any], played: Sequence[AttemptResult]) -> None:
+    """Remove what is left over, and write index, card and manifest.
+
+    Args:
+        folder: Of the data set.
+        about: What it says of itself.
+        played: All attempts, in order.
+
+    Raises:
+        OSError: They cannot be written.
+    """
     names = [done.name for done in played if done.kept]
     failed = [f"{done.name}.json" for done in played if not done.kept]
     _remove_others(folder / layout.EPISODES, names)
@@ -326,7 +335,8 @@ def _episodes(folder: Path) -> Iterator[Path]:
         return
 
 
-def _disk_words(error: OSError, folder: Path) -> str:
+def disk_words(error: OSError, folder: Path) -> str:
+    """Why nothing can be written to a folder, and what to do."""
     where = display_path(folder)
     reason = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT):

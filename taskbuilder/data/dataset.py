@@ -21,7 +21,12 @@ from numpy.typing import NDArray
 
 from taskbuilder.arrays import Arrays
 from taskbuilder.data import layout
-from taskbuilder.data.array_schema import check_arrays, expected_arrays, largest_file
+from taskbuilder.data.array_schema import (
+    OPERATOR,
+    check_arrays,
+    expected_arrays,
+    largest_file,
+)
 from taskbuilder.data.records import check_episode
 from taskbuilder.data.videos import (
     Frames,
@@ -133,6 +138,20 @@ class RecordedEpisode:
         """The expert's stages with their time spans; empty if no expert played."""
         subtasks: Sequence[Mapping[str, Any]] = self.about["subtasks"]
         return subtasks
+
+    @property
+    def operators(self) -> tuple[str, ...]:
+        """The people who steered robots, in the order in which they began."""
+        return tuple(self.about.get("operators", ()))
+
+    @property
+    def steered_by(self) -> dict[str, NDArray[np.int64]]:
+        """Whose each control step was, by agent: (steps,) each; empty if nobody steered.
+
+        A number from 1 counts `operators`. 0 is the policy, and -1 nobody: the robot held still
+        because its person had left.
+        """
+        return self.of_agents(OPERATOR)
 
     @property
     def agents(self) -> tuple[str, ...]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from taskbuilder.arrays import Arrays
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.spaces import VECTOR
-from taskbuilder.rollout.play import Policy, play
+from taskbuilder.rollout.play import Policy, Step, Watch, playing, to_the_end
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.expert import DONE, ExpertStage, Together, stage_labels
 from taskbuilder.world.pictures import capture
@@ -53,6 +53,14 @@ class EpisodeData:
     depths: Mapping[str, Sequence[NDArray[np.float32]]] = field(default_factory=dict)
 
 
+@runtime_checkable
+class Noted(Protocol):
+    """A policy that has notes for the record of its episode."""
+
+    def notes(self) -> tuple[Mapping[str, Any], Arrays]:
+        """What JSON can hold, and arrays with a row for each control step."""
+
+
 def record_episode(
     env: TaskEnv,
     policy: Policy,
@@ -73,19 +81,61 @@ def record_episode(
         PlacementError: The objects do not fit.
         ExplosionError: The physics diverged in the reset.
     """
+    return to_the_end(recording(env, policy, seed, cameras, until_success))
+
+
+def recording(
+    env: TaskEnv,
+    policy: Policy,
+    seed: int,
+    cameras: Cameras = NO_CAMERAS,
+    until_success: int | None = None,
+    watch: Watch | None = None,
+) -> Generator[Step, None, EpisodeData]:
+    """Play an episode and record it, step by step, when the caller asks for the next one.
+
+    Args:
+        env: The environment, with flat actions.
+        policy: Who plays.
+        seed: Seed passed to `reset`.
+        cameras: What is recorded of the cameras.
+        until_success: Control steps to record after success was reached; by default all.
+        watch: Called with the environment after the reset and after each control step.
+
+    Yields:
+        The result of the reset, then of each control step.
+
+    Returns:
+        The episode.
+
+    Raises:
+        PlacementError: The objects do not fit.
+        ExplosionError: The physics diverged in the reset.
+    """
     steps = StepRecorder(cameras)
-    rollout = play(
+
+    def look(env: TaskEnv) -> None:
+        steps(env)
+        if watch is not None:
+            watch(env)
+
+    rollout = yield from playing(
         env,
         policy,
         seed,
         observations=True,
         explain=True,
-        watch=steps,
+        watch=look,
         after_success=until_success,
     )
     arrays = {**recorded_arrays(rollout, steps), "subtask": _subtask_of_step(env, rollout)}
-    about = _about(env, rollout)
-    return EpisodeData(about, dict(sorted(arrays.items())), steps.images, steps.depths)
+    about, rows = policy.notes() if isinstance(policy, Noted) else ({}, {})
+    return EpisodeData(
+        {**_about(env, rollout), **about},
+        dict(sorted({**arrays, **rows}.items())),
+        steps.images,
+        steps.depths,
+    )
 
 
 def recorded_arrays(rollout: Rollout, steps: StepRecorder) -> Arrays:

@@ -161,6 +161,7 @@ class _Subtask(_Record):
 
 
 class _Episode(_Line):
+    operators: Annotated[_Names, Field(max_length=1000)] = []
     control_hz: _Hertz
     subtasks: list[_Subtask]
     cameras: dict[_Identifier, _Video]

@@ -176,13 +176,22 @@ class RobotActions:
             opening: Of the gripper, from 0 (closed) to 1; None to leave it unchanged.
             waiting: Earlier actions, in physical units, that have yet to be carried out.
         """
-        start: Sequence[float] = self.arm.robot.commanded()
-        for values in waiting:
-            start = self._mode.after(start, values[: self.arm_size])
+        start = self.commanded_after(waiting)
         arm = self._mode.leading_to(start if joints is None else joints, start)
         commands = [values[-1] for values in waiting]
         gripper = [self._gripper.opening_to(opening, commands)] if self._gripper else []
         return self.clipped([*arm, *gripper])
+
+    def commanded_after(self, waiting: Sequence[Sequence[float]]) -> Sequence[float]:
+        """The joint positions, rad or m, that are commanded once earlier actions are carried out.
+
+        Args:
+            waiting: These actions, in physical units.
+        """
+        joints: Sequence[float] = self.arm.robot.commanded()
+        for values in waiting:
+            joints = self._mode.after(joints, values[: self.arm_size])
+        return joints
 
     def joint_targets(self) -> tuple[float, ...]:
         """The last commands: joint positions (rad or m), and the gripper's opening from 0 to 1."""

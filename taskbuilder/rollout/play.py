@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, TypeVar, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from taskbuilder.rollout.witness import Witness
 
 Act = Callable[[Mapping[str, Any]], Mapping[str, NDArray[np.floating]] | None]
 """Every agent's action, given every agent's observation; None to stop playing."""
+
+Result = TypeVar("Result")
 
 Watch = Callable[[TaskEnv], None]
 """Called with the environment after its reset and after each control step."""
@@ -43,8 +45,8 @@ class Policy(Protocol):
 class Scripted(Protocol):
     """A policy that follows the stages of a script."""
 
-    def log(self) -> ScriptLog:
-        """The log of the stages; called after the episode."""
+    def log(self) -> ScriptLog | None:
+        """The log of the stages, or None if it followed none; called after the episode."""
 
 
 class Step(NamedTuple):
@@ -93,14 +95,62 @@ def play(
         UnknownNameError: The scene has no such camera.
         UsageError: The environment has dictionary actions (``flat=False``).
     """
+    steps = playing(
+        env,
+        policy,
+        seed,
+        observations=observations,
+        cameras=cameras,
+        size=size,
+        forces=forces,
+        explain=explain,
+        watch=watch,
+        after_success=after_success,
+    )
+    return to_the_end(steps)
+
+
+def to_the_end(steps: Generator[Any, None, Result]) -> Result:
+    """Exhaust a generator, and return what it returns."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return cast("Result", end.value)
+
+
+def playing(
+    env: TaskEnv,
+    policy: Policy | Act,
+    seed: int,
+    *,
+    observations: bool = False,
+    cameras: Sequence[str] = (),
+    size: tuple[int, int] | None = None,
+    forces: bool = False,
+    explain: bool = False,
+    watch: Watch | None = None,
+    after_success: int | None = None,
+) -> Generator[Step, None, Rollout]:
+    """Play an episode step by step, when the caller asks for the next one.
+
+    The arguments and errors are those of `play`.
+
+    Yields:
+        The result of the reset, then of each control step.
+
+    Returns:
+        The record of the episode.
+    """
     recorder = Recorder(env, observations=observations, cameras=cameras, size=size, forces=forces)
     witness = Witness() if explain else None
     played = as_policy(policy)
     last: float = math.inf
-    for _ in _from_reset(recorder, played, seed):
+    for step in _from_reset(recorder, played, seed):
         for onlooker in (witness, watch):
             if onlooker is not None:
                 onlooker(env)
+        yield step
         if after_success is not None and env.episode.succeeded:
             last = min(last, env.episode.steps + after_success)
         if env.episode.steps >= last:

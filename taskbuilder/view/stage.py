@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from pathlib import Path
 
+from taskbuilder.data.growing import GrowingDataset
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.errors import FileError, Finding, PlacementError, TaskbuilderError
 from taskbuilder.policies.grammar import parse_policy
 from taskbuilder.policies.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.used_files import used_files
+from taskbuilder.steering.session import Session, steering_plan
+from taskbuilder.steering.steering import Steering
 from taskbuilder.task import Task, load_task
 from taskbuilder.validate.polling import Polled
 from taskbuilder.view.recording import RecordedState, Recording, record
@@ -40,14 +44,24 @@ class Stage:
     Args:
         reference: Name of the task, or path of its YAML file.
         catalogue: The catalogue that names are looked up in.
+        record: Folder of the data set that steered episodes are recorded in, or None.
+        horizon: Length of steered episodes in control steps; see `options_for_people`.
 
     Attributes:
         task: The task as it was last read without errors; None before that.
         findings: What is wrong with its files now.
     """
 
-    def __init__(self, reference: str, catalogue: Catalogue) -> None:
+    def __init__(
+        self,
+        reference: str,
+        catalogue: Catalogue,
+        *,
+        record: Path | None = None,
+        horizon: int | None = None,
+    ) -> None:
         self._reference, self._catalogue = reference, catalogue
+        self._record, self._horizon = record, horizon
         self._polled = Polled()
         self.task: Task | None = None
         self.findings: tuple[Finding, ...] = ()
@@ -104,6 +118,25 @@ class Stage:
             env = stack.enter_context(closing(self.env(choice)))
             policy = parse_policy(choice.player).prepare(env, stack)
             return record(env, choice.player, policy, choice.seed, shown)
+
+    def session(self, player: str) -> Session | None:
+        """A session in which people steer the task; None while it has errors.
+
+        Args:
+            player: Who plays the robots that nobody steers, to begin with.
+
+        Raises:
+            TaskbuilderError: Its episodes cannot be recorded.
+        """
+        task = self.task
+        if task is None:
+            return None
+        dataset = None
+        if self._record is not None:
+            plan = steering_plan(task, player, self._catalogue, self._horizon)
+            dataset = GrowingDataset(plan, self._record, task)
+        steering = Steering(task.agents)
+        return Session(task, steering, horizon=self._horizon, dataset=dataset)
 
     def explain(self, error: TaskbuilderError) -> tuple[Finding, ...]:
         """An error as findings, if it has any."""

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import zip_longest
 
 from taskbuilder.errors import Finding, display_path
 from taskbuilder.geometry import Pose, to_rpy_deg
+from taskbuilder.steering.operator import Jog
+from taskbuilder.steering.session import Session, State
 from taskbuilder.task import Task
 from taskbuilder.view.recording import ConditionState, Recording
 
@@ -70,3 +73,53 @@ def pose_yaml(name: str, pose: Pose) -> str:
     x, y, z = (round(value, 4) + 0.0 for value in pose.position)
     roll, pitch, yaw = (round(value, 1) + 0.0 for value in to_rpy_deg(pose.quaternion))
     return f"```yaml\n# {name}\nposition: [{x}, {y}, {z}]\nrpy_deg: [{roll}, {pitch}, {yaw}]\n```"
+
+
+def keys_table(keys: Mapping[str, Jog], buttons: Mapping[str, str]) -> str:
+    """The keys by which people steer."""
+    cells = [f"{key} | {jog.words}" for key, jog in keys.items()]
+    cells += [f"{key.capitalize()} | {plain(label)}" for label, key in buttons.items()]
+    pairs = zip_longest(cells[::2], cells[1::2], fillvalue=" | ")
+    return "\n".join(
+        (
+            "Choose a robot, then drag its tool or press keys; hold a key down to move on, and "
+            "Shift to move a little. Directions are as you look at the scene.",
+            "",
+            "| | | | |",
+            "|---|---|---|---|",
+            *(f"| {left} | {right} |" for left, right in pairs),
+        )
+    )
+
+
+def steered(session: Session, folder: str) -> str:
+    """Where a session of steered episodes stands, and where it is recorded.
+
+    Args:
+        session: The session.
+        folder: The folder of its data set, as messages show it; "" if nothing is recorded.
+    """
+    if folder:
+        recorded = f"Kept episodes go to {plain(folder)}: {session.kept} so far."
+    else:
+        recorded = "Nothing is recorded; the option --record DIR says where to."
+    who = " · ".join(f"{plain(robot)}: {plain(name)}" for robot, name in session.people().items())
+    return "\n\n".join(filter(None, (_episode(session), who, recorded)))
+
+
+def _episode(session: Session) -> str:
+    """The episode of a session, as it stands."""
+    if session.env is None or session.state == State.IDLE:
+        return "No episode runs; press *Begin*."
+    episode = session.env.episode
+    names = tuple(session.env.task.description.stages)
+    hz = f" · {session.measured_hz:.1f} Hz" if session.measured_hz else ""
+    lag = f" · lag {session.lag_ms:.0f} ms" if session.lag_ms is not None else ""
+    line = f"step {episode.steps} of {episode.horizon} · seed {episode.seed}{hz}{lag}"
+    text = f"{line}\n\n{stages(names, episode.outcome.stage)}"
+    if session.data is None:
+        return text
+    why = session.data.about["why"]
+    reason = f": {plain(why[0]['part'])}: {plain(why[0]['says'])}" if why else ""
+    ended = "success" if session.data.about["success"] else f"no success{reason}"
+    return f"{text}\n\n**{ended}**. Press *Keep*, or *Discard and try again*."

@@ -53,18 +53,27 @@ def touch(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
+def two_arms(touch: Path) -> Path:
+    """The same task with another arm, which has nothing to do."""
+    base = "{model: panda, base: {position: [0, 0, 0]}}"
+    other = base.replace("[0, 0, 0]", "[0, 0.8, 0]")
+    touch.write_text(touch.read_text().replace(f"arm: {base}", f"arm: {base}\n    other: {other}"))
+    return touch
+
+
+@pytest.fixture
 def server() -> Iterator[PageServer]:
     with closing(PageServer(0)) as made:
         yield made
 
 
 @pytest.fixture
-def page_of(server: PageServer) -> Iterator[Callable[[Path], LivePage]]:
+def page_of(server: PageServer) -> Iterator[Callable[..., LivePage]]:
     """Makes the page of a task; its loop is turned by `turn`."""
     pages = []
 
-    def make(file: Path) -> LivePage:
-        stage = Stage(str(file), Catalogue.discover())
+    def make(file: Path, record: Path | None = None) -> LivePage:
+        stage = Stage(str(file), Catalogue.discover(), record=record)
         pages.append(LivePage(stage, server, Choice(stage.players[0])))
         return pages[-1]
 

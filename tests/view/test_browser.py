@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 import shutil
 import threading
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
+from taskbuilder import load_dataset
 from taskbuilder.cli import main
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -20,7 +23,7 @@ pytestmark = [
 ]
 
 PATIENCE_MS = 120_000
-SMALL = {"width": 800, "height": 480}
+SMALL = {"width": 640, "height": 360}
 """A small picture, because the processor draws it."""
 
 
@@ -35,26 +38,45 @@ def browser() -> Iterator[object]:
 
 
 @pytest.fixture
-def tab(browser):
-    tab = browser.new_page(viewport=SMALL)
-    tab.set_default_timeout(PATIENCE_MS)
-    wrong = []
-    tab.on("pageerror", lambda error: wrong.append(error))  # Playwright marks it
-    yield tab
-    tab.close()
+def tab_of(browser):
+    """Opens windows."""
+    tabs, wrong = [], []
+
+    def make():
+        tab = browser.new_page(viewport=SMALL)
+        tab.set_default_timeout(PATIENCE_MS)
+        tab.on("pageerror", lambda error: wrong.append(error))  # Playwright marks it
+        tabs.append(tab)
+        return tab
+
+    yield make
+    for tab in tabs:
+        tab.close()
     assert not wrong
 
 
 @pytest.fixture
-def shown(page_of, touch, server):
-    """The page of the task, whose loop turns in a thread of its own."""
-    page = page_of(touch)
+def tab(tab_of):
+    return tab_of()
+
+
+@contextmanager
+def turning(page):
+    """Turn the loop of a page in a thread of its own."""
     stop = threading.Event()
     thread = threading.Thread(target=lambda: page.run(stop.is_set))
     thread.start()
-    yield page
-    stop.set()
-    thread.join()
+    try:
+        yield page
+    finally:
+        stop.set()
+        thread.join()
+
+
+@pytest.fixture
+def shown(page_of, touch):
+    with turning(page_of(touch)) as page:
+        yield page
 
 
 def press(tab, role, name):
@@ -72,7 +94,7 @@ def test_an_episode_is_played_and_scrubbed(shown, tab, server):
     slider.focus()
     slider.press("Home")
     tab.get_by_text(re.compile("step 0 of 30")).wait_for()
-    assert shown._step == 0
+    assert shown.episode.step == 0
 
 
 def test_a_change_of_a_file_is_shown_without_loading_the_page_again(shown, tab, server, touch):
@@ -95,6 +117,51 @@ def test_names_with_markup_are_shown_as_they_are_written(shown, tab, server, tou
     tab.wait_for_function("document.body.innerText.includes('onerror=')")
     assert tab.title() != "7"
     assert tab.locator("a[href^='javascript']").count() == 0
+
+
+def field(tab, label):
+    return tab.locator(f"xpath=//*[text()='{label}']/following::input[1]").first
+
+
+def choose(tab, robot):
+    field(tab, "You steer").click(force=True)
+    press(tab, "option", robot)
+
+
+def test_two_windows_steer_two_robots_of_one_episode(page_of, two_arms, tab_of, server, tmp_path):
+    with turning(page_of(two_arms, record=tmp_path / "data")) as page:
+        anna, ben = tab_of(), tab_of()
+        for tab, name in ((anna, "Anna"), (ben, "Ben")):
+            tab.goto(server.address)
+            press(tab, "tab", "Steer")
+            field(tab, "Your name").fill(name)
+            field(tab, "Your name").press("Tab")
+        choose(anna, "arm")
+        anna.get_by_text("as Anna").wait_for()
+        choose(ben, "arm")
+        ben.get_by_text("arm is steered by Anna; choose another robot").wait_for()
+        choose(ben, "other")
+        ben.get_by_text("as Ben").wait_for()
+
+        anna.keyboard.press("Enter")
+        anna.get_by_text(re.compile(r"step \d+ of 180")).wait_for()
+        world = page.steering.session.env.episode.world
+        before = {robot: world.position(f"{robot}.tcp") for robot in ("arm", "other")}
+        anna.keyboard.press("u")
+        ben.keyboard.press("o")
+        anna.get_by_text(re.compile(r"lag \d+ ms")).wait_for()
+        time.sleep(1.0)
+        assert world.position("arm.tcp")[2] > before["arm"][2] + 0.01
+        assert world.position("other.tcp")[2] < before["other"][2] - 0.01
+
+        ben.close()
+        anna.get_by_text("stands still, its person has left").wait_for()
+        anna.keyboard.press("Home")
+        anna.get_by_text(re.compile("Kept as touch")).wait_for()
+    (episode,) = load_dataset(tmp_path / "data")
+    assert episode.operators == ("Anna", "Ben")
+    assert {1} == set(episode.steered_by["arm"])
+    assert {2, -1} <= set(episode.steered_by["other"])
 
 
 def test_an_exported_episode_plays_from_the_disk(tab, touch, tmp_path, capsys):

@@ -40,19 +40,19 @@ def test_the_scene_is_shown_under_its_dotted_names(page_of, touch, server):
 
 def test_an_episode_is_played_paused_and_scrubbed(page_of, touch):
     page = page_of(touch)
-    page._ask(page._play)
-    turn(page, lambda: page._recording is not None and page._step >= 3)
-    recording = page._recording
+    page.ask(page.episode.play)
+    turn(page, lambda: page.episode.recording is not None and page.episode.step >= 3)
+    recording = page.episode.recording
     assert recording.rollout.success
-    assert len(page._charts) == 1  # one robot, so no force between robots
-    page._ask(page._play_or_pause)
-    turn(page, lambda: not page._playing)
-    page._ask(lambda: page._go_to(7, pause=True))
-    turn(page, lambda: page._step == 7)
-    assert "step 7 of 30" in page._outcome.content
-    assert re.search(r"Near.*cm, within 3 cm", page._lamps.content)
-    page._ask(lambda: page._go_to(1000, pause=True))
-    turn(page, lambda: page._step == recording.rollout.steps)
+    assert len(page.episode.charts) == 1  # one robot, so no force between robots
+    page.ask(page.episode.play_or_pause)
+    turn(page, lambda: not page.episode.playing)
+    page.ask(lambda: page.episode.go_to(7, pause=True))
+    turn(page, lambda: page.episode.step == 7)
+    assert "step 7 of 30" in page.episode.outcome.content
+    assert re.search(r"Near.*cm, within 3 cm", page.episode.lamps.content)
+    page.ask(lambda: page.episode.go_to(1000, pause=True))
+    turn(page, lambda: page.episode.step == recording.rollout.steps)
 
 
 def test_the_page_follows_its_files(page_of, touch, server):
@@ -67,59 +67,59 @@ def test_findings_stand_on_the_page_until_they_are_mended(page_of, touch, server
     page = page_of(touch)
     text = touch.read_text()
     touch.write_text(text.replace("model: panda", "model: pandaa"))
-    turn(page, lambda: "TB" in page._findings.content)
-    assert "touch.yaml" in page._findings.content.replace("\\", "")
-    assert ":5:" in page._findings.content
-    assert "panda" in page._findings.content
+    turn(page, lambda: "TB" in page.findings.content)
+    assert "touch.yaml" in page.findings.content.replace("\\", "")
+    assert ":5:" in page.findings.content
+    assert "panda" in page.findings.content
     assert "/scene/cube" in parts(server)  # what was there last is still to be seen
     touch.write_text(text)
-    turn(page, lambda: "No findings" in page._findings.content)
+    turn(page, lambda: "No findings" in page.findings.content)
 
 
 def test_a_task_with_errors_opens_and_shows_them(page_of, touch):
     touch.write_text(touch.read_text().replace("shape:", "shap:"))
     page = page_of(touch)
-    assert "shap" in page._findings.content
+    assert "shap" in page.findings.content
 
 
 def test_a_file_that_is_deleted_while_it_is_shown_is_a_finding(page_of, touch):
     page = page_of(touch)
     touch.with_suffix(".py").unlink()
-    turn(page, lambda: "No findings" not in page._findings.content)
+    turn(page, lambda: "No findings" not in page.findings.content)
 
 
 def test_an_expert_that_cannot_do_its_stages_is_told(page_of, touch):
     touch.write_text(touch.read_text().replace("[0.45, 0, 0.4]", "[3.0, 0, 0.4]"))
     page = page_of(touch)
-    page._ask(page._play)
-    turn(page, lambda: page._recording is not None)
-    assert "failed in stage 1" in page._recording.verdict()
+    page.ask(page.episode.play)
+    turn(page, lambda: page.episode.recording is not None)
+    assert "failed in stage 1" in page.episode.recording.verdict()
 
 
 def test_marks_are_switched_on_and_off(page_of, touch, server):
     page = page_of(touch)
     for word in ("frames", "sites", "cameras"):
-        page._boxes[word].value = True
-        page._ask(lambda word=word: page._switch(word))
+        page.scene.boxes[word].value = True
+        page.ask(lambda word=word: page.scene.switch(word))
     turn(page, lambda: {"/frames/lines", "/sites/lines", "/cameras/front"} <= parts(server))
-    assert len(page._pictures) == 1
-    page._boxes["cameras"].value = False
-    page._ask(lambda: page._switch("cameras"))
+    assert len(page.scene.pictures) == 1
+    page.scene.boxes["cameras"].value = False
+    page.ask(lambda: page.scene.switch("cameras"))
     turn(page, lambda: "/cameras/front" not in parts(server))
 
 
 def test_a_click_names_a_part_and_its_pose(page_of, touch):
     page = page_of(touch)
-    page._ask(lambda: page._pick("cube"))
-    turn(page, lambda: "yaml" in page._picked.content)
-    assert "position: [0.5, 0.2, 0.02]" in page._picked.content
+    page.ask(lambda: page.scene.pick("cube"))
+    turn(page, lambda: "yaml" in page.scene.picked.content)
+    assert "position: [0.5, 0.2, 0.02]" in page.scene.picked.content
 
 
 def test_requests_of_a_browser_that_floods_the_page_are_dropped(page_of, touch):
     page = page_of(touch)
     for _ in range(10_000):
-        page._ask(lambda: None)
-    turn(page, page._requests.empty)
+        page.ask(lambda: None)
+    turn(page, page.requests.empty)
 
 
 # --- the server

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import count, product
 
 import numpy as np
 
@@ -51,6 +51,9 @@ OPEN = 0.5
 LOST_STEPS = 2
 """Control steps without a grip after which a load counts as lost; one may be a bump."""
 
+BY_HAND = 0.05
+"""Tolerance of what people do by hand: metres, or rad for a joint that turns."""
+
 CORRECTIONS = 2
 """Maximum number of corrections for a load that has slipped in the gripper."""
 
@@ -69,6 +72,7 @@ class Executor:
         planner: Plans its motions.
         without: Robots that do not take part.
         seed: Seed of the planner.
+        steered: Robots that people steer; the executor waits until their orders are done.
 
     Attributes:
         encoder: Encodes commands as actions.
@@ -81,12 +85,14 @@ class Executor:
         planner: Planner,
         without: frozenset[str],
         seed: int,
+        steered: frozenset[str] = frozenset(),
     ) -> None:
         self.encoder = ActionEncoder(env)
         self.planning_s = 0.0
         self._env = env
         self._planner = planner
-        self._without = without
+        self._without = without | steered
+        self._steered = steered
         self._rng = np.random.default_rng([seed, 1])
         self._stopped: set[str] = set()
 
@@ -156,6 +162,8 @@ class Executor:
                 if self._env.episode.steps == begun:
                     return  # nothing moved, so another round would change nothing
         else:
+            theirs = {r: listed(o)[-1] for r, o in stage.items() if r in self._steered}
+            yield from self._await(phases(robot, order) for robot, order in theirs.items())
             yield from self._each({r: o for r, o in stage.items() if r not in self._without})
 
     def _each(self, orders: Mapping[str, Order | tuple[Order, ...]]) -> Iterator[Actions]:
@@ -172,19 +180,43 @@ class Executor:
 
     def _together(self, stage: Together) -> Iterator[Actions]:
         robots = tuple(robot for robot in stage.together if robot not in self._without)
-        if robots:
+        if self._steered.intersection(stage.together):
+            yield from self._await([[partial(bring, robots=stage.together, order=stage)]])
+        elif robots:
             name = " and ".join(robots)
             phase = partial(bring, robots=robots, order=stage)
             yield from self._act({name: deque([(stage, phase)])})
 
     def _wait(self, stage: Wait) -> Iterator[Actions]:
-        for _ in range(self._steps(stage.within)):
+        patience = count() if self._steered else range(self._steps(stage.within))
+        for _ in patience:
             if self._holds(stage.until):
                 return
             yield self.encoder.hold()
         if not self._holds(stage.until):
             message = f'"{stage.until}" did not become true within {stage.within:g} s'
             raise StageError(f"wait {stage}", "", "timed out", message)
+
+    def _await(self, people: Iterable[Sequence[Phase]]) -> Iterator[Actions]:
+        """Hold still until people have done what orders, given by their phases, lead to."""
+        waiting = list(people)
+        while not all(map(self._is_done, waiting)):
+            yield self.encoder.hold()
+
+    def _is_done(self, order: Sequence[Phase]) -> bool:
+        """Whether the last phase is done that concerns more than where a tool is."""
+        for phase in reversed(order):
+            try:
+                act = phase(self)
+            except NotHeldError:
+                return False
+            if isinstance(act, Grip):
+                return self._has_gripped(act)
+            if act is None or act.until:
+                return act is None or self._holds(act.until)
+            if act.subject:
+                return self._gap(act) <= max(act.tolerance or 0.0, BY_HAND)
+        return True
 
     def _holds(self, condition: str) -> bool:
         return self._env.episode.outcome.conditions[condition]

@@ -134,6 +134,19 @@ class Expert:
         """
         return self._begun().act(observations)
 
+    def leave_out(self, robots: Collection[str]) -> None:
+        """Leave robots to people from now on, and take back those that are not named.
+
+        The current stage begins again, and what is already done in it is skipped. In each stage,
+        the expert's robots hold still until the orders to the other robots are done: an object is
+        held or released, or is within 5 cm of its goal. They do not wait for a tool that is only
+        to be somewhere. Then they do their own, and what fails is tried again after a second.
+
+        Raises:
+            UsageError: No episode has begun.
+        """
+        self._begun().leave_out(frozenset(robots))
+
     def log(self) -> ScriptLog:
         """The log of the stages in the current episode.
 
@@ -185,8 +198,14 @@ class _Script:
         self._trouble: Trouble | None = None
 
     def reset(self, env: TaskEnv, seed: int) -> None:
-        self._executor = Executor(env, self._planner, self._without, seed)
-        self._actions = self._play()
+        self._seed = seed
+        self.leave_out(frozenset())
+
+    def leave_out(self, steered: frozenset[str]) -> None:
+        """Play on from the current stage, without robots that people steer."""
+        self._trouble, self._steered = None, steered
+        self._executor = Executor(self._env, self._planner, self._without, self._seed, steered)
+        self._actions = self._play(len(self._ends))
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
         episode = self._env.episode
@@ -200,17 +219,14 @@ class _Script:
             self._note(self._out_of_time())
         return ScriptLog(tuple(self._ends), self._trouble, self._executor.planning_s)
 
-    def _play(self) -> Iterator[Actions]:
-        """Yield the actions of the episode."""
-        for number, stage in enumerate(self._stages, start=1):
+    def _play(self, done: int) -> Iterator[Actions]:
+        """Yield the actions of the episode, after the stages that are done."""
+        for number, stage in enumerate(self._stages[done:], start=done + 1):
             self._stage = number
             try:
-                yield from self._executor.play(stage)
+                yield from self._attempts(stage)
             except StageError as error:
-                steps = self._env.episode.steps
-                self._note(
-                    Trouble(number, error.order, error.robot, error.cause, str(error), steps)
-                )
+                self._note(self._trouble_of(error))
                 if self._persist and not self._env.episode.over:
                     continue
                 break
@@ -219,6 +235,29 @@ class _Script:
         self._stage = 0
         while self._finish is True or (self._finish and not self._is_decided):
             yield self._executor.encoder.hold()
+
+    def _attempts(self, stage: ExpertStage) -> Iterator[Actions]:
+        """Play a stage; beside people, try it again until what they do lets it succeed.
+
+        Raises:
+            StageError: It cannot be done, and nobody steers.
+        """
+        while True:
+            try:
+                yield from self._executor.play(stage)
+            except StageError as error:
+                if not self._steered or self._env.episode.over:
+                    raise
+                self._trouble = self._trouble_of(error)
+                for _ in range(self._env.task.file.spec.timing.control_hz):
+                    yield self._executor.encoder.hold()
+            else:
+                self._trouble = None if self._steered else self._trouble
+                return
+
+    def _trouble_of(self, error: StageError) -> Trouble:
+        steps = self._env.episode.steps
+        return Trouble(self._stage, error.order, error.robot, error.cause, str(error), steps)
 
     @property
     def _is_decided(self) -> bool:

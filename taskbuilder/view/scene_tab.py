@@ -1,0 +1,113 @@
+"""The tab of the scene: what is drawn around it, and what a click says of a part of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskbuilder.errors import TaskbuilderError
+from taskbuilder.task import Task
+from taskbuilder.view.scene import BrowserScene, camera_pictures, look_from, switches
+from taskbuilder.view.words import plain, pose_yaml
+from taskbuilder.world.building import build_world
+from taskbuilder.world.visible import LinkPoses
+from taskbuilder.world.world import World
+
+Ask = Callable[[Callable[[], None]], None]
+"""Has something done in the thread of the page."""
+
+
+class SceneTab:
+    """Shows a world, and switches what is drawn around it.
+
+    Args:
+        server: The server of viser.
+        tab: The container that the controls stand in.
+        ask: Has something done in the thread of the page.
+
+    Attributes:
+        world: The world that is shown, in its initial state; None if there is none.
+        variation: Number of its variation.
+    """
+
+    def __init__(self, server: Any, tab: Any, ask: Ask) -> None:
+        self.world: World | None = None
+        self.variation = 0
+        self._server = server
+        self._scene = BrowserScene(server, lambda name: ask(lambda: self.pick(name)))
+        gui = server.gui
+        with tab:
+            self.boxes = {
+                word: gui.add_checkbox(word.capitalize(), initial_value=on)
+                for word, on in switches().items()
+            }
+            self.pictures: list[Any] = []
+            self._picture_folder = gui.add_folder("What cameras see", visible=False)
+            self.picked = gui.add_markdown("Click a part of the scene to see its name and pose.")
+        for word, box in self.boxes.items():
+            box.on_update(lambda _, word=word: ask(lambda: self.switch(word)))
+
+    def show(self, task: Task, variation: int, seed: int) -> None:
+        """Show the initial state of an episode.
+
+        Args:
+            task: The task.
+            variation: Number of the variation; that of the last one for numbers beyond.
+            seed: Seed of the episode.
+
+        Raises:
+            TaskbuilderError: The scene cannot be built, or its objects do not fit.
+        """
+        first = self.world is None
+        self.close()
+        self.variation = min(variation, len(task.file.scenes) - 1)
+        self.world = build_world(task.file, variation=self.variation)
+        self.world.reset(seed)
+        if first:
+            look_from(self._server, self.world)
+        self._scene.show(self.world)
+        self.place(LinkPoses(self.world).now())
+        for word, box in self.boxes.items():
+            if box.value:
+                self.switch(word)
+
+    def close(self) -> None:
+        """Free the world that is shown."""
+        if self.world is not None:
+            self.world.close()
+            self.world = None
+
+    def place(self, poses: NDArray[np.float32]) -> None:
+        """Put the links where they are; see `LinkPoses.now`."""
+        self._scene.place(poses)
+
+    def pick(self, name: str) -> None:
+        """Say what a part of the scene is called, and where it is in the initial state."""
+        if self.world is None:
+            return
+        try:
+            pose = self.world.pose(name)
+        except (TaskbuilderError, KeyError):
+            self.picked.content = f"**{plain(name)}**"
+            return
+        self.picked.content = f"**{plain(name)}**\n\n{pose_yaml(name, pose)}"
+
+    def switch(self, word: str) -> None:
+        """Draw what a switch is for, or remove it."""
+        on = self.boxes[word].value and self.world is not None
+        self._scene.switch(word, self.world if on else None)
+        if word == "cameras":
+            self._show_pictures(self.world if on else None)
+
+    def _show_pictures(self, world: World | None) -> None:
+        for picture in self.pictures:
+            picture.remove()
+        shown = camera_pictures(world) if world is not None else {}
+        self._picture_folder.visible = bool(shown)
+        with self._picture_folder:
+            self.pictures = [
+                self._server.gui.add_image(picture, label=name) for name, picture in shown.items()
+            ]

@@ -1,0 +1,310 @@
+"""The tab in which people steer robots: each in a browser window, which steers at most one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from taskbuilder.errors import TaskbuilderError, display_path
+from taskbuilder.geometry import Pose
+from taskbuilder.steering.operator import GRIP, KEYS, Operator
+from taskbuilder.steering.session import Session, State
+from taskbuilder.view.scene_tab import Ask
+from taskbuilder.view.words import keys_table, plain, steered
+
+NOBODY = "none"
+BEGIN, KEEP, AGAIN = "Begin", "Keep", "Discard and try again"
+BUTTONS = {BEGIN: "enter", KEEP: "home", AGAIN: "backspace"}
+"""The buttons of the tab, and the key of each in windows that steer."""
+
+NO_TASK = "the task has errors; see the tab Findings"
+
+MOST_NAME = 40
+"""Longest name of a person, in letters."""
+
+
+class Window:
+    """A browser window: the robot that its person steers, and the keys and the gizmo for it.
+
+    Args:
+        client: The client of viser.
+        robots: The robots of the task.
+        tab: The container that the controls stand in.
+        take: Called with the name of a robot, or `NOBODY`, when it is chosen.
+        do: Called with the name of a button whose key was pressed.
+        ask: Has something done in the thread of the page.
+    """
+
+    def __init__(
+        self,
+        client: Any,
+        robots: tuple[str, ...],
+        tab: Any,
+        take: Callable[[str], None],
+        do: Callable[[str], None],
+        ask: Ask,
+    ) -> None:
+        self.client, self._ask, self._do = client, ask, do
+        self._keys: list[Any] = []
+        self._gizmo: Any = None
+        self._dragged = False
+        self._steered = ""
+        with tab:
+            self._name = client.gui.add_text("Your name", initial_value="", order=0.1)
+            self._robot = client.gui.add_dropdown(
+                "You steer", (NOBODY, *robots), initial_value=NOBODY, order=0.2
+            )
+            self._words = client.gui.add_markdown("", order=0.3)
+        self._controls = [self._name, self._robot, self._words]
+        self._robot.on_update(lambda event: self._chosen(event, take))
+
+    def _chosen(self, event: Any, take: Callable[[str], None]) -> None:
+        """A robot was chosen; only if a person did it, not the page itself."""
+        if event.client is not None:
+            self._ask(partial(take, self._robot.value))
+
+    @property
+    def name(self) -> str:
+        """The name of the person, on one line; "" if it was not given."""
+        return " ".join("".join(c for c in self._name.value if c.isprintable()).split())[:MOST_NAME]
+
+    @property
+    def robot(self) -> str:
+        """The robot that is steered by this window's keys, or ""."""
+        return self._steered
+
+    def say(self, words: str) -> None:
+        """Show a text to this person alone."""
+        self._words.content = words
+
+    def steer(self, operator: Operator | None, robot: str = "") -> None:
+        """Steer a robot by this window's keys and gizmo, or none."""
+        for each in (*self._keys, self._gizmo):
+            if each is not None:
+                each.remove()
+        self._keys, self._gizmo, self._dragged = [], None, False
+        self._steered = robot
+        self._robot.value = robot or NOBODY
+        if operator is None:
+            return
+        add = self.client.gui.add_command
+        for key, jog in KEYS.items():
+            for fine in (False, True) if key != GRIP else (False,):
+                command = add(
+                    f"{robot}: {jog.words}{', a little' * fine}",
+                    hotkey=key,
+                    modifier="shift" if fine else None,
+                )
+                press = partial(self._press, operator, key, fine=fine)
+                command.on_trigger(lambda _, press=press: self._ask(press))
+                self._keys.append(command)
+        for label, hotkey in BUTTONS.items():
+            command = add(label, hotkey=hotkey)
+            command.on_trigger(lambda _, label=label: self._ask(lambda: self._do(label)))
+            self._keys.append(command)
+        self._gizmo = self.client.scene.add_transform_controls(
+            "/steered_tool", scale=0.2, depth_test=False
+        )
+        self._gizmo.on_update(partial(self._dragging, operator))
+
+    def close(self) -> None:
+        """Remove the controls; the window itself may be gone."""
+        for each in (*self._keys, *self._controls, self._gizmo):
+            if each is not None:
+                each.remove()
+
+    def follow(self, tool: Pose) -> None:
+        """Put the gizmo where the tool is, unless it is being dragged."""
+        if self._gizmo is not None and not self._dragged:
+            x, y, z, w = tool.quaternion
+            self._gizmo.position, self._gizmo.wxyz = tool.position, (w, x, y, z)
+
+    def _press(self, operator: Operator, key: str, *, fine: bool) -> None:
+        operator.press(key, heading=self._heading(), fine=fine)
+
+    def _heading(self) -> float:
+        """Direction in which this window looks at the scene, about the vertical from x, in rad."""
+        camera = self.client.camera
+        x, y, _ = camera.look_at - camera.position
+        return math.atan2(y, x)
+
+    def _dragging(self, operator: Operator, event: Any) -> None:
+        (x, y, z), (w, qx, qy, qz) = event.target.position.tolist(), event.target.wxyz.tolist()
+        tool = Pose((x, y, z), (qx, qy, qz, w))
+        ends = event.phase == "end"
+
+        def drag() -> None:
+            self._dragged = not ends
+            operator.drag(tool)
+
+        self._ask(drag)
+
+
+class SteeringTab:
+    """Lets people steer the robots of a task, and records what they do.
+
+    Args:
+        server: The server of viser.
+        tab: The container that the controls stand in.
+        ask: Has something done in the thread of the page.
+        begin: Begins an episode of the session with what is chosen on the page.
+
+    Attributes:
+        session: The session, or None.
+    """
+
+    def __init__(
+        self, server: Any, tab: Any, *, ask: Ask, begin: Callable[[Session, int | None], None]
+    ) -> None:
+        self._server, self._tab, self._ask, self._begin = server, tab, ask, begin
+        self.session: Session | None = None
+        self._windows: dict[int, Window] = {}
+        self._due = 0.0
+        self._said = ""
+        gui = server.gui
+        with tab:
+            self._status = gui.add_markdown("")
+            buttons = gui.add_button_group("", tuple(BUTTONS))
+            gui.add_markdown(keys_table(KEYS, BUTTONS))
+        buttons.on_click(lambda _: ask(partial(self._do, buttons.value)))
+
+    # --- the task
+
+    def show(self, session: Session | None, why_not: str = NO_TASK) -> None:
+        """Steer the robots of a session from now on.
+
+        Args:
+            session: The session, or None.
+            why_not: Why there is none.
+        """
+        self.close()
+        for window in self._windows.values():
+            window.close()
+        self._windows = {}
+        self.session, self._said = session, "" if session else f"✗ {plain(why_not)}"
+        self._say()
+
+    def close(self) -> None:
+        """End the session; an episode that has succeeded is kept."""
+        if self.session is not None:
+            self.session.close()
+            self.session = None
+
+    @property
+    def runs(self) -> bool:
+        """Whether an episode runs."""
+        return self.session is not None and self.session.state == State.RUNNING
+
+    def advance(self, now: float) -> float:
+        """Run a control step if it is due.
+
+        Args:
+            now: Seconds of a clock that never goes back.
+
+        Returns:
+            When the next one is due, or infinity.
+
+        Raises:
+            TaskbuilderError: The player cannot go on; the episode is discarded.
+        """
+        session = self.session
+        if session is None:
+            return math.inf
+        self._follow_clients(session)
+        if session.state != State.RUNNING or session.env is None:
+            return math.inf
+        if now >= self._due:
+            self._due = max(self._due + 1.0 / session.control_hz, now)
+            try:
+                session.step()
+            except TaskbuilderError:
+                session.discard()
+                raise
+            finally:
+                self._say()
+                self._follow_tools(session)
+        return self._due
+
+    # --- people
+
+    def _follow_clients(self, session: Session) -> None:
+        """Give each new window its controls, and let the robots of closed ones stand still."""
+        clients = self._server.get_clients()
+        for number in self._windows.keys() - clients.keys():
+            self._windows.pop(number)
+            session.steering.leave(number)
+        for number in clients.keys() - self._windows.keys():
+            self._windows[number] = Window(
+                clients[number],
+                session.steering.robots,
+                self._tab,
+                partial(self._take, number),
+                self._do,
+                self._ask,
+            )
+
+    def _take(self, number: int, robot: str) -> None:
+        """A person chose a robot; another person may have it."""
+        session, window = self.session, self._windows.get(number)
+        if session is None or window is None or robot == window.robot:
+            return
+        steering = session.steering
+        if robot == NOBODY:
+            steering.let_go(number)
+            window.steer(None)
+            window.say("")
+            return
+        try:
+            operator = steering.take(number, robot, window.name)
+        except TaskbuilderError as error:
+            window.steer(None)
+            steering.let_go(number)
+            window.say(f"✗ {plain(str(error))}")
+            return
+        window.steer(operator, robot)
+        window.say(f"You steer **{plain(robot)}** as {plain(operator.name)}.")
+        self._follow_tools(session)
+
+    def _follow_tools(self, session: Session) -> None:
+        if session.env is None:
+            return
+        world = session.env.episode.world
+        for window in self._windows.values():
+            if window.robot in world.robots:
+                window.follow(world.pose(f"{window.robot}.tcp"))
+
+    # --- episodes
+
+    def _do(self, label: str) -> None:
+        """What a button or its key does."""
+        session = self.session
+        if session is None:
+            return
+        try:
+            self._said = self._done(session, label)
+        except TaskbuilderError as error:
+            self._said = f"✗ {plain(str(error))}"
+        self._say()
+
+    def _done(self, session: Session, label: str) -> str:
+        if label == KEEP:
+            name = session.keep()
+            return f"Kept as {plain(name)}." if name else "Kept, but not recorded."
+        again = session.discard() if label == AGAIN else None
+        if label == AGAIN and again is None:
+            return "There is no episode that could be discarded."
+        if session.state != State.RUNNING:
+            self._begin(session, again)
+            self._due = 0.0
+            self._follow_tools(session)
+        return ""
+
+    def _say(self) -> None:
+        session = self.session
+        if session is None:
+            self._status.content = self._said
+            return
+        where = display_path(session.folder) if session.folder else ""
+        self._status.content = "\n\n".join(filter(None, (steered(session, where), self._said)))
