@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from generators.results import RESULTS
+from taskbuilder import load_suite
 from taskbuilder.errors import UnknownNameError
 from taskbuilder.evaluation.certificate import read_certificate
 from taskbuilder.evaluation.verification import compare_seals
@@ -19,6 +20,9 @@ from taskbuilder.task import Task, load_task
 CERTIFICATES = RESULTS / "certificates"
 VERIFIED = "verified.json"
 """Who has verified which certificate: lists of ``by``, ``processor`` and ``date``, by its path."""
+
+BY_ROBOTS = ("single", "pairs", "trios", "quads")
+"""The suites that have all tasks between them."""
 
 _SEES = {
     "scene": "The policies observe the whole scene",
@@ -60,6 +64,28 @@ def rows(_: str) -> str:
         rows = [_row(each, verified.get(each.path, [])) for each in entries]
         parts += [f"{compared}:", table(head, rows)]
     return "\n\n".join(parts)
+
+
+def best(task: str) -> str:
+    """The certificate of a task with the most success at the last step, or how to make one."""
+    files = sorted(CERTIFICATES.glob(f"{task}-*.json"))
+    entries = [one for one in map(entry, files) if one.data["task"] == task]
+    if not entries:
+        suites = {suite: load_suite(suite, catalogue=Catalogue()) for suite in BY_ROBOTS}
+        suite = next(name for name, each in suites.items() if task in each.tasks)
+        return (
+            "None yet. This trains policies by the rules of the [benchmark](../benchmark.md), and "
+            "certifies them:\n\n"
+            f"```\ntaskbuilder benchmark {suite} --only {task} --algorithm bc --out bench/bc\n```"
+        )
+    top = max(entries, key=lambda each: each.data["results"]["success_at_end_rate"])
+    results, path = top.data["results"], f"benchmarks/results/certificates/{top.path}"
+    share = _share(results["success_at_end_rate"], results["interval_at_end"])
+    return (
+        f"`{top.data['policy']}` succeeds at the last step in {share} of {len(top.data['seeds'])} "
+        "episodes. The [leaderboard](../leaderboard.md) has all policies. This plays its episodes "
+        f"again, and compares them:\n\n```\ntaskbuilder evaluate --verify {path}\n```"
+    )
 
 
 def _compared(found: Entry) -> str:

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from generators import results
+from generators import leaderboard, results
 from generators.expressions import expression
 from generators.stages import numbered
 from taskbuilder import load_suite
@@ -178,6 +178,8 @@ def _sections(task: Task) -> Iterator[str]:
         yield f"![The reward while the expert plays](../images/{name}-rewards.png)"
     yield "## Proof"
     yield results.proof(name)
+    yield "## Best policy so far"
+    yield leaderboard.best(name)
     yield "## Files"
     shapes = (thing.shape.urdf for thing in spec.scene.objects.values() if thing.shape)
     urdfs = dict.fromkeys(file for file in shapes if file)
