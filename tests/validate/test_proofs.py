@@ -234,6 +234,12 @@ class TestPays:
         assert (finding.code, finding.path) == ("TB551", "reward.mean")
         assert "paid inf" in finding.message
 
+    def test_an_expert_that_never_succeeds_proves_nothing(self, prove):
+        report = prove(("episode_steps: 30", "episode_steps: 2"), only=(PAYS,), seeds=2)
+        (finding,) = report.findings
+        assert (finding.code, finding.path) == ("TB531", "expert")
+        assert "the expert succeeds from no seed" in finding.message
+
     def test_ending_the_episode_early_ends_costs(self, prove):
         ends = ("episode_steps: 30", "episode_steps: 30, ends_on: [failure]")
         costly = (

@@ -39,10 +39,11 @@ from taskbuilder.validate.checks.rivals import (
     closeness,
     mean,
 )
+from taskbuilder.validate.checks.solvable import LEAST
 from taskbuilder.validate.checks.training_signals import check_training_signals
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
-from taskbuilder.validate.locate import finding_in_description
+from taskbuilder.validate.locate import finding_in_description, finding_in_file
 from taskbuilder.validate.playing import (
     DISCOUNT,
     LARGEST,
@@ -101,6 +102,8 @@ def pays_family(context: Context) -> FamilyResult:
     results = [bounded]
     if bounded[0].ok and plays.get(EXPERT):
         results += _compared(context, beside)
+    elif bounded[0].ok and context.has_expert:
+        results.append(_no_success(context))
     signals = list(check_training_signals(context))
     results += signals
     checks = tuple(check for check, _ in results)
@@ -112,9 +115,21 @@ def pays_family(context: Context) -> FamilyResult:
         summary = f"not so: {', '.join(wrong)}"
     elif plays.get(EXPERT):
         summary = _summary(beside)
+    elif context.has_expert:
+        summary = "the expert never succeeds"
     else:
         summary = ", ".join(f"{probe.baseline} {mean(probe.returns):.1f}" for probe in probes)
     return FamilyResult(NAME, checks, findings, summary, probes=probes)
+
+
+def _no_success(context: Context) -> Result:
+    """The expert has not succeeded once, as can be where the family "solvable" was left out."""
+    message = (
+        "the expert succeeds from no seed, so that there is no return to compare with; the family "
+        "solvable says why it fails"
+    )
+    check = Check("TB531", "the expert succeeds", False, 0.0, LEAST, "share")
+    return check, [finding_in_file(context.task, "TB531", message, "expert")]
 
 
 def _judged_sorts(context: Context) -> tuple[Sort, ...]:
