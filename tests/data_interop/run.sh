@@ -23,5 +23,6 @@ for library in "$@"; do
   [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
   # shellcheck disable=SC2086  # two packages are two words
   "$venv/bin/pip" install --quiet ".[data,render]" pytest $packages -c "$here/constraints.txt"
-  "$venv/bin/python" -m pytest -q -c /dev/null --rootdir "$here" -p no:cacheprovider "$here"
+  "$venv/bin/python" -m pytest -q -c /dev/null --rootdir "$here" \
+    --confcutdir tests/data_interop -p no:cacheprovider "$here"
 done
