@@ -49,6 +49,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "fingers": robots.fingers,
     "gallery": tasks.gallery,
     "holding": results.holding,
+    "install_sizes": results.install_sizes,
     "imports": imports.files,
     "keys": keys.table,
     "household": objects.household,

@@ -183,3 +183,20 @@ def read(name: str) -> Any:
 def signed(value: float, digits: int = 1) -> str:
     """A number with a true minus."""
     return f"{value:.{digits}f}".replace("-", "−")
+
+
+def install_sizes(_: str) -> str:
+    """The sizes of fresh installations."""
+    found = json.loads((RESULTS / "install_size.json").read_text(encoding="utf-8"))
+    rows = [
+        [
+            name,
+            f"{each['mb']} MB",
+            str(each.get("packages", "")),
+            ", ".join(f"{package} {mb}" for package, mb in each.get("largest", {}).items()),
+        ]
+        for name, each in found["environments"].items()
+    ]
+    head = ["environment", "size", "packages", "largest packages, MB"]
+    about = f"Measured on Linux with Python {found['python']} by `{found['command']}`:"
+    return f"{about}\n\n{table(head, rows)}"

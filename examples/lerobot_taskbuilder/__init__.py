@@ -1,4 +1,4 @@
-"""Evaluate a LeRobot policy on a task by LeRobot's own command (LeRobot 0.4).
+"""Evaluate a LeRobot policy on a task by LeRobot's own command (LeRobot 0.6).
 
 LeRobot imports this package and finds the environment type ``taskbuilder`` in it:
 

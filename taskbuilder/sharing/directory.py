@@ -9,7 +9,7 @@ from secrets import token_hex
 
 from taskbuilder.arrays import StoreError
 from taskbuilder.data.layout import LARGEST_FILE
-from taskbuilder.errors import UnknownNameError, UsageError, display_path
+from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.files import write_whole
 from taskbuilder.sharing.bundles import Bundle
 from taskbuilder.sharing.manifest import FOLDERS, Manifest, read_manifest
@@ -136,8 +136,3 @@ def copy(root: Path, manifest: Manifest, to: Path, where: str) -> None:
             raise StoreError(f"{wrong}: {said}; {advice}") from None
         if copied != digest:
             raise StoreError(f"{wrong}: {excerpt(name)} was changed; {advice}")
-
-
-def display(root: Path) -> str:
-    """What a directory is called in messages."""
-    return display_path(root)

@@ -30,6 +30,9 @@ _SETTINGS = {
     "LC_ALL": "C",
 }
 
+_OTHERS = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE")
+"""Variables that lead to another repository, as within a hook."""
+
 
 def is_repository(place: str) -> bool:
     """Whether a place is a git repository: an address, or a bare repository on this machine."""
@@ -174,9 +177,10 @@ def _git(doing: str, *words: str) -> str:
     if program is None:
         raise UsageError(f"git is not installed, and without it nobody can {doing}")
     settings = ("-c", "core.autocrlf=false", "-c", "core.hooksPath=/dev/null")
+    inherited = {name: value for name, value in os.environ.items() if name not in _OTHERS}
     ran = subprocess.run(
         [program, *settings, *words],
-        env={**os.environ, **_SETTINGS},
+        env={**inherited, **_SETTINGS},
         capture_output=True,
         stdin=subprocess.DEVNULL,
         check=False,

@@ -11,6 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lerobot.datasets.lerobot_dataset import LeRobotDataset
+from lerobot.envs import utils
+from lerobot.envs.factory import make_env
+from lerobot.policies.act.modeling_act import ACTPolicy
+from lerobot.policies.factory import make_pre_post_processors
+from lerobot.processor import PolicyProcessorPipeline
+from lerobot.scripts.lerobot_eval import eval_policy
 
 from taskbuilder import load_dataset
 
@@ -38,12 +44,12 @@ def exported(export):
 
 @pytest.fixture(scope="module")
 def checkpoint(exported, tmp_path_factory):
-    """What LeRobot's own command trained in a few steps."""
+    """What LeRobot's own command trained in 200 steps."""
     out = tmp_path_factory.mktemp("trained") / "act"
     words = [f"--dataset.repo_id={NAME}", f"--dataset.root={exported}", "--policy.type=act"]
     words += [f"--policy.{name}={value}" for name, value in SMALL.items()]
     words += [f"--dataset.video_backend={DECODER}"]
-    words += ["--batch_size=4", "--steps=5", "--num_workers=0", "--log_freq=1", "--eval_freq=0"]
+    words += ["--batch_size=2", "--steps=200", "--num_workers=0", "--log_freq=50"]
     said = lerobot("lerobot_train", *words, f"--output_dir={out}", "--wandb.enable=false")
     assert "loss:" in said
     return out / "checkpoints" / "last" / "pretrained_model"
@@ -94,3 +100,21 @@ def test_its_evaluation_plays_the_policy(checkpoint, tmp_path):
     result = json.loads((tmp_path / "eval" / "eval_info.json").read_text())
     assert 0.0 <= result["overall"]["pc_success"] <= 100.0
     assert result["overall"]["n_episodes"] == 2
+
+
+def test_its_evaluation_plays_the_policy_in_the_environment_of_the_data_set(
+    checkpoint, exported, monkeypatch
+):
+    """LeRobot gets env.py from the Hub, whose client finds it here in the exported folder."""
+    monkeypatch.setattr(utils, "hf_hub_download", lambda filename, **_: str(exported / filename))
+    (env,) = make_env("taskbuilder/policy", n_envs=2, trust_remote_code=True)[
+        "taskbuilder"
+    ].values()
+    policy = ACTPolicy.from_pretrained(checkpoint)
+    policy.eval()
+    before, after = make_pre_post_processors(policy.config, pretrained_path=str(checkpoint))
+    none = PolicyProcessorPipeline(steps=[])
+    result = eval_policy(env, policy, none, none, before, after, n_episodes=2, start_seed=0)
+    assert result["aggregated"]["pc_success"] in (0.0, 50.0, 100.0)
+    assert [each["seed"] for each in result["per_episode"]] == [0, 1]
+    env.close()
