@@ -38,7 +38,7 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         "agent_tools",
-        *("view", "steering", "validate", "bench", "benchmark", "learn", "evaluation", "importing"),
+        *("view", "steering", "multiplying", "validate", "bench", "benchmark", "learn", "evaluation", "importing"),
         *("trials", "visual", "expert"),
         *(
             "policies",
@@ -73,6 +73,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "env",
             "files",
         ),
+        *SIMULATED,
+    ),
+    "multiplying": (
+        *("data", "policies", "expert", "rollout", "env", "arrays", "digests", "processes"),
         *SIMULATED,
     ),
     "steering": (
