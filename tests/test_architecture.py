@@ -75,12 +75,12 @@ LAYERS: dict[str, tuple[str, ...]] = {
         ),
         *SIMULATED,
     ),
-    "multiplying": (
-        *("data", "policies", "expert", "rollout", "env", "arrays", "digests", "processes"),
-        *SIMULATED,
-    ),
     "steering": (
         *("data", "policies", "expert", "rollout", "env", "arrays"),
+        *SIMULATED,
+    ),
+    "multiplying": (
+        *("data", "policies", "expert", "rollout", "env", "arrays", "digests", "processes"),
         *SIMULATED,
     ),
     "validate": (
