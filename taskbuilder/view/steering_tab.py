@@ -98,7 +98,7 @@ class Window:
             command.on_trigger(lambda _, label=label: self._ask(lambda: self._do(label)))
             self._keys.append(command)
         self._gizmo = self.client.scene.add_transform_controls(
-            "/steered_tool", scale=0.2, depth_test=False
+            "/steered_tool", scale=0.2, depth_test=False, visible=False
         )
         self._gizmo.on_update(partial(self._dragging, operator))
 
@@ -113,6 +113,7 @@ class Window:
         if self._gizmo is not None and not self._dragged:
             x, y, z, w = tool.quaternion
             self._gizmo.position, self._gizmo.wxyz = tool.position, (w, x, y, z)
+            self._gizmo.visible = True
 
     def _press(self, operator: Operator, key: str, *, fine: bool) -> None:
         operator.press(key, heading=self._heading(), fine=fine)
@@ -228,6 +229,7 @@ class SteeringTab:
         for number in self._windows.keys() - clients.keys():
             self._windows.pop(number)
             session.steering.leave(number)
+            self._say()
         for number in clients.keys() - self._windows.keys():
             self._windows[number] = Window(
                 clients[number],
@@ -243,22 +245,19 @@ class SteeringTab:
         session, window = self.session, self._windows.get(number)
         if session is None or window is None or robot == window.robot:
             return
-        steering = session.steering
-        if robot == NONE:
-            steering.let_go(number)
-            window.steer(None)
-            window.say("")
-            return
-        try:
-            operator = steering.take(number, robot, window.name)
-        except TaskbuilderError as error:
-            window.steer(None)
-            steering.let_go(number)
-            window.say(f"✗ {plain(str(error))}")
-            return
-        window.steer(operator, robot)
-        window.say(f"You steer **{plain(robot)}** as {plain(operator.name)}.")
+        session.steering.let_go(number)
+        window.steer(None)
+        window.say("")
+        if robot != NONE:
+            try:
+                operator = session.steering.take(number, robot, window.name)
+            except TaskbuilderError as error:
+                window.say(f"✗ {plain(str(error))}")
+            else:
+                window.steer(operator, robot)
+                window.say(f"You steer **{plain(robot)}** as {plain(operator.name)}.")
         self._follow_tools(session)
+        self._say()
 
     def _follow_tools(self, session: Session) -> None:
         if session.env is None:
