@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from taskbuilder.geometry import Pose, norm, subtract
-from taskbuilder.multiplying.demonstration import Demonstration, Milestone
+from taskbuilder.multiplying.demonstration import Milestone, ReplayedDemonstration
 
 WORLD = ""
 """The frame of anchors at which a tool is where it was in the demonstration."""
@@ -69,7 +69,7 @@ class Hold:
     end: int
 
 
-def holds_of(demonstration: Demonstration, robot: str) -> list[Hold]:
+def holds_of(demonstration: ReplayedDemonstration, robot: str) -> list[Hold]:
     """The times in which a robot holds an object; short interruptions do not count."""
     holds: list[Hold] = []
     for step, load in enumerate(demonstration.held[robot]):
@@ -83,7 +83,7 @@ def holds_of(demonstration: Demonstration, robot: str) -> list[Hold]:
     return [hold for hold in holds if hold.end - hold.begin >= SHORTEST_HOLD]
 
 
-def anchors_of(demonstration: Demonstration, robot: str) -> tuple[Anchor, ...]:
+def anchors_of(demonstration: ReplayedDemonstration, robot: str) -> tuple[Anchor, ...]:
     """The anchors of a robot's tool, in order, from the first control step on."""
     holds = [hold for each in demonstration.robots for hold in holds_of(demonstration, each)]
     made = [Anchor(0, 0, WORLD)]
@@ -99,7 +99,7 @@ def anchors_of(demonstration: Demonstration, robot: str) -> tuple[Anchor, ...]:
     return tuple(_in_order(made))
 
 
-def _grasp(demonstration: Demonstration, hold: Hold, holds: Sequence[Hold]) -> Anchor:
+def _grasp(demonstration: ReplayedDemonstration, hold: Hold, holds: Sequence[Hold]) -> Anchor:
     """The anchor at which an object is taken; it lasts until all have it that lift it together."""
     begin, _ = _around(demonstration.tools[hold.robot], hold.begin)
     carried = any(
@@ -113,7 +113,7 @@ def _grasp(demonstration: Demonstration, hold: Hold, holds: Sequence[Hold]) -> A
     return Anchor(begin, last + 1, hold.load, fixed)
 
 
-def _lift_together(demonstration: Demonstration, hold: Hold, other: Hold) -> bool:
+def _lift_together(demonstration: ReplayedDemonstration, hold: Hold, other: Hold) -> bool:
     """Whether two robots take an object one after the other before it moves."""
     if hold.load != other.load or hold.begin > other.end or other.begin > hold.end:
         return False
@@ -121,7 +121,9 @@ def _lift_together(demonstration: Demonstration, hold: Hold, other: Hold) -> boo
     return _rests(poses, hold.begin, other.begin)
 
 
-def _passed_on(demonstration: Demonstration, hold: Hold, holds: Sequence[Hold]) -> Iterator[Anchor]:
+def _passed_on(
+    demonstration: ReplayedDemonstration, hold: Hold, holds: Sequence[Hold]
+) -> Iterator[Anchor]:
     """The times at which another robot takes what one holds: both are where they were."""
     for other in holds:
         if other.load != hold.load or other.robot == hold.robot:
@@ -135,7 +137,7 @@ def _passed_on(demonstration: Demonstration, hold: Hold, holds: Sequence[Hold]) 
 
 
 def _reached(
-    demonstration: Demonstration, robot: str, milestone: Milestone, holds: Sequence[Hold]
+    demonstration: ReplayedDemonstration, robot: str, milestone: Milestone, holds: Sequence[Hold]
 ) -> Iterator[Anchor]:
     """The anchor of a robot at a stage: where it brings its load, or what it touches."""
     step = min(milestone.step, demonstration.steps)
@@ -165,7 +167,7 @@ def _reached(
         yield _put_down(demonstration, own, at, nearest)
 
 
-def _put_down(demonstration: Demonstration, hold: Hold, at: int, place: str) -> Anchor:
+def _put_down(demonstration: ReplayedDemonstration, hold: Hold, at: int, place: str) -> Anchor:
     """The anchor at which an object comes to a place."""
     begin, _ = _around(demonstration.frames[hold.load], at)
     _, end = _around(demonstration.tools[hold.robot], at)

@@ -30,7 +30,7 @@ class Milestone:
 
 
 @dataclass(frozen=True)
-class Demonstration:
+class ReplayedDemonstration:
     """An episode that was played again, to see where everything is.
 
     All lists have an entry for the state after the reset, and one for each control step.
@@ -66,17 +66,17 @@ class Demonstration:
         return tuple(self.tools)
 
 
-def demonstration_of(env: TaskEnv, episode: RecordedEpisode) -> Demonstration:
+def demonstration_of(env: TaskEnv, episode: RecordedEpisode) -> ReplayedDemonstration:
     """Play an episode of a data set again.
 
     Args:
         env: The environment of its variation.
         episode: The episode.
     """
-    watch = _Watch()
+    watch = _PoseRecorder()
     rollout = play(env, RecordedActions(episode.actions), episode.seed, watch=watch)
     description = env.task.description
-    return Demonstration(
+    return ReplayedDemonstration(
         name=episode.name,
         variation=episode.variation,
         tools=watch.tools,
@@ -88,7 +88,7 @@ def demonstration_of(env: TaskEnv, episode: RecordedEpisode) -> Demonstration:
     )
 
 
-class _Watch:
+class _PoseRecorder:
     """Notes where everything is, after the reset and after each control step."""
 
     def __init__(self) -> None:

@@ -15,7 +15,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.expert.planning.reach import Reach, between
 from taskbuilder.geometry import Pose, norm, subtract, turn_between
 from taskbuilder.multiplying.anchors import WORLD, Anchor, anchors_of, holds_of
-from taskbuilder.multiplying.demonstration import Demonstration
+from taskbuilder.multiplying.demonstration import ReplayedDemonstration
 from taskbuilder.rollout.record import ScriptLog
 
 NEAREST = 3
@@ -48,7 +48,7 @@ class Multiplier:
         UsageError: There is no demonstration of the variation of the environment.
     """
 
-    def __init__(self, demonstrations: Sequence[Demonstration], env: TaskEnv) -> None:
+    def __init__(self, demonstrations: Sequence[ReplayedDemonstration], env: TaskEnv) -> None:
         sources = [each for each in demonstrations if each.variation == env.episode.variation]
         if not sources:
             raise UsageError(f"no demonstration is of variation {env.episode.variation}")
@@ -95,13 +95,13 @@ class Multiplier:
         """Which demonstration the episode came from."""
         return {"source": self._source.name}, {}
 
-    def _difference(self, source: Demonstration) -> float:
+    def _difference(self, source: ReplayedDemonstration) -> float:
         """How far the things of this episode lie from those of a demonstration, in metres."""
         world, concerns = self._env.episode.world, self._concerns[source.name]
         return sum(_apart(world.pose(name), source.frames[name][0]) for name in concerns)
 
 
-def concerns_of(source: Demonstration) -> tuple[str, ...]:
+def concerns_of(source: ReplayedDemonstration) -> tuple[str, ...]:
     """The objects and sites that the tools of a demonstration move relative to."""
     anchors = (anchor for robot in source.robots for anchor in anchors_of(source, robot))
     return tuple(dict.fromkeys(each.frame for each in anchors if each.frame != WORLD))
@@ -110,7 +110,7 @@ def concerns_of(source: Demonstration) -> tuple[str, ...]:
 class _Path:
     """The path of a robot's tool: that of a demonstration, moved with its anchors."""
 
-    def __init__(self, source: Demonstration, robot: str, env: TaskEnv) -> None:
+    def __init__(self, source: ReplayedDemonstration, robot: str, env: TaskEnv) -> None:
         self._source, self._robot, self._env = source, robot, env
         self._anchors = anchors_of(source, robot)
         self._holds = holds_of(source, robot)

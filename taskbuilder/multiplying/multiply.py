@@ -16,7 +16,7 @@ from taskbuilder.digests import digest
 from taskbuilder.env.actions import can_be_planned
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.multiplying.demonstration import Demonstration, demonstration_of
+from taskbuilder.multiplying.demonstration import ReplayedDemonstration, demonstration_of
 from taskbuilder.multiplying.multiplier import Multiplier, concerns_of
 from taskbuilder.policies.grammar import Player
 from taskbuilder.policies.mixture import PolicyShare
@@ -93,7 +93,7 @@ def multiply(
 
 def _sources(
     dataset: Dataset, catalogue: Catalogue, trust: Trust
-) -> tuple[str, tuple[Demonstration, ...]]:
+) -> tuple[str, tuple[ReplayedDemonstration, ...]]:
     """The reference of the task, and the demonstrations that succeeded.
 
     Raises:
@@ -134,7 +134,7 @@ def _check_modes(env: TaskEnv) -> None:
             )
 
 
-def _check_concerns(sources: tuple[Demonstration, ...], env: TaskEnv) -> None:
+def _check_concerns(sources: tuple[ReplayedDemonstration, ...], env: TaskEnv) -> None:
     if not any(map(concerns_of, sources)):
         stages = ", ".join(env.task.description.stages) or "none"
         raise UsageError(

@@ -8,7 +8,7 @@ import pytest
 
 from taskbuilder.geometry import Pose
 from taskbuilder.multiplying.anchors import WORLD, Hold, anchors_of, holds_of
-from taskbuilder.multiplying.demonstration import Demonstration, Milestone
+from taskbuilder.multiplying.demonstration import Milestone, ReplayedDemonstration
 
 STEPS = 60
 
@@ -25,7 +25,7 @@ def line(*points):
 
 
 def demonstration(held, tools, frames, milestones=()):
-    return Demonstration(
+    return ReplayedDemonstration(
         name="made-up",
         variation=0,
         tools=tools,
