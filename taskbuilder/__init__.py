@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from taskbuilder.evaluation.verify import Verification, verify
     from taskbuilder.expert.script.player import Expert
     from taskbuilder.learn.runs import TrainedRun, train
+    from taskbuilder.multiplying.multiply import multiply
     from taskbuilder.policies.grammar import parse_policy
     from taskbuilder.policies.trained import TrainedPolicy
     from taskbuilder.policies.zoo import load_policy
@@ -86,6 +87,7 @@ __all__ = [
     "load_task",
     "make_from",
     "make_vec",
+    "multiply",
     "parallel_env",
     "parse_policy",
     "play",
@@ -138,6 +140,7 @@ _HOMES = {
     "load_task": "taskbuilder.task",
     "make_from": "taskbuilder.data.environment",
     "make_vec": "taskbuilder.env.vector",
+    "multiply": "taskbuilder.multiplying.multiply",
     "parallel_env": "taskbuilder.env.parallel",
     "parse_policy": "taskbuilder.policies.grammar",
     "play": "taskbuilder.rollout.play",

@@ -38,8 +38,8 @@ SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
 LAYERS: dict[str, tuple[str, ...]] = {
     "cli": (
         "agent_tools",
-        *("view", "steering", "validate", "bench", "sharing", "benchmark", "learn"),
-        *("evaluation", "importing"),
+        *("view", "steering", "multiplying", "validate", "bench", "sharing", "benchmark"),
+        *("learn", "evaluation", "importing"),
         *("trials", "visual", "expert"),
         *(
             "policies",
@@ -79,6 +79,10 @@ LAYERS: dict[str, tuple[str, ...]] = {
     ),
     "steering": (
         *("data", "policies", "expert", "rollout", "env", "arrays"),
+        *SIMULATED,
+    ),
+    "multiplying": (
+        *("data", "policies", "expert", "rollout", "env", "arrays", "digests", "processes"),
         *SIMULATED,
     ),
     "validate": (

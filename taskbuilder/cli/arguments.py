@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 from taskbuilder._version import __version__
 from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of
 from taskbuilder.cli.benchmark_arguments import add_benchmark
-from taskbuilder.cli.data_arguments import add_collect, add_dataset
+from taskbuilder.cli.data_arguments import add_collect, add_dataset, add_multiply
 from taskbuilder.cli.env_options import add_env_options
 from taskbuilder.cli.inspection_arguments import (
     add_bench,
@@ -56,6 +56,7 @@ _COMMANDS = (
     "demo",
     "collect",
     "dataset",
+    "multiply",
     "train",
     "evaluate",
     "benchmark",
@@ -365,6 +366,7 @@ _ADDERS = {
     "demo": _add_demo,
     "collect": add_collect,
     "dataset": add_dataset,
+    "multiply": add_multiply,
     "train": add_train,
     "evaluate": add_evaluate,
     "benchmark": add_benchmark,

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_spread(arguments)
     catalogue = catalogue_of(arguments)
     variations, first_seed = _start(arguments, catalogue)
-    with _Progress() as report, _nodes(arguments) as nodes:
+    with ShownProgress() as report, _nodes(arguments) as nodes:
         dataset = collect(
             asked_tasks(arguments, catalogue),
             arguments.out,
@@ -116,7 +116,7 @@ def _start(
     )
 
 
-class _Progress:
+class ShownProgress:
     """Shows progress: a bar on a terminal, else a line now and then."""
 
     def __init__(self) -> None:

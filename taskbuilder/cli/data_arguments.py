@@ -121,6 +121,45 @@ def add_collect(adder: CommandAdder) -> None:
     add_json(parser)
 
 
+def add_multiply(adder: CommandAdder) -> None:
+    """`taskbuilder multiply`."""
+    parser = adder.command(
+        "make many demonstrations from the few of a data set, and keep those that succeed",
+        "data/by-hand --episodes 200 --out data/many",
+    )
+    parser.add_argument(
+        "folder", type=Path, metavar="DIR", help="folder of the data set, which has one task"
+    )
+    add_count(parser, "--episodes", (1, 10_000_000), "number of new episodes", default=100)
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of a new data set, or of one to continue (default: DIR-many)",
+    )
+    add_count(
+        parser,
+        "--seed",
+        (0, 2**31 - 1),
+        "seed of the first attempt; the next attempts have the next seeds (default: the one after "
+        "those of the data set)",
+    )
+    parser.add_argument(
+        "--keep-failures", action="store_true", help="also keep episodes without success"
+    )
+    parser.add_argument(
+        "--trust",
+        nargs="?",
+        const=True,
+        default=False,
+        metavar="SHA256",
+        help="run the task that comes with the data set, or the one of this SHA-256; a task is a "
+        "program, so read it first",
+    )
+    add_jobs(parser)
+    add_json(parser)
+
+
 def add_dataset(adder: CommandAdder) -> None:
     """`taskbuilder dataset`."""
     parser = adder.command(

@@ -147,6 +147,7 @@ class EpisodeTab:
 
     def _show_moment(self, moment: RecordedState) -> None:
         self._scene.place(moment.poses)
+        self._scene.touch(moment.contacts)
         self.lamps.content = conditions(moment.lamps)
 
     def _show_step(self, recording: Recording, step: int) -> None:

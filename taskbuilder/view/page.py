@@ -19,7 +19,7 @@ from taskbuilder.view.scene_tab import SceneTab
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice, Stage
 from taskbuilder.view.steering_tab import SteeringTab
-from taskbuilder.view.words import findings, heading, plain
+from taskbuilder.view.words import findings, heading, plain, subjects
 from taskbuilder.world.visible import LinkPoses
 
 PICTURES_HZ = 30
@@ -140,6 +140,7 @@ class LivePage:
 
     def _say_findings(self) -> None:
         self.findings.content = findings(self._stage.findings)
+        self.scene.light(subjects(self._stage.findings))
         count = len(self._stage.findings)
         if count:
             words = "1 finding" if count == 1 else f"{count} findings"
@@ -147,6 +148,7 @@ class LivePage:
 
     def _explain(self, error: TaskbuilderError) -> None:
         found = self._stage.explain(error)
+        self.scene.light(subjects(found))
         self.findings.content = findings(found) if found else f"✗ {plain(str(error))}"
         self.episode.outcome.content = f"✗ {plain(str(error))}"
 

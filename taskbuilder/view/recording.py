@@ -15,6 +15,7 @@ from taskbuilder.description.reasons import EvaluatedState, label, reasons
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.rollout.play import Policy, play
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.view.contacts import Contacts, contacts_of
 from taskbuilder.world.visible import LinkPoses
 
 MOST_FIGURES = 3
@@ -42,10 +43,12 @@ class RecordedState(NamedTuple):
     Attributes:
         poses: (l, 7) of all links; see `LinkPoses.now`.
         lamps: The named conditions.
+        contacts: What touches what.
     """
 
     poses: NDArray[np.float32]
     lamps: tuple[ConditionState, ...]
+    contacts: Contacts
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,9 @@ class EpisodeRecorder:
         else:
             self._poses = self._poses or LinkPoses(env.episode.world)
             self._history.append(env.episode.referee.values)
-            moment = RecordedState(self._poses.now(), lamps(env, self._history))
+            moment = RecordedState(
+                self._poses.now(), lamps(env, self._history), contacts_of(env.episode.world)
+            )
         self.moments.append(moment)
         self._shown(moment)
 

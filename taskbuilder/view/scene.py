@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from taskbuilder.geometry import Pose
+from taskbuilder.view.contacts import Contacts
 from taskbuilder.view.marks import WORDS, marks_of, segments
+from taskbuilder.view.stage_poses import StagePose
+from taskbuilder.view.words import margin_words
 from taskbuilder.world.pictures import capture
-from taskbuilder.world.visible import VisibleLink, visible_links
+from taskbuilder.world.visible import Color, LinkPoses, VisibleLink, VisibleMesh, visible_links
 from taskbuilder.world.world import World
 
 LINE_PX = 2.0
@@ -19,6 +23,17 @@ BEHIND = 1.25
 
 PICTURE_WIDTH = 240
 """Width of the small pictures of what cameras see, in pixels."""
+
+EXPERT = "expert's poses"
+"""The switch for the poses that the expert's stages require."""
+
+CONTACTS = "contacts and forces"
+"""The switch for what touches what."""
+
+MAGENTA = (219, 39, 119)
+GREEN, RED, LIT = (22, 163, 74), (220, 38, 38), (245, 158, 11)
+GHOST_COLORS = {"in reach": GREEN, "out of reach": RED, "in collision": RED}
+GHOST_OPACITY = 0.55
 
 Picked = Callable[[str], None]
 
@@ -37,12 +52,13 @@ class BrowserScene:
         self._frames: dict[int, list[Any]] = {}
         self._known: NDArray[np.float32] | None = None
         self._marks: dict[str, list[Any]] = {}
+        self._meshes: list[tuple[str, Any, Color]] = []
 
     def show(self, world: World) -> None:
         """Show a world in the place of what was shown before; the viewer's camera stays."""
         with self._server.atomic():
             self._server.scene.reset()
-            self._frames, self._known, self._marks = {}, None, {}
+            self._frames, self._known, self._marks, self._meshes = {}, None, {}, []
             self._server.scene.set_up_direction("+z")
             self._server.scene.configure_default_lights()
             for link in visible_links(world):
@@ -61,6 +77,7 @@ class BrowserScene:
                 opacity=None if mesh.opacity >= 1.0 else mesh.opacity,
                 side="double" if mesh.opacity < 1.0 else "front",
             )
+            self._meshes.append((link.name, handle, mesh.color))
             handle.on_click(lambda _, name=link.name: self._picked(name))
 
     def place(self, poses: NDArray[np.float32]) -> None:
@@ -91,6 +108,61 @@ class BrowserScene:
         if world is not None:
             add = self._cameras(world) if word == "cameras" else self._lines(world, word)
             self._marks[word] = add
+
+    def show_ghosts(self, world: World | None, poses: Sequence[StagePose]) -> None:
+        """Draw fingers where the expert needs them: green where a robot gets, and red elsewhere.
+
+        Args:
+            world: The world in its initial state; None to remove them.
+            poses: The poses that the expert's stages require.
+        """
+        for handle in self._marks.pop(EXPERT, []):
+            handle.remove()
+        if world is not None:
+            fingers = {name: list(_fingers(world, name)) for name in world.robots}
+            self._marks[EXPERT] = [
+                handle
+                for number, pose in enumerate(poses)
+                for handle in self._ghost(number, pose, fingers[pose.robot])
+            ]
+
+    def _ghost(
+        self, number: int, ghost: StagePose, fingers: Sequence[tuple[Pose, VisibleMesh]]
+    ) -> Iterator[Any]:
+        scene, color = self._server.scene, GHOST_COLORS[ghost.verdict]
+        for part, (offset, mesh) in enumerate(fingers):
+            place = ghost.pose @ offset
+            x, y, z, w = place.quaternion
+            yield scene.add_mesh_simple(
+                f"/expert/{number}/{part}",
+                mesh.vertices,
+                mesh.triangles,
+                color=color,
+                opacity=GHOST_OPACITY,
+                position=place.position,
+                wxyz=(w, x, y, z),
+            )
+        text = f"{ghost.stage} {ghost.robot}: {margin_words(ghost.margin_mm)}"
+        yield scene.add_label(f"/expert_names/{number}", text, position=ghost.pose.position)
+
+    def show_contacts(self, contacts: Contacts | None) -> None:
+        """Draw the forces of contacts as lines; None to remove them."""
+        for handle in self._marks.pop(CONTACTS, []):
+            handle.remove()
+        if contacts is not None and len(contacts.lines):
+            add = self._server.scene.add_line_segments
+            self._marks[CONTACTS] = [
+                add("/contacts", contacts.lines, MAGENTA, thickness=4.0, thickness_units="screen")
+            ]
+
+    def light(self, names: Collection[str]) -> None:
+        """Colour objects and robots, and give all others their own colours.
+
+        Args:
+            names: Those to colour.
+        """
+        for name, handle, color in self._meshes:
+            handle.color = LIT if name.partition(".")[0] in names else color
 
     def _lines(self, world: World, word: str) -> list[Any]:
         marks = marks_of(world, word)
@@ -143,7 +215,18 @@ def camera_pictures(world: World) -> Mapping[str, NDArray[np.uint8]]:
 
 def switches() -> Mapping[str, bool]:
     """What can be shown and hidden, and whether it is shown at first."""
-    return {**dict.fromkeys(WORDS, False), "cameras": False}
+    return {**dict.fromkeys(WORDS, False), "cameras": False, CONTACTS: False, EXPERT: False}
+
+
+def _fingers(world: World, robot: str) -> Iterator[tuple[Pose, VisibleMesh]]:
+    """The meshes of a robot's fingers, each with the place of its link in the tool."""
+    names = {f"{robot}.{link}" for link in world.robots[robot].tip_links}
+    poses, tool = LinkPoses(world).now(), world.pose(f"{robot}.tcp")
+    for link in visible_links(world):
+        if link.name in names:
+            x, y, z, w, qx, qy, qz = poses[link.row].tolist()
+            offset = tool.inverse() @ Pose((x, y, z), (qx, qy, qz, w))
+            yield from ((offset, mesh) for mesh in link.meshes)
 
 
 def look_from(server: Any, world: World) -> None:

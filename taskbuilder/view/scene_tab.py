@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,17 @@ from numpy.typing import NDArray
 
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.task import Task
-from taskbuilder.view.scene import BrowserScene, camera_pictures, look_from, switches
-from taskbuilder.view.words import plain, pose_yaml
+from taskbuilder.view.contacts import Contacts
+from taskbuilder.view.scene import (
+    CONTACTS,
+    EXPERT,
+    BrowserScene,
+    camera_pictures,
+    look_from,
+    switches,
+)
+from taskbuilder.view.stage_poses import stage_poses
+from taskbuilder.view.words import contact_forces, expert_poses, plain, pose_yaml
 from taskbuilder.world.building import build_world
 from taskbuilder.world.visible import LinkPoses
 from taskbuilder.world.world import World
@@ -36,6 +45,7 @@ class SceneTab:
     def __init__(self, server: Any, tab: Any, ask: Ask) -> None:
         self.world: World | None = None
         self.variation = 0
+        self._touching: Contacts | None = None
         self._server = server
         self._scene = BrowserScene(server, lambda name: ask(lambda: self.pick(name)))
         gui = server.gui
@@ -46,6 +56,8 @@ class SceneTab:
             }
             self.pictures: list[Any] = []
             self._picture_folder = gui.add_folder("What cameras see", visible=False)
+            self.poses = gui.add_markdown("", visible=False)
+            self.forces = gui.add_markdown("")
             self.picked = gui.add_markdown("Click a part of the scene to see its name and pose.")
         for word, box in self.boxes.items():
             box.on_update(lambda _, word=word: ask(lambda: self.switch(word)))
@@ -68,6 +80,7 @@ class SceneTab:
         self.world.reset(seed)
         if first:
             look_from(self._server, self.world)
+        self._touching = None
         self._scene.show(self.world)
         self.place(LinkPoses(self.world).now())
         for word, box in self.boxes.items():
@@ -98,9 +111,32 @@ class SceneTab:
     def switch(self, word: str) -> None:
         """Draw what a switch is for, or remove it."""
         on = self.boxes[word].value and self.world is not None
+        if word == EXPERT:
+            self._show_expert(self.world if on else None)
+            return
+        if word == CONTACTS:
+            self.touch(self._touching)
+            return
         self._scene.switch(word, self.world if on else None)
         if word == "cameras":
             self._show_pictures(self.world if on else None)
+
+    def touch(self, contacts: Contacts | None) -> None:
+        """Show what touches what in an episode, if that is switched on."""
+        self._touching = contacts
+        on = bool(self.boxes[CONTACTS].value)
+        self._scene.show_contacts(contacts if on else None)
+        self.forces.content = contact_forces(contacts) if on else ""
+
+    def light(self, names: Collection[str]) -> None:
+        """Colour the objects and robots that findings speak of, and no others."""
+        self._scene.light(names)
+
+    def _show_expert(self, world: World | None) -> None:
+        poses = stage_poses(world) if world is not None else ()
+        self._scene.show_ghosts(world, poses)
+        self.poses.content = expert_poses(poses)
+        self.poses.visible = world is not None
 
     def _show_pictures(self, world: World | None) -> None:
         for picture in self.pictures:

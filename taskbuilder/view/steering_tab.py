@@ -14,7 +14,7 @@ from taskbuilder.steering.session import Session, State
 from taskbuilder.view.scene_tab import Ask
 from taskbuilder.view.words import keys_table, plain, steered
 
-NOBODY = "none"
+NONE = "none"
 BEGIN, KEEP, AGAIN = "Begin", "Keep", "Discard and try again"
 BUTTONS = {BEGIN: "enter", KEEP: "home", AGAIN: "backspace"}
 """The buttons of the tab, and the key of each in windows that steer."""
@@ -32,7 +32,7 @@ class Window:
         client: The client of viser.
         robots: The robots of the task.
         tab: The container that the controls stand in.
-        take: Called with the name of a robot, or `NOBODY`, when it is chosen.
+        take: Called with the name of a robot, or `NONE`, when it is chosen.
         do: Called with the name of a button whose key was pressed.
         ask: Has something done in the thread of the page.
     """
@@ -53,17 +53,11 @@ class Window:
         self._steered = ""
         with tab:
             self._name = client.gui.add_text("Your name", initial_value="", order=0.1)
-            self._robot = client.gui.add_dropdown(
-                "You steer", (NOBODY, *robots), initial_value=NOBODY, order=0.2
-            )
+            # Buttons, because keys that are pressed in a field do not count.
+            self._choice = client.gui.add_button_group("You steer", (*robots, NONE), order=0.2)
             self._words = client.gui.add_markdown("", order=0.3)
-        self._controls = [self._name, self._robot, self._words]
-        self._robot.on_update(lambda event: self._chosen(event, take))
-
-    def _chosen(self, event: Any, take: Callable[[str], None]) -> None:
-        """A robot was chosen; only if a person did it, not the page itself."""
-        if event.client is not None:
-            self._ask(partial(take, self._robot.value))
+        self._controls = [self._name, self._choice, self._words]
+        self._choice.on_click(lambda _: ask(partial(take, self._choice.value)))
 
     @property
     def name(self) -> str:
@@ -86,7 +80,6 @@ class Window:
                 each.remove()
         self._keys, self._gizmo, self._dragged = [], None, False
         self._steered = robot
-        self._robot.value = robot or NOBODY
         if operator is None:
             return
         add = self.client.gui.add_command
@@ -105,7 +98,7 @@ class Window:
             command.on_trigger(lambda _, label=label: self._ask(lambda: self._do(label)))
             self._keys.append(command)
         self._gizmo = self.client.scene.add_transform_controls(
-            "/steered_tool", scale=0.2, depth_test=False
+            "/steered_tool", scale=0.2, depth_test=False, visible=False
         )
         self._gizmo.on_update(partial(self._dragging, operator))
 
@@ -120,6 +113,7 @@ class Window:
         if self._gizmo is not None and not self._dragged:
             x, y, z, w = tool.quaternion
             self._gizmo.position, self._gizmo.wxyz = tool.position, (w, x, y, z)
+            self._gizmo.visible = True
 
     def _press(self, operator: Operator, key: str, *, fine: bool) -> None:
         operator.press(key, heading=self._heading(), fine=fine)
@@ -235,6 +229,7 @@ class SteeringTab:
         for number in self._windows.keys() - clients.keys():
             self._windows.pop(number)
             session.steering.leave(number)
+            self._say()
         for number in clients.keys() - self._windows.keys():
             self._windows[number] = Window(
                 clients[number],
@@ -250,22 +245,19 @@ class SteeringTab:
         session, window = self.session, self._windows.get(number)
         if session is None or window is None or robot == window.robot:
             return
-        steering = session.steering
-        if robot == NOBODY:
-            steering.let_go(number)
-            window.steer(None)
-            window.say("")
-            return
-        try:
-            operator = steering.take(number, robot, window.name)
-        except TaskbuilderError as error:
-            window.steer(None)
-            steering.let_go(number)
-            window.say(f"✗ {plain(str(error))}")
-            return
-        window.steer(operator, robot)
-        window.say(f"You steer **{plain(robot)}** as {plain(operator.name)}.")
+        session.steering.let_go(number)
+        window.steer(None)
+        window.say("")
+        if robot != NONE:
+            try:
+                operator = session.steering.take(number, robot, window.name)
+            except TaskbuilderError as error:
+                window.say(f"✗ {plain(str(error))}")
+            else:
+                window.steer(operator, robot)
+                window.say(f"You steer **{plain(robot)}** as {plain(operator.name)}.")
         self._follow_tools(session)
+        self._say()
 
     def _follow_tools(self, session: Session) -> None:
         if session.env is None:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import zip_longest
+from itertools import islice, zip_longest
 
 from taskbuilder.errors import Finding, display_path
 from taskbuilder.geometry import Pose, to_rpy_deg
 from taskbuilder.steering.operator import Jog
 from taskbuilder.steering.session import Session, State
 from taskbuilder.task import Task
+from taskbuilder.view.contacts import Contacts
 from taskbuilder.view.recording import ConditionState, Recording
+from taskbuilder.view.stage_poses import StagePose
+
+MOST_CONTACTS = 12
+"""Of all contacts, at most so many are listed."""
 
 ON, OFF, WRONG = "●", "○", "✗"
 
@@ -68,11 +74,27 @@ def _finding(finding: Finding) -> str:
     return f"{WRONG} **{head}**\n\n{plain(finding.path)} {plain(finding.message)}"
 
 
+def subjects(found: Iterable[Finding]) -> frozenset[str]:
+    """The names in the paths of findings: ``left`` and ``grasp`` of ``expert[2].left.grasp``."""
+    return frozenset(part for each in found for part in re.split(r"[.\[\]]+", each.path) if part)
+
+
 def pose_yaml(name: str, pose: Pose) -> str:
     """A frame and where it is, to be copied into a task file."""
     x, y, z = (round(value, 4) + 0.0 for value in pose.position)
     roll, pitch, yaw = (round(value, 1) + 0.0 for value in to_rpy_deg(pose.quaternion))
     return f"```yaml\n# {name}\nposition: [{x}, {y}, {z}]\nrpy_deg: [{roll}, {pitch}, {yaw}]\n```"
+
+
+def contact_forces(contacts: Contacts | None) -> str:
+    """What touches what, with the largest forces first."""
+    if contacts is None:
+        return "Contacts are shown while an episode is shown."
+    rows = (
+        f"- **{plain(one)}** on **{plain(other)}**: {force:.1f} N"
+        for (one, other), force in islice(contacts.forces.items(), MOST_CONTACTS)
+    )
+    return "\n".join(rows) or "Nothing touches anything."
 
 
 def keys_table(keys: Mapping[str, Jog], buttons: Mapping[str, str]) -> str:
@@ -123,3 +145,24 @@ def _episode(session: Session) -> str:
     reason = f": {plain(why[0]['part'])}: {plain(why[0]['says'])}" if why else ""
     ended = "success" if session.data.about["success"] else f"no success{reason}"
     return f"{text}\n\n**{ended}**. Press *Keep*, or *Discard and try again*."
+
+
+def margin_words(margin_mm: float) -> str:
+    """A margin in millimetres, as pictures and lists have it."""
+    return f"{margin_mm:+.0f} mm" if math.isfinite(margin_mm) else "nowhere near"
+
+
+def expert_poses(poses: Sequence[StagePose]) -> str:
+    """The poses that the expert's stages require, each with its margins."""
+    if not poses:
+        return "The expert's stages require no poses."
+    return "  \n".join(_expert_pose(pose) for pose in poses)
+
+
+def _expert_pose(pose: StagePose) -> str:
+    mark = ON if pose.verdict == "in reach" else WRONG
+    text = f"{mark} {pose.stage} **{plain(pose.robot)}** {plain(pose.order)}: {pose.verdict}, "
+    text += f"reach {plain(margin_words(pose.reach_mm))}"
+    if pose.clearance_mm is None or not pose.obstacle:
+        return text
+    return f"{text}, {plain(f'{pose.clearance_mm:.0f}')} mm from {plain(pose.obstacle)}"

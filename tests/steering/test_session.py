@@ -7,7 +7,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from taskbuilder import load_dataset, load_task
+from taskbuilder import load_dataset, load_task, multiply
 from taskbuilder.data.checking import check_dataset
 from taskbuilder.data.growing import GrowingDataset
 from taskbuilder.errors import UsageError
@@ -90,6 +90,10 @@ def test_two_people_hand_the_stick_over(recorded, tmp_path):
     checked = check_dataset(tmp_path / "data", 1.0)
     assert checked.ok
     assert checked.replayed == (episode.name,)
+
+    (other,) = multiply(tmp_path / "data", tmp_path / "many", episodes=1, jobs=1)
+    assert other.success
+    assert other.about["source"] == episode.name
 
 
 def test_the_expert_does_its_part_beside_a_person(session):

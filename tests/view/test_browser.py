@@ -123,11 +123,6 @@ def field(tab, label):
     return tab.locator(f"xpath=//*[text()='{label}']/following::input[1]").first
 
 
-def choose(tab, robot):
-    field(tab, "You steer").click(force=True)
-    press(tab, "option", robot)
-
-
 def test_two_windows_steer_two_robots_of_one_episode(page_of, two_arms, tab_of, server, tmp_path):
     with turning(page_of(two_arms, record=tmp_path / "data")) as page:
         anna, ben = tab_of(), tab_of()
@@ -136,11 +131,11 @@ def test_two_windows_steer_two_robots_of_one_episode(page_of, two_arms, tab_of, 
             press(tab, "tab", "Steer")
             field(tab, "Your name").fill(name)
             field(tab, "Your name").press("Tab")
-        choose(anna, "arm")
+        press(anna, "button", "arm")
         anna.get_by_text("as Anna").wait_for()
-        choose(ben, "arm")
+        press(ben, "button", "arm")
         ben.get_by_text("arm is steered by Anna; choose another robot").wait_for()
-        choose(ben, "other")
+        press(ben, "button", "other")
         ben.get_by_text("as Ben").wait_for()
 
         anna.keyboard.press("Enter")

@@ -15,6 +15,7 @@ from websockets.exceptions import ConnectionClosed
 
 from taskbuilder.errors import UsageError
 from taskbuilder.view import server as server_module
+from taskbuilder.view.scene import EXPERT, GREEN, LIT, RED
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice
 
@@ -106,6 +107,40 @@ def test_marks_are_switched_on_and_off(page_of, touch, server):
     page.scene.boxes["cameras"].value = False
     page.ask(lambda: page.scene.switch("cameras"))
     turn(page, lambda: "/cameras/front" not in parts(server))
+
+
+def test_the_poses_that_the_expert_needs_are_drawn_and_follow_the_files(page_of, touch, server):
+    page = page_of(touch)
+    page.scene.boxes[EXPERT].value = True
+    page.ask(lambda: page.scene.switch(EXPERT))
+    turn(page, lambda: "/expert/0/0" in parts(server))
+    ghost = server.viser.scene._handle_from_node_name["/expert/0/0"]
+    assert tuple(ghost.color) == GREEN
+    assert "in reach" in page.scene.poses.content
+    touch.write_text(touch.read_text().replace("[0.45, 0, 0.4]", "[3.0, 0, 0.4]"))
+    turn(page, lambda: "out of reach" in page.scene.poses.content)
+    ghost = server.viser.scene._handle_from_node_name["/expert/0/0"]
+    assert tuple(ghost.color) == RED
+    page.scene.boxes[EXPERT].value = False
+    page.ask(lambda: page.scene.switch(EXPERT))
+    turn(page, lambda: "/expert/0/0" not in parts(server))
+
+
+def test_findings_light_up_what_they_speak_of(page_of, touch, server):
+    page = page_of(touch)
+    text = touch.read_text()
+
+    def color(name):
+        (first, *_) = sorted(part for part in parts(server) if part.startswith(f"/scene/{name}/m"))
+        return tuple(server.viser.scene._handle_from_node_name[first].color)
+
+    own = color("cube")
+    touch.write_text(text.replace("mass: 0.1", "mass: -1"))
+    turn(page, lambda: "TB" in page.findings.content)
+    assert color("cube") == LIT
+    touch.write_text(text)
+    turn(page, lambda: "No findings" in page.findings.content)
+    assert color("cube") == own
 
 
 def test_a_click_names_a_part_and_its_pose(page_of, touch):

@@ -10,6 +10,7 @@ import pytest
 from taskbuilder import Expert, parallel_env
 from taskbuilder.geometry import from_rpy_deg, to_rpy_deg
 from taskbuilder.rollout.players import HoldStill
+from taskbuilder.view.contacts import METRES_PER_NEWTON
 from taskbuilder.view.recording import record
 from taskbuilder.world.visible import LinkPoses, visible_links
 
@@ -86,3 +87,14 @@ def test_roll_pitch_and_yaw_lead_back_to_the_rotation(rpy):
     quaternion = from_rpy_deg(rpy)
     again = from_rpy_deg(to_rpy_deg(quaternion))
     assert abs(np.dot(quaternion, again)) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_contacts_have_the_names_of_both_links_and_their_force(touch):
+    with closing(parallel_env(str(touch))) as env:
+        recording = record(env, "hold", HoldStill(), 0)
+    contacts = recording.moments[-1].contacts
+    assert contacts.forces["world.floor", "cube"] == pytest.approx(0.1 * 9.81, rel=0.05)
+    begin, end = contacts.lines[:, 0], contacts.lines[:, 1]
+    assert abs(begin[:, 2]) == pytest.approx(0.0, abs=1e-3)
+    lengths = ((end - begin) ** 2).sum(axis=1) ** 0.5
+    assert lengths.sum() == pytest.approx(0.1 * 9.81 * METRES_PER_NEWTON, rel=0.05)

@@ -17,23 +17,14 @@ from typing import Literal, NamedTuple
 
 from taskbuilder.errors import Finding
 from taskbuilder.expert.script.dry_run import Asked, dry_run
-from taskbuilder.geometry import Pose, Vec3, add, norm, scale, subtract
+from taskbuilder.geometry import Pose, norm, subtract
 from taskbuilder.validate.checks.belonging import check_belonging
 from taskbuilder.validate.checks.suction import check_suction
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.locate import finding_in_file, in_variation
-from taskbuilder.validate.reaching import reaches
+from taskbuilder.validate.reaching import FARTHEST_M, margin_of, reaches, shoulder_of
 from taskbuilder.validate.report import Check, FamilyResult
-from taskbuilder.world.robot import Robot
-
-FARTHEST_M = 0.5
-"""Maximum distance from a pose at which the edge of the workspace is searched, in metres."""
-
-HALVINGS = 6
-ATTEMPTS = 6
-"""Starts of inverse kinematics in the search for the edge; a pose itself gets more."""
-
 
 Key = tuple[int, str, str]
 """An order: the number of its stage, its robot, and its words."""
@@ -195,7 +186,7 @@ def dry_run_from(cache: EnvCache, start: Start) -> list[Reached]:
         robot = world.robots[asked.robot]
         good = next((pose for pose in asked.choices if reaches(robot, pose)), None)
         pose = good or asked.choices[0]
-        distance = norm(subtract(pose.position, _shoulder(robot)))
+        distance = norm(subtract(pose.position, shoulder_of(robot)))
         found.append(Reached(start, asked, pose, good is not None, distance))
     return found
 
@@ -203,26 +194,4 @@ def dry_run_from(cache: EnvCache, start: Start) -> list[Reached]:
 def find_margin(cache: EnvCache, reached: Reached) -> Margin:
     """How much farther from the shoulder a pose could be, by bisection."""
     robot = cache.env(reached.start.variation).episode.world.robots[reached.asked.robot]
-    away = subtract(reached.pose.position, _shoulder(robot))
-    outwards = scale(away, 1.0 / max(norm(away), 1e-9))
-    within, beyond = (0.0, FARTHEST_M) if reached.ok else (-FARTHEST_M, 0.0)
-    edge = beyond if reached.ok else within
-    if reaches(robot, _shifted(reached.pose, outwards, edge), ATTEMPTS) is reached.ok:
-        return Margin(reached, FARTHEST_M if reached.ok else -math.inf)
-    for _ in range(HALVINGS):
-        middle = (within + beyond) / 2.0
-        if reaches(robot, _shifted(reached.pose, outwards, middle), ATTEMPTS):
-            within = middle
-        else:
-            beyond = middle
-    return Margin(reached, within)
-
-
-def _shoulder(robot: Robot) -> Vec3:
-    """The position of an arm's first joint in the world."""
-    x, y, z = (float(value) for value in robot.chain.frames[0][:3, 3])
-    return robot.body.pose().apply((x, y, z))
-
-
-def _shifted(pose: Pose, direction: Vec3, metres: float) -> Pose:
-    return Pose(add(pose.position, scale(direction, metres)), pose.quaternion)
+    return Margin(reached, margin_of(robot, reached.pose, ok=reached.ok))
