@@ -7,12 +7,12 @@ as in a handover. So the time is measured on episodes of the expert when a run i
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from taskbuilder.expert.script.player import has_expert
 from taskbuilder.learn.demonstrations import SEEDS_FROM, record
-from taskbuilder.learn.run_setup import RunSetup
+from taskbuilder.learn.run_setup import ExpertWaits, RunSetup
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
 from taskbuilder.learn.wrappers import ProgressCount
 from taskbuilder.rollout.record import Rollout
@@ -24,39 +24,6 @@ EPISODES = 20
 MARGIN = 1.5
 """The time without progress after which training ends an episode, as a multiple of the longest
 wait of the expert."""
-
-
-@dataclass(frozen=True)
-class ExpertWaits:
-    """How long the expert went without progress before it succeeded.
-
-    Attributes:
-        waits_s: The longest time without progress in each successful episode, in seconds.
-        episodes: Number of all episodes.
-        timeout_s: The time without progress after which training ends an episode.
-    """
-
-    waits_s: tuple[float, ...]
-    episodes: int
-    timeout_s: float
-
-    @property
-    def cut(self) -> int:
-        """Number of successful episodes that training would end before their success."""
-        return sum(wait >= self.timeout_s for wait in self.waits_s)
-
-    def __str__(self) -> str:
-        ends = f"training ends an episode after {self.timeout_s:g} s without progress"
-        if not self.episodes:
-            return f"{ends}; the task has no expert to measure it by"
-        if not self.waits_s:
-            return f"{ends}; none of {self.episodes} episodes of the expert succeeded"
-        longest = f"the expert waits for {max(self.waits_s):g} s at most"
-        if self.cut:
-            return f"{ends}, which cuts {self.cut} of {len(self.waits_s)} episodes in which " + (
-                f"the expert succeeds: {longest}"
-            )
-        return f"{ends}; {longest}"
 
 
 def has_timeout(run: RunSetup) -> bool:
