@@ -19,6 +19,7 @@ from pathlib import Path
 from generators import (
     api,
     commands,
+    disturbances,
     imports,
     leaderboard,
     objects,
@@ -43,6 +44,8 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "colours": keys.colours,
     "commands": commands.helps,
     "deadlock": training.deadlock,
+    "disturbances": disturbances.axes,
+    "disturbed": disturbances.measured,
     "distillation": training.distillation,
     "experts": results.experts,
     "file": tasks.shown_file,

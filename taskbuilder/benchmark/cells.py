@@ -341,7 +341,8 @@ def _train(work: Work, cell: Cell, task: Task, folder: Path) -> float:
         given |= {**track.options, "variation": work.about.suite.train[0]}
     planned = runs.set_up(task, method.settings, catalogue=work.catalogue, **given)
     with runs.locked(run, new=True):
-        runs.create(run, planned, command=command_of(work.about, cell), catalogue=work.catalogue)
+        command = command_of(work.about, cell)
+        planned = runs.create(run, planned, command=command, catalogue=work.catalogue)
         runs.go_on(run, planned, clock.note)
     return clock.stop()
 

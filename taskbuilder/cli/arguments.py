@@ -248,7 +248,7 @@ def _add_validate(adder: Adder) -> None:
         help="continue an interrupted validation with the same arguments after the last family of "
         "checks that was finished",
     )
-    add_env_options(parser, without=("variation",))
+    add_env_options(parser, without=("variation", "disturbances"))
     add_jobs(parser)
     add_ray(parser, "tasks")
     formats = parser.add_mutually_exclusive_group()

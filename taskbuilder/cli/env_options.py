@@ -21,6 +21,7 @@ from taskbuilder.env.option_info import OptionInfo, OptionKind
 from taskbuilder.env.options import Variation, flag_of, option_fields, option_infos, options_about
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.choices import OtherRobots
+from taskbuilder.schema.disturbances import Disturbances, disturbances
 
 PLAYED: tuple[OptionKind, ...] = ("scene", "observed", "reward")
 """Kinds of options that every command takes that plays episodes."""
@@ -72,7 +73,7 @@ def asked_options(
         kinds: Kinds of the options.
 
     Raises:
-        UsageError: One robot is given two models.
+        UsageError: One robot is given two models; or there is no such disturbance or level.
     """
     infos = option_infos()
     asked: dict[str, Any] = {}
@@ -83,6 +84,8 @@ def asked_options(
         asked[name] = True if value == infos[name].true_word else value
     if robots := asked.pop("robots", None):
         asked["robots"] = _pairs(robots)
+    if given := asked.pop("disturbances", None):
+        asked["disturbances"] = disturbances(given)
     return asked
 
 
@@ -120,6 +123,8 @@ def _reading(hint: Any, info: OptionInfo) -> dict[str, Any]:
         return {"choices": words, **once}
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction}
+    if hint == Disturbances:
+        return {"action": "append", "metavar": "AXIS[=N]"}
     if hint == OtherRobots:
         return {"action": "append", "type": robot_choice, "metavar": "NAME=MODEL"}
     least, most = info.bounds or (0, 1_000_000_000)

@@ -7,12 +7,13 @@ import json
 import shlex
 from collections.abc import Iterable, Mapping
 from contextlib import closing
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from taskbuilder.cli.env_options import asked_options
-from taskbuilder.cli.evaluation_text import print_result, shown
+from taskbuilder.cli.evaluation_text import print_disturbed, print_result, shown
 from taskbuilder.cli.output import paint, print_json, print_table, progress
 from taskbuilder.cli.spreading import spread_over
 from taskbuilder.cli.tasks import catalogue_of, make_folder
@@ -28,11 +29,13 @@ from taskbuilder.evaluation.assessment import (
     summary_of,
 )
 from taskbuilder.evaluation.comparison import Arms
+from taskbuilder.evaluation.disturbed import applicable, row_as_data, under, worst
 from taskbuilder.evaluation.results import as_data, record
 from taskbuilder.evaluation.subject import DISTURBANCES, Subject, find_subject
 from taskbuilder.evaluation.summary import EvaluationSummary
 from taskbuilder.files import write_whole
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.disturbances import each_disturbance
 from taskbuilder.task import other_version
 from taskbuilder.visual.capture import Frame
 from taskbuilder.visual.film import save_film
@@ -47,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("which policy? name one, such as zoo:handover/demos or expert:handover")
     if arguments.variation == "all":
         return _run_variations(arguments)
+    if arguments.disturb:
+        return _run_disturbed(arguments)
     found = _found(arguments, arguments.variation)
     seeds = _begun(found, arguments)
     arms = _played(found, seeds, arguments)
@@ -55,22 +60,35 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.json:
         print_result(summary, found.stages)
     files = _write(found, data, arms, summary, arguments)
-    if arguments.certificate:
-        command = shlex.join(["taskbuilder", *arguments.words])
-        certify(arguments.certificate, found, arms, seeds, _compared(arguments), command)
-        files.append(arguments.certificate)
+    files += _certified(found, arms, seeds, arguments)
+    _print_files(data, files, arguments)
+    return 0
+
+
+def _certified(
+    found: Subject, arms: Arms, seeds: range, arguments: argparse.Namespace
+) -> list[Path]:
+    """Write the certificate if one is asked for, and say where."""
+    if not arguments.certificate:
+        return []
+    command = shlex.join(["taskbuilder", *arguments.words])
+    certify(arguments.certificate, found, arms, seeds, _compared(arguments), command)
+    return [arguments.certificate]
+
+
+def _print_files(data: dict[str, Any], files: list[Path], arguments: argparse.Namespace) -> None:
+    """Say which files were written; in JSON, beside the data."""
     named = [display_path(file) for file in files]
     if arguments.json:
         print_json({**data, "files": named})
     elif named:
         print("\n".join(["", *named]))
-    return 0
 
 
 def _run_variations(arguments: argparse.Namespace) -> int:
     """Evaluate in every variation, and say which is the worst."""
-    for name, value in (("video", arguments.video), ("certificate", arguments.certificate)):
-        if value:
+    for name in ("video", "certificate", "disturb"):
+        if getattr(arguments, name):
             raise UsageError(f"--{name} is of one variation; name it by its number")
     first = _found(arguments, 0)
     each = [first, *(_found(arguments, k) for k in range(1, len(first.task.file.scenes)))]
@@ -96,6 +114,36 @@ def _run_variations(arguments: argparse.Namespace) -> int:
     print(f"\nworst: variation {worst['variation']}, {worst['success_rate']:.1%}")
     if arguments.out:
         print(f"\n{display_path(file)}")
+    return 0
+
+
+def _run_disturbed(arguments: argparse.Namespace) -> int:
+    """Evaluate without and with each disturbance, and say which is the worst."""
+    asked = each_disturbance(arguments.disturb)
+    plain = _found(arguments, arguments.variation)
+    rows = list(applicable(plain, asked))
+    seeds = _begun(plain, arguments)
+    trials = {-1: (plain, _played(plain, seeds, arguments))}
+    for number, row in enumerate(rows):
+        if not row.why_not:
+            found = under(plain, row.axis, row.level)
+            trials[number] = found, _played(found, seeds, arguments)
+            rows[number] = replace(row, summary=summary_of(*trials[number]))
+    summary, lowest = summary_of(*trials[-1]), worst(rows)
+    found, arms = trials[rows.index(lowest)]
+    data = {
+        "undisturbed": _as_data(*trials[-1]),
+        "disturbances": [
+            row_as_data(row, trials[n][1] if n in trials else None, plain.stages)
+            for n, row in enumerate(rows)
+        ],
+        "worst": {"axis": lowest.axis, "level": lowest.level},
+    }
+    if not arguments.json:
+        print_disturbed(summary, rows)
+    files = _write(found, data, arms, summary_of(found, arms), arguments)
+    files += _certified(found, arms, seeds, arguments)
+    _print_files(data, files, arguments)
     return 0
 
 
@@ -141,7 +189,7 @@ def _played(found: Subject, seeds: range, arguments: argparse.Namespace) -> Arms
 def _check(found: Subject, arguments: argparse.Namespace) -> None:
     """Refuse what cannot be played or shown before anything is."""
     if arguments.certificate:
-        check_certifiable(found, (arguments.seed,))
+        check_certifiable(found, (arguments.seed,), each_disturbance(arguments.disturb or ()))
     variation = found.options.get("variation", 0)
     if isinstance(variation, int):
         check_views(found.task, variation, arguments.camera or ())
@@ -161,8 +209,10 @@ def _folder(arguments: argparse.Namespace) -> Path:
 
 def _compared(arguments: argparse.Namespace) -> int:
     """From how many seeds all arms play."""
-    certified = arguments.certificate is not None
-    return compared_seeds(arguments.controls, arguments.episodes, certified=certified)
+    certified, asked = arguments.certificate is not None, arguments.controls
+    if asked is None and arguments.disturb and not certified:
+        asked = 0
+    return compared_seeds(asked, arguments.episodes, certified=certified)
 
 
 def _episodes(seeds: range) -> str:

@@ -9,8 +9,9 @@ from taskbuilder.cli.output import paint, print_table
 from taskbuilder.cli.why import ASIDE, reasons_of
 from taskbuilder.description.reasons import Reason
 from taskbuilder.evaluation.comparison import Beside, Comparison
+from taskbuilder.evaluation.disturbed import worst
 from taskbuilder.evaluation.results import roles
-from taskbuilder.evaluation.summary import EvaluationSummary
+from taskbuilder.evaluation.summary import Disturbed, EvaluationSummary
 from taskbuilder.expert.baselines import EXPERT, NOTHING, RANDOM
 from taskbuilder.rollout.record import Rollout
 
@@ -55,6 +56,46 @@ def print_result(summary: EvaluationSummary, stages: Sequence[str]) -> None:
     if failed:
         more = f" and {len(failed) - FEW} more" if len(failed) > FEW else ""
         print(f"failed seeds: {', '.join(failed[:FEW])}{more}")
+
+
+def print_disturbed(plain: EvaluationSummary, rows: Sequence[Disturbed]) -> None:
+    """Print the success under each disturbance beside that without one, and the worst."""
+    has_expert = plain.baselines is not None
+    lines = [["disturbance", "succeeded", "95% interval", "against none", "at the last step"]]
+    lines[0] += ["the expert"] if has_expert else []
+    for name, summary in [("none", plain), *((str(row), row.summary) for row in rows)]:
+        if summary is not None:
+            lines.append(_row_of(name, summary, plain, has_expert=has_expert))
+    print_table(lines)
+    for row in rows:
+        if row.why_not:
+            print(f"{row} does not apply: {row.why_not}")
+    lowest = worst(rows)
+    if lowest.summary is not None:
+        change = lowest.summary.success_rate - plain.success_rate
+        print(f"\nworst: {lowest}, {lowest.summary.success_rate:.1%} ({_points(change)})")
+
+
+def _row_of(
+    name: str, summary: EvaluationSummary, plain: EvaluationSummary, *, has_expert: bool
+) -> list[str]:
+    low, high = summary.interval
+    row = [
+        name,
+        f"{summary.successes} of {summary.episodes} ({summary.success_rate:.1%})",
+        f"{low:.1%} to {high:.1%}",
+        "" if summary is plain else _points(summary.success_rate - plain.success_rate),
+        f"{summary.success_at_end_rate:.1%}",
+    ]
+    if not has_expert:
+        return row
+    controls = summary.baselines.controls if summary.baselines else ()
+    expert = next((each for each in controls if each.arm == EXPERT), None)
+    return [*row, f"{expert.success_rate:.1%} of {expert.episodes}" if expert else ""]
+
+
+def _points(change: float) -> str:
+    return f"{100.0 * change:+.1f} points"
 
 
 def _verdict(summary: EvaluationSummary) -> str:

@@ -11,6 +11,7 @@ from taskbuilder.cli.argument_types import (
     any_variation,
     count_or_folder,
     listed,
+    number,
     share,
     whole,
 )
@@ -26,6 +27,7 @@ from taskbuilder.cli.shared_options import (
 )
 from taskbuilder.env.options import option_infos
 from taskbuilder.learn.algorithms import ALGORITHMS
+from taskbuilder.schema.disturbances import axes_text
 
 
 class CommandAdder(Protocol):
@@ -109,6 +111,13 @@ def add_train(adder: CommandAdder) -> None:
         type=share,
         metavar="SHARE",
         help="fraction of training episodes that begin in a state from an episode of the expert",
+    )
+    parser.add_argument(
+        "--no-progress-timeout-s",
+        type=number(0.001, 1_000_000.0),
+        metavar="SECONDS",
+        help="end a training episode after this time without progress (default, with the reward "
+        "ratchet: 1.5 times the longest time that the expert needs in 20 episodes, at least 1.5)",
     )
     parser.add_argument(
         "--init",
@@ -207,11 +216,19 @@ def add_evaluate(adder: CommandAdder) -> None:
     )
     add_env_options(
         parser,
-        without=("variation", "reward"),
+        without=("variation", "reward", "disturbances"),
         also={"position_noise": "--noise"},
         unless_given={
             name: "as in training" for name, info in option_infos().items() if info.decides_policy
         },
+    )
+    parser.add_argument(
+        "--disturb",
+        action="append",
+        metavar="AXIS[=N]",
+        help="also play all episodes under this disturbance, and compare; may be repeated, one "
+        "disturbance is played after the other; all stands for all of them. An axis with its level "
+        f"N, or at its level by default: {axes_text()}".replace("%", "%%"),
     )
     add_count(
         parser,
@@ -219,7 +236,7 @@ def add_evaluate(adder: CommandAdder) -> None:
         (0, 100_000),
         "number of seeds that the baselines also play, for comparison; the baselines are the "
         "expert, random actions, holding still, and stalls (default 20; for a certificate, all "
-        "seeds)",
+        "seeds; with --disturb, none)",
     )
     add_jobs(parser)
     add_ray(parser, "episodes")

@@ -15,8 +15,10 @@ from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import trusts
 from taskbuilder.env.options import flag_of, option_infos
 from taskbuilder.errors import UsageError, display_path
+from taskbuilder.expert.script.player import has_expert
 from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
+from taskbuilder.learn.expert_waits import EPISODES, has_timeout
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.recordings import unlike_recorded
 from taskbuilder.learn.run_setup import RunSetup
@@ -97,7 +99,11 @@ def _begin(arguments: argparse.Namespace, planned: RunSetup) -> None:
             say(f"the data set is of another version of the task: {other}")
     with runs.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
-        runs.create(folder, planned, command=command, catalogue=catalogue, track=_track)
+        if has_timeout(planned) and has_expert(planned.task):
+            say(f"the expert plays {EPISODES} episodes, to measure how long it waits")
+        planned = runs.create(folder, planned, command=command, catalogue=catalogue, track=_track)
+        if planned.waits is not None:
+            say(f"{'careful: ' * bool(planned.waits.cut)}{planned.waits}")
         _go_on(folder, planned)
 
 

@@ -282,6 +282,7 @@ def _about(env: TaskEnv, rollout: Rollout) -> dict[str, Any]:
         "trouble": asdict(trouble) if trouble else None,
         "why": [asdict(reason) for reason in rollout.why],
         "randomized": _plain(dict(episode.quantities)) if env.options.randomize else {},
+        **({"disturbed": dict(rollout.disturbed)} if rollout.disturbed else {}),
     }
 
 

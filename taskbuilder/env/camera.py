@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.cameras import seen_points
+from taskbuilder.cameras import Image, seen_points
 from taskbuilder.sim.pictures import intrinsics
 from taskbuilder.world.world import World
 
@@ -61,3 +61,16 @@ def camera_of(world: World, name: str, size: tuple[int, int]) -> Camera:
     view = world.camera(name, size)
     lens = intrinsics(view, world.client.renderer)
     return Camera(name, *size, lens, view.extrinsics, view.near, view.far)
+
+
+def with_noise(image: Image, std: float, rng: np.random.Generator) -> Image:
+    """An image with Gaussian noise on every value of its colours.
+
+    Args:
+        image: The image.
+        std: Standard deviation, as a fraction of the full range.
+        rng: Random numbers.
+    """
+    noise = rng.normal(0.0, 255.0 * std, image.rgb.shape)
+    noisy = np.clip(np.rint(image.rgb + noise), 0, 255).astype(np.uint8)
+    return replace(image, rgb=noisy)

@@ -80,7 +80,10 @@ class Course(Single):
         self.check_usable()
         if self.variation not in self._worlds:
             world = build_world(
-                self.file, variation=self.variation, renderer=self._options.renderer
+                self.file,
+                variation=self.variation,
+                renderer=self._options.renderer,
+                disturbances=self._options.disturbances,
             )
             world.watch_forces(self.force_pairs)
             self._worlds[self.variation] = world
@@ -221,7 +224,8 @@ class Course(Single):
     def longest_delay(self) -> int:
         """The longest delay that any robot can have with these options, in control steps."""
         listed = self.world.spec.randomize if self._options.draws_quantities else {}
-        return max(longest_delay(agent, listed) for agent in self.agents)
+        longest = max(longest_delay(agent, listed) for agent in self.agents)
+        return max(longest, int(self._options.disturbance_levels.get("delay", 0)))
 
     def physical(self, agent: str, values: NDArray[np.float64]) -> list[float]:
         """The numbers of an agent's action in physical units, within their bounds."""

@@ -17,6 +17,7 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.course import ActionNumbers, Course
 from taskbuilder.env.episode_state import EpisodeState, fingerprint, snapshot_of
 from taskbuilder.env.options import Options
+from taskbuilder.env.rewording import longest_reworded, reworded
 from taskbuilder.errors import ExplosionError, UsageError
 from taskbuilder.geometry import total
 from taskbuilder.schema.instructions import fill, longest_instruction
@@ -102,6 +103,14 @@ class Episode(Single):
         """Values in this episode of what the task lists under ``randomize``."""
         return self._course.quantities
 
+    @property
+    def disturbed(self) -> Mapping[str, Any]:
+        """What this episode drew for disturbances, by axis, as JSON can hold it."""
+        drawn = self._course.world.disturbed
+        if "instruction" not in self.options.disturbance_levels:
+            return drawn
+        return {**drawn, "instruction": self.instruction}
+
     def delay(self, agent: str) -> int:
         """After how many control steps a robot carries out its actions in this episode."""
         return self._course.delay(agent)
@@ -153,13 +162,19 @@ class Episode(Single):
         texts = self._file.spec.instructions
         if not texts:
             return self._file.spec.summary
-        chosen = int(EpisodeRandomness(self.seed).instruction().integers(len(texts)))
-        return fill(texts[chosen], self._file.scenes[self.variation], self.quantities)
+        randomness = EpisodeRandomness(self.seed)
+        chosen = int(randomness.instruction().integers(len(texts)))
+        text = fill(texts[chosen], self._file.scenes[self.variation], self.quantities)
+        if "instruction" in self.options.disturbance_levels:
+            return reworded(text, randomness.rewording())
+        return text
 
     @property
     def longest_instruction(self) -> int:
         """An upper bound of the length of any episode's instruction, in bytes of UTF-8."""
-        return longest_instruction(self._file.spec, self._file.scenes)
+        longest = longest_instruction(self._file.spec, self._file.scenes)
+        reworded = "instruction" in self.options.disturbance_levels
+        return longest_reworded(longest) if reworded else longest
 
     @property
     def terminated(self) -> bool:

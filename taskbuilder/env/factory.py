@@ -9,6 +9,7 @@ from typing import Any
 
 from taskbuilder.env.parallel import TaskEnv, parallel_env
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.disturbances import disturbances
 from taskbuilder.schema.other_robots import other_robots
 from taskbuilder.task import Task, load_task
 
@@ -58,6 +59,8 @@ class EnvFactory:
 def _hashable(name: str, value: Any) -> Any:
     if name == "robots":
         return other_robots(value)
+    if name == "disturbances":
+        return disturbances(value)
     return tuple(value) if isinstance(value, list) else value
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,7 +12,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.cameras import CameraView, Image
-from taskbuilder.env.camera import Camera, camera_of
+from taskbuilder.env.camera import Camera, camera_of, with_noise
 from taskbuilder.env.drawn_values import drawn_values
 from taskbuilder.env.episode import Episode
 from taskbuilder.env.observations import (
@@ -43,6 +44,9 @@ class Observer:
         task: The task.
         options: The options of the environment.
         world: The world of any variation; all variations have the same bodies.
+
+    Attributes:
+        positions: The agents that observe positions.
     """
 
     def __init__(self, task: Task, options: Options, world: World) -> None:
@@ -54,7 +58,11 @@ class Observer:
         extra = tuple(f"{camera}.rgb" for camera in options.cameras)
         self._task, self._world = task, world
         self._own_frames, self._matrices = options.frame == "base", options.rotation == "matrix"
-        self._log, self._position_noise = options.distances == "log", options.position_noise
+        levels = options.disturbance_levels
+        self._log = options.distances == "log"
+        self._position_noise = math.hypot(options.position_noise, levels.get("state_noise", 0.0))
+        self._image_noise = levels.get("image_noise", 0.0)
+        self.positions: set[str] = set()
         self._views = {
             agent: self._view((*listed[agent], *extra), agent, spec.observation_noise.get(agent))
             for agent in task.agents
@@ -73,6 +81,11 @@ class Observer:
             name: max(scene.cameras[name].far_plane for scene in task.file.scenes)
             for name in self._sizes
         }
+
+    @property
+    def pictures(self) -> frozenset[str]:
+        """What agents observe of cameras."""
+        return frozenset(each.quantity for view in self._views.values() for each in view.cameras)
 
     def agent_spaces(self) -> dict[str, spaces.Space[Any]]:
         """The observation space of every agent."""
@@ -98,7 +111,7 @@ class Observer:
     def observe(self, episode: Episode) -> dict[str, Any]:
         """The current observation of every agent, in new arrays."""
         cameras = [camera for view in self._views.values() for camera in view.cameras]
-        images = self._look(episode.world, cameras) if cameras else {}
+        images = self._look(episode, cameras) if cameras else {}
         return {agent: self._seen(view, episode, images) for agent, view in self._views.items()}
 
     def state(self, episode: Episode) -> NDArray[np.float32]:
@@ -124,8 +137,10 @@ class Observer:
     ) -> Reading:
         if agent and self._own_frames and channel.frame == "world":
             channel = replace(channel, frame=f"{agent}.base")
-        if agent and self._position_noise and channel.quantity in POSITIONS:
-            noise = with_position_noise(noise, self._position_noise)
+        if agent and channel.quantity in POSITIONS:
+            self.positions.add(agent)
+            if self._position_noise:
+                noise = with_position_noise(noise, self._position_noise)
         reading = make_reading(text, channel, self._world, noise)
         if self._log and channel.quantity in POSITIONS and channel.frame.endswith(".tcp"):
             reading = reading.with_log()
@@ -145,9 +160,16 @@ class Observer:
         """The cameras of the scene as it stands, with the sizes of observed images."""
         return {name: camera_of(world, name, size) for name, size in self._sizes.items()}
 
-    def _look(self, world: World, cameras: Iterable[Channel]) -> dict[str, _Look]:
+    def _look(self, episode: Episode, cameras: Iterable[Channel]) -> dict[str, _Look]:
         """Render each camera once, for all agents that observe it."""
+        world = episode.world
         world.move_markers()
         wanted = dict.fromkeys(camera.subject for camera in cameras)
         views = {name: world.camera(name, self._sizes[name]) for name in wanted}
-        return {name: (capture(world, view), view) for name, view in views.items()}
+        images = {name: capture(world, view) for name, view in views.items()}
+        if self._image_noise:
+            images = {
+                name: with_noise(image, self._image_noise, episode.noise_rng)
+                for name, image in images.items()
+            }
+        return {name: (image, views[name]) for name, image in images.items()}

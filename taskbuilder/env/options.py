@@ -17,6 +17,7 @@ from taskbuilder.env.option_info import OptionInfo, OptionKind, about, check_cho
 from taskbuilder.errors import UsageError
 from taskbuilder.extensions import RENDERERS
 from taskbuilder.schema.choices import GraspChoice, OtherRobots
+from taskbuilder.schema.disturbances import AXES, Disturbances, DisturbancesGiven, disturbances
 
 if TYPE_CHECKING:  # models of files, which the command line does without until a command runs
     from taskbuilder.schema.catalogue import Catalogue
@@ -261,10 +262,28 @@ class Options:
         ),
     )
 
+    disturbances: Disturbances = field(
+        default=(),
+        metadata=about(
+            "what every episode has otherwise than the task file says, all at once: axes, each "
+            f"with a level or at that by default, such as mass=0.5; {', '.join(AXES)}",
+            "scene",
+            unless_given="none",
+            flag="disturb",
+            decides_course=True,
+            disturbs=True,
+        ),
+    )
+
     @property
     def draws_quantities(self) -> bool:
         """Whether what the task lists under ``randomize`` is drawn in each episode."""
         return self.randomize in (True, "all")
+
+    @property
+    def disturbance_levels(self) -> dict[str, float]:
+        """The level of each axis that is disturbed."""
+        return dict(self.disturbances)
 
     @property
     def decisive(self) -> dict[str, Any]:
@@ -286,20 +305,22 @@ class Options:
         return cast("EnvOptions", chosen)
 
     def applied(self, task: Task) -> TaskFile:
-        """The task file with the horizon, control rate, robots and grasping of these options.
+        """The task file with the timing, robots, grasping and layout of these options.
 
         Raises:
             UsageError: An option does not fit the task.
             UnknownNameError: There is no robot of a name in ``robots``.
             FileError: The files of such a robot have errors.
         """
+        from taskbuilder.env.disturbing import with_disturbances
         from taskbuilder.env.timing import with_timing
         from taskbuilder.schema.grasping import with_grasp
         from taskbuilder.schema.other_robots import with_robots
 
         self._check(task)
         file = with_grasp(with_robots(task.file, self.robots, task.file.catalogue), self.grasp)
-        return with_timing(file, self.horizon, self.control_hz)
+        file = with_timing(file, self.horizon, self.control_hz)
+        return with_disturbances(file, self.disturbances, self.renderer)
 
     def load(
         self,
@@ -399,6 +420,7 @@ class TrainingOptions(_PlayedOptions, total=False):
     cameras: tuple[str, ...]
     camera_size: tuple[int, int] | None
     renderer: Renderer
+    disturbances: DisturbancesGiven
 
 
 class EnvOptions(TrainingOptions, total=False):
@@ -425,7 +447,11 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     names = tuple(option_fields())
     for name in options:
         check_choice("option", name, names)
-    chosen: dict[str, Any] = {**options, "robots": other_robots(options.get("robots", ()))}
+    chosen: dict[str, Any] = {
+        **options,
+        "robots": other_robots(options.get("robots", ())),
+        "disturbances": disturbances(options.get("disturbances", ())),
+    }
     return Options(**chosen)
 
 

@@ -146,6 +146,16 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         return self._observer.cameras(self.episode.world)
 
     @property
+    def observes_positions(self) -> bool:
+        """Whether any agent observes a position."""
+        return bool(self._observer.positions)
+
+    @property
+    def observed_pictures(self) -> frozenset[str]:
+        """What agents observe of cameras: any of ``rgb``, ``depth``, ``mask`` and ``points``."""
+        return self._observer.pictures
+
+    @property
     def task_description(self) -> str:
         """The instruction of this episode, filled in; it depends on the seed and the variation."""
         return self.episode.instruction

@@ -14,6 +14,7 @@ from taskbuilder.errors import UsageError
 from taskbuilder.evaluation.arms import SUBJECT, Episodes, by_arm, jobs_of, play_all
 from taskbuilder.evaluation.certificate import Trial, certificate_of, write_certificate
 from taskbuilder.evaluation.comparison import Arms, compare
+from taskbuilder.evaluation.disturbed import applicable, under
 from taskbuilder.evaluation.subject import Subject, find_subject
 from taskbuilder.evaluation.summary import EPISODES, SEED, EvaluationSummary, summarise
 from taskbuilder.jobs import Map, workers
@@ -21,6 +22,7 @@ from taskbuilder.policies.grammar import PolicyLike
 from taskbuilder.policies.zoo import ZOO_PREFIX
 from taskbuilder.processes import cores
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.disturbances import DisturbancesGiven, each_disturbance
 from taskbuilder.task import Task
 
 COMPARED = 20
@@ -39,6 +41,7 @@ def evaluate(
     first_seed: int = SEED,
     baselines: bool | int = False,
     certificate: str | Path | None = None,
+    disturb: DisturbancesGiven = (),
     jobs: int | None = None,
     catalogue: Catalogue | None = None,
     trust: bool = False,
@@ -56,7 +59,10 @@ def evaluate(
         first_seed: Seed of the first episode.
         baselines: Whether the expert, random actions, holding still and stalls also play the first
             20 seeds (all seeds, with a certificate), for comparison; or the number of these seeds.
-        certificate: File for a certificate, which others can verify by playing it again.
+        certificate: File for a certificate, which others can verify by playing it again; with
+            ``disturb``, of the episodes under its one disturbance.
+        disturb: Disturbances that are also played, one by one, from the same seeds: ``"all"``, a
+            text such as ``"mass=0.5"``, several, or a mapping from axes to levels.
         jobs: Number of processes; by default one for each CPU core, and this process for a policy
             of your own.
         catalogue: Where tasks are looked up; by default the catalogue of this installation.
@@ -66,30 +72,40 @@ def evaluate(
 
     Returns:
         The success rate with its confidence interval, the returns, and the stages reached; with
-        ``baselines``, the comparison with them. It has the record of every episode.
+        ``baselines``, the comparison with them; with ``disturb``, the results under each
+        disturbance. It has the record of every episode.
 
     Raises:
         UsageError: The policy does not fit the task, its file does not exist, nothing says which
-            task to play, or the task is not in the catalogue or not trusted; or there can be no
-            certificate.
+            task to play, or the task is not in the catalogue or not trusted; there can be no
+            certificate; or there is no such disturbance, or none of them applies.
         UnknownNameError: There is no policy of this name, or ``task`` names an unknown task.
     """
     subject = find_subject(policy, task=task, options=options, catalogue=catalogue, trust=trust)
     played = [*(range(first_seed, first_seed + episodes) if seeds is None else seeds)]
     if not played:
         raise UsageError("there are no seeds; an evaluation has at least one episode")
+    asked = each_disturbance(disturb)
     compared = compared_seeds(baselines, len(played), certified=certificate is not None)
     if certificate is not None:
-        check_certifiable(subject, played)
+        check_certifiable(subject, played, asked)
     subject.check()
+    rows = applicable(subject, asked)
     if jobs is None:
         jobs = 1 if subject.player.kind == "own" else cores()
     with workers(min(jobs, len(played))) as spread:
-        arms = play_arms(subject, played, compared, spread)
+        trials = [(subject, play_arms(subject, played, compared, spread))]
+        for row in rows:
+            if not row.why_not:
+                other = under(subject, row.axis, row.level)
+                trials.append((other, play_arms(other, played, compared, spread)))
     if certificate is not None:
         command = f"taskbuilder.evaluate({subject.name!r})"
-        certify(Path(certificate), subject, arms, played, compared, command)
-    return summary_of(subject, arms)
+        certify(Path(certificate), *trials[-1], played, compared, command)
+    plain, *under_each = (summary_of(*trial) for trial in trials)
+    results = iter(under_each)
+    rows = tuple(row if row.why_not else replace(row, summary=next(results)) for row in rows)
+    return replace(plain, disturbed=rows)
 
 
 def compared_seeds(asked: int | None, count: int, *, certified: bool) -> int:
@@ -138,12 +154,21 @@ def summary_of(subject: Subject, arms: Arms) -> EvaluationSummary:
     )
 
 
-def check_certifiable(subject: Subject, seeds: Sequence[int]) -> None:
-    """Refuse an evaluation that nobody else could play again.
+def check_certifiable(
+    subject: Subject, seeds: Sequence[int], disturb: Sequence[tuple[str, float]] = ()
+) -> None:
+    """Refuse an evaluation that nobody else could play again, or that is of more than one trial.
+
+    Args:
+        subject: Who is evaluated, and where.
+        seeds: Seeds of the episodes.
+        disturb: Disturbances that are played one by one.
 
     Raises:
         UsageError: So it is.
     """
+    if len(disturb) > 1:
+        raise UsageError("a certificate is of one disturbance; name one axis, such as mass=0.5")
     player = subject.player
     if player.kind == "served":
         raise UsageError(

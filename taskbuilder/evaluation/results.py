@@ -17,7 +17,10 @@ from taskbuilder.rollout.record import Rollout
 
 
 def record(rollout: Rollout) -> dict[str, Any]:
-    """The data of an episode, with a digest of its actions, rewards and conditions."""
+    """The data of an episode, with a digest of its actions, rewards and conditions.
+
+    What it drew for disturbances is ``disturbed``, where there are any.
+    """
     return {
         "seed": rollout.seed,
         "variation": rollout.variation,
@@ -32,6 +35,7 @@ def record(rollout: Rollout) -> dict[str, Any]:
         "peak_robot_force": rollout.peak_robot_force,
         "why": [asdict(reason) for reason in rollout.why],
         "digest": digest_of_rollout(rollout),
+        **({"disturbed": dict(rollout.disturbed)} if rollout.disturbed else {}),
     }
 
 

@@ -17,9 +17,10 @@ from taskbuilder.evaluation.comparison import Comparison
 from taskbuilder.evaluation.statistics import iqm
 from taskbuilder.intervals import wilson
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.disturbances import disturbance_text
 
 SEED = 2_000_000
-"""First seed of held-out evaluations: no policy is chosen by these episodes."""
+"""First seed of held-out evaluations: neither training nor checkpoints use these episodes."""
 
 EPISODES = 300
 """Default number of episodes of an evaluation."""
@@ -50,6 +51,7 @@ class EvaluationSummary:
         task_version: The version of the task.
         baselines: The comparison with the baselines, or None if none have played.
         rollouts: The records of all episodes, where they were kept.
+        disturbed: The results under each disturbance that was asked for, from the same seeds.
     """
 
     episodes: int
@@ -70,6 +72,7 @@ class EvaluationSummary:
     task_version: int = 1
     baselines: Comparison | None = None
     rollouts: tuple[Rollout, ...] = field(default=(), repr=False, compare=False)
+    disturbed: tuple[Disturbed, ...] = ()
 
     @property
     def success_rate(self) -> float:
@@ -80,6 +83,26 @@ class EvaluationSummary:
     def success_at_end_rate(self) -> float:
         """Fraction of the episodes that succeeded and in which success held at the end."""
         return self.successes_at_end / self.episodes
+
+
+@dataclass(frozen=True)
+class Disturbed:
+    """A disturbance, and what a policy achieves under it.
+
+    Attributes:
+        axis: What is disturbed, such as ``mass``.
+        level: How much.
+        why_not: Why the disturbance does not apply to this policy and task; "" if it does.
+        summary: The results under the disturbance; None if it does not apply.
+    """
+
+    axis: str
+    level: float
+    why_not: str = ""
+    summary: EvaluationSummary | None = None
+
+    def __str__(self) -> str:
+        return disturbance_text(self.axis, self.level)
 
 
 def summarise(played: Sequence[Rollout], stages: int) -> EvaluationSummary:

@@ -66,6 +66,9 @@ class Plan:
         workers: Processes for the environments; 0 for this one. Results do not depend on it.
         demos: Number of expert episodes to learn from, or the data set that has them.
         starts: Fraction of the training episodes that begin in a state of an expert episode.
+        no_progress_timeout_s: Time without progress after which a training episode ends, in
+            seconds. None while it is not measured; in runs of earlier versions, for that of the
+            training reward.
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.
         teachers: The trained policies that played its episodes; none where experts did.
@@ -90,6 +93,7 @@ class Plan:
     workers: int = field(default=0, metadata=_PACES)
     demos: int | str = field(default=0, metadata=_PRACTICE)
     starts: float = field(default=0.0, metadata=_PRACTICE)
+    no_progress_timeout_s: float | None = field(default=None, metadata=_PRACTICE)
     init: str = ""
     data: str = ""
     teachers: tuple[str, ...] = ()
@@ -170,6 +174,9 @@ class Plan:
             value = getattr(self, name)
             if value is not None and not 0.0 <= value <= 1.0:
                 raise UsageError(f"{name} is {value}; 0 to 1")
+        timeout = self.no_progress_timeout_s
+        if timeout is not None and not timeout > 0.0:
+            raise UsageError(f"no_progress_timeout_s is {timeout:g}; seconds, more than 0")
         if self.options.variation == "random" and (self.demos or self.starts):
             raise UsageError(
                 "the expert plays one variation; give --variation a number where --demos or "
@@ -261,6 +268,10 @@ def check_source(chosen: Mapping[str, Any]) -> None:
         )
     if algorithm.from_data and chosen.get("envs") is not None:
         raise UsageError(f"{name} learns from the data set alone; leave --envs out")
+    if algorithm.from_data and chosen.get("no_progress_timeout_s") is not None:
+        raise UsageError(
+            f"{name} learns from the data set alone; leave --no-progress-timeout-s out"
+        )
     for option in ("data", "cameras"):
         if chosen.get(option) and not algorithm.from_data:
             raise UsageError(f"{name} learns from no data set; --algorithm bc does")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from taskbuilder.files import claim
 from taskbuilder.learn.algorithms import find_algorithm
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
+from taskbuilder.learn.expert_waits import with_timeout
 from taskbuilder.learn.plan import Plan, check_source, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
 from taskbuilder.learn.run_setup import RunSetup
@@ -71,6 +73,7 @@ def train(
     workers: int | None = None,
     demos: int | str | Path | None = None,
     starts: float | None = None,
+    no_progress_timeout_s: float | None = None,
     init: str | None = None,
     data: str | Path | None = None,
     device: Literal["cpu", "cuda"] | None = None,
@@ -99,6 +102,9 @@ def train(
         workers: Processes for the environments; 0 for this one. Results do not depend on it.
         demos: Expert episodes to learn from: their number, or the folder of a data set.
         starts: Fraction of the training episodes that begin in a state of an expert episode.
+        no_progress_timeout_s: Time without progress after which a training episode ends, in
+            seconds. By default measured, if the reward has such a rule: 1.5 times the longest time
+            that the expert needs, and at least 1.5 s. A time that cuts the expert is warned of.
         init: The trained policy to start from, by name.
         data: The data set to learn from, for algorithms that learn from one.
         device: Device of the networks.
@@ -129,6 +135,7 @@ def train(
         workers=workers,
         demos=demos,
         starts=starts,
+        no_progress_timeout_s=no_progress_timeout_s,
         init=init,
         data=data,
         device=device,
@@ -141,7 +148,9 @@ def train(
     )
     folder = Path(out) if out is not None else default_folder(run)
     with locked(folder, new=True):
-        create(folder, run)
+        run = create(folder, run)
+        if run.waits is not None and run.waits.cut:
+            warnings.warn(str(run.waits), stacklevel=2)
         go_on(folder, run, watch)
     return TrainedRun(folder, run.plan, load_policy(str(folder)))
 
@@ -231,10 +240,14 @@ def checked(plan: Plan, task: Task, dataset: Dataset | None = None) -> RunSetup:
     if plan.data:
         return RunSetup(plan, task, dataset, names)
     check_pictures(task, plan.env)
-    if plan.reward in ("shaped", "ratchet") and task.description.progress is None:
-        raise UsageError(
-            f"{task.name} has no progress; write it into its description, or choose --reward team"
-        )
+    if task.description.progress is None:
+        if plan.reward in ("shaped", "ratchet"):
+            raise UsageError(
+                f"{task.name} has no progress; write it into its description, or choose "
+                "--reward team"
+            )
+        if plan.no_progress_timeout_s is not None:
+            raise UsageError(f"{task.name} has no progress; leave --no-progress-timeout-s out")
     return RunSetup(plan, task, dataset)
 
 
@@ -277,8 +290,8 @@ def create(
     command: str = "",
     catalogue: Catalogue | None = None,
     track: TrackRollouts = lambda episodes, _: episodes,
-) -> None:
-    """Record demonstrations if the plan needs any, then write the plan.
+) -> RunSetup:
+    """Record demonstrations if the plan needs any, measure the expert, then write the plan.
 
     Args:
         folder: Folder of the run.
@@ -286,20 +299,25 @@ def create(
         command: The command that started the run.
         catalogue: The catalogue in which other processes look up the task.
         track: Wraps the demonstrations as they are recorded.
+
+    Returns:
+        The run with the plan as it was written.
     """
     from taskbuilder.learn.training import INIT_FILE
 
     plan, task = run.plan, run.task
+    episodes: list[Rollout] = []
     asked = plan.demos if isinstance(plan.demos, int) else 0
     count = 0 if run.dataset else max(asked, START_EPISODES if plan.starts else 0)
     if count:
         episodes = list(track(record(plan.task, count, plan.env, catalogue=catalogue), count))
         save_rollouts(folder / DEMONSTRATIONS_FILE, episodes)
+    run = with_timeout(run, episodes, catalogue)
     if plan.init:
         save_policy(folder / INIT_FILE, load_policy(plan.init))
     save_plan(
         folder,
-        plan,
+        run.plan,
         {
             "digest": _digest(task),
             **({"data_seal": identity(run.dataset)} if run.dataset else {}),
@@ -311,6 +329,7 @@ def create(
             "command": command,
         },
     )
+    return run
 
 
 def find(folder: Path, catalogue: Catalogue | None = None, *, trust: bool = False) -> RunSetup:

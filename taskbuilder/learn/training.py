@@ -277,7 +277,10 @@ def _environments(run: RunSetup, folder: Path, stack: ExitStack) -> tuple[Traina
     reward = TRAINING_REWARDS[plan.reward]
     options: dict[str, Any] = {**plan.env, "reward": reward.sharing}
     demonstrations = _demonstrations(run, folder)
-    ends = TrainingWrappers(reward.end_on_setback, reward.no_progress_timeout_s)
+    timeout = plan.no_progress_timeout_s
+    if timeout is None:  # as in runs of earlier versions
+        timeout = reward.no_progress_timeout_s
+    ends = TrainingWrappers(reward.end_on_setback, timeout)
     prefixes = tuple(map(StartPrefix.before_success, demonstrations)) if plan.starts else ()
     wrap = replace(ends, start_prefixes=prefixes, start_share=plan.starts)
     envs = make_vec(task, plan.envs, plan.workers, wrap=wrap, **options)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +76,24 @@ class EndOnSetback(EpisodeWrapper):
         return observations, rewards, terminations, truncations, infos
 
 
+class ProgressCount(NamedTuple):
+    """The time without progress in an episode.
+
+    Attributes:
+        highest: The highest progress so far.
+        steps: Control steps since it rose, which are not counted while success holds.
+    """
+
+    highest: float = 0.0
+    steps: int = 0
+
+    def after(self, progress: float, *, success: bool) -> ProgressCount:
+        """The count after a control step."""
+        if success or progress >= self.highest + LEAST_RISE:
+            return ProgressCount(max(self.highest, progress), 0)
+        return ProgressCount(self.highest, self.steps + 1)
+
+
 class NoProgressTimeout(EpisodeWrapper):
     """Truncates episodes in which the progress has not risen by 0.05 for some time.
 
@@ -95,7 +113,7 @@ class NoProgressTimeout(EpisodeWrapper):
         if not seconds > 0.0:
             raise UsageError(f"no_progress_timeout_s is {seconds}; seconds, more than 0")
         self._limit = seconds * env.metadata["render_fps"]
-        self._highest, self._steps = 0.0, 0
+        self._count = ProgressCount()
 
     @property
     def info_keys(self) -> tuple[str, ...]:
@@ -107,7 +125,7 @@ class NoProgressTimeout(EpisodeWrapper):
     ) -> tuple[dict[str, Any], Infos]:
         """Reset the environment."""
         observations, infos = self.env.reset(seed=seed, options=options)
-        self._highest, self._steps = next(iter(infos.values()))["progress"], 0
+        self._count = ProgressCount(next(iter(infos.values()))["progress"])
         return observations, self._with_steps(infos)
 
     def step(self, actions: Mapping[str, Any]) -> Returned:
@@ -115,29 +133,23 @@ class NoProgressTimeout(EpisodeWrapper):
         observations, rewards, terminations, truncations, infos = self.env.step(actions)
         info = next(iter(infos.values()))
         if not info["exploded"]:
-            self._count(info["progress"], success=info["success"] > 0.0)
-        if self._steps >= self._limit and not any(terminations.values()):
+            self._count = self._count.after(info["progress"], success=info["success"] > 0.0)
+        if self._count.steps >= self._limit and not any(terminations.values()):
             truncations = dict.fromkeys(truncations, True)
             self.end_episode()
         return observations, rewards, terminations, truncations, self._with_steps(infos)
 
-    def _count(self, progress: float, *, success: bool) -> None:
-        if success or progress >= self._highest + LEAST_RISE:
-            self._highest, self._steps = max(self._highest, progress), 0
-        else:
-            self._steps += 1
-
     def _with_steps(self, infos: Infos) -> Infos:
-        steps = float(self._steps)
+        steps = float(self._count.steps)
         return {agent: {**info, STEPS_WITHOUT_PROGRESS: steps} for agent, info in infos.items()}
 
-    def save(self) -> tuple[float, int]:
-        """The highest progress, and the control steps since it was reached."""
-        return self._highest, self._steps
+    def save(self) -> ProgressCount:
+        """The highest progress, and the control steps since it rose."""
+        return self._count
 
-    def load(self, kept: tuple[float, int]) -> None:
+    def load(self, kept: ProgressCount) -> None:
         """Restore the state that `save` returned."""
-        self._highest, self._steps = kept
+        self._count = kept
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,7 @@ class Rollout:
         why: Why the success condition is false at the end; empty if the condition is true, or if
             `play` was called without ``explain=True``.
         log: The log of the expert's stages, or None if no expert played.
+        disturbed: What the episode drew for disturbances, by axis, as JSON can hold it.
     """
 
     task: str
@@ -133,6 +134,7 @@ class Rollout:
     robot_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     why: tuple[Reason, ...] = ()
     log: ScriptLog | None = None
+    disturbed: Mapping[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         how = "success" if self.success else "no success"

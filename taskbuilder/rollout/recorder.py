@@ -52,6 +52,7 @@ class Recorder:
         if forces:
             env.episode.meter_robots()
         self._seed = 0
+        self._disturbed: Mapping[str, Any] = {}
         self._before: Rollout | None = None
         self._actions: list[Mapping[str, Any]] = []
         self._rewards: list[Mapping[str, float]] = []
@@ -64,7 +65,7 @@ class Recorder:
 
     def begin(self, seed: int, observations: Mapping[str, Any]) -> None:
         """Record the state after reset."""
-        self._seed = seed
+        self._seed, self._disturbed = seed, self.env.episode.disturbed
         self._note_state(observations)
 
     def take_over(self, before: Rollout, observations: Mapping[str, Any]) -> None:
@@ -144,6 +145,7 @@ class Recorder:
             pictures=_stacked(self._pictures),
             robot_force=np.array(self._forces, dtype=np.float64),
             log=log,
+            disturbed=self._disturbed,
         )
         return found if self._before is None else _joined(self._before, found)
 

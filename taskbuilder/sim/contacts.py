@@ -162,6 +162,15 @@ def links_touch(body: Body, links: Sequence[int], other_id: int, within: float) 
     return any(closest(body.id, other_id, within, link) for link in links)
 
 
+def links_near(body: Body, other: Body, within: float) -> frozenset[int]:
+    """The links of a body that come as near to another body as a distance in metres.
+
+    Needs no physics step or `Client.collide` before it.
+    """
+    points = body.client.bullet.getClosestPoints(body.id, other.id, within)
+    return frozenset(point[3] for point in points)
+
+
 def nearest_normal(
     body_a: Body, body_b: Body, within: float, *, link_a: int, link_b: int | None = None
 ) -> Vec3 | None:

@@ -14,6 +14,7 @@ from taskbuilder.geometry import Pose
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.kinematics.inverse import solve
 from taskbuilder.schema.agents import RobotEntry
+from taskbuilder.schema.disturbances import Disturbances
 from taskbuilder.schema.grasping import grasping
 from taskbuilder.schema.joints import JointSpec
 from taskbuilder.schema.load import TaskFile
@@ -42,7 +43,13 @@ THICK_M, ZONE_OPACITY = 0.06, 0.35  # markers of zones, which things are seen in
 FLOOR_COLOR: RGBA = (0.86, 0.87, 0.885, 1.0)
 
 
-def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto") -> World:
+def build_world(
+    task: TaskFile,
+    *,
+    variation: int = 0,
+    renderer: Request = "auto",
+    disturbances: Disturbances = (),
+) -> World:
     """Build the world of a task.
 
     Args:
@@ -50,6 +57,7 @@ def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto
         variation: Number of the variation; 0 is the task as written.
         renderer: Renderer of camera images: ``raster``, ``tiny``, ``egl`` or ``auto``; see
             `Options`.
+        disturbances: What episodes have otherwise than the task file says, besides the layout.
 
     Raises:
         FileError: The world cannot be built from the task's files; the findings say where the
@@ -65,7 +73,7 @@ def build_world(task: TaskFile, *, variation: int = 0, renderer: Request = "auto
         objects = {name: _build_object(loader, name, spec) for name, spec in scene.objects.items()}
         sites = {name: _build_site(client, name, spec) for name, spec in scene.sites.items()}
         heard = tuple(loader.heard)
-        world = World(task, scene, client, robots, objects, sites, floor, heard)
+        world = World(task, scene, client, robots, objects, sites, floor, heard, disturbances)
         _put_all(world)
         unite(_movers(world))
         world.keep_as_built()

@@ -30,7 +30,7 @@ from taskbuilder.world.scene_objects import SceneObject, Site
 Array = NDArray[np.float64]
 
 MOST = 5
-"""Distractors in an episode; fewer, or none, if there is no room."""
+"""Distractors in an episode unless another number is given; fewer, or none, if there is no room."""
 
 TRIES = 20
 """Places that are tried for each."""
@@ -93,12 +93,15 @@ class Surroundings(Protocol):
         """Bounding box of an object, a part or a site's marker, in its own frame."""
 
 
-def scattered(world: Surroundings, rng: np.random.Generator) -> tuple[Distractor, ...]:
+def scattered(
+    world: Surroundings, rng: np.random.Generator, most: int = MOST
+) -> tuple[Distractor, ...]:
     """Distractors for an episode whose things are placed.
 
     Args:
         world: The scene.
         rng: Random numbers.
+        most: The largest number of distractors.
     """
     furniture = _furniture(world)
     busy = _Busy(world, furniture)
@@ -110,7 +113,7 @@ def scattered(world: Surroundings, rng: np.random.Generator) -> tuple[Distractor
     tops = [(np.maximum(a, low), np.minimum(b, high)) for a, b in tops]
     tops = [(a, b) for a, b in tops if (a < b).all()] or [busy.area]
     made: list[Distractor] = []
-    for _ in range(int(rng.integers(1, MOST + 1))):
+    for _ in range(int(rng.integers(1, most + 1))):
         area = busy.area if rng.random() < FAR else tops[int(rng.integers(len(tops)))]
         made += _one(world.client, supports, busy, area, rng)
     return tuple(made)

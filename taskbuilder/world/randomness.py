@@ -59,8 +59,16 @@ class EpisodeRandomness:
         """For things that are only drawn, where looks vary."""
         return self._generator(8)
 
-    def _generator(self, purpose: int) -> np.random.Generator:
-        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(purpose,)))
+    def disturbance(self, axis: int) -> np.random.Generator:
+        """For what a disturbance changes, by the number of its axis."""
+        return self._generator(9, axis)
+
+    def rewording(self) -> np.random.Generator:
+        """For the words of an instruction that is put into other words."""
+        return self._generator(10)
+
+    def _generator(self, *purpose: int) -> np.random.Generator:
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=purpose))
 
 
 Members = Mapping[str, tuple[str, ...]]

@@ -25,6 +25,7 @@ class WorldState:
         contacts: All contacts in which something can move.
         forces: Forces between the watched pairs of bodies.
         look: How the episode looks.
+        disturbed: What the episode drew for disturbances, by axis.
     """
 
     snapshot: Snapshot
@@ -34,3 +35,4 @@ class WorldState:
     contacts: tuple[ContactPoint, ...]
     forces: Mapping[Pair, ForceReading]
     look: Look
+    disturbed: Mapping[str, Any]

@@ -10,6 +10,7 @@ from typing import Any
 from taskbuilder.cameras import CameraView
 from taskbuilder.errors import Finding
 from taskbuilder.geometry import Box, Pose, Vec3
+from taskbuilder.schema.disturbances import Disturbances
 from taskbuilder.schema.load import TaskFile
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.task import LookPart
@@ -22,6 +23,7 @@ from taskbuilder.sim.single import Single
 from taskbuilder.sim.snapshots import Commanded, release, restore, save
 from taskbuilder.world.cameras import camera_view
 from taskbuilder.world.distractors import scattered
+from taskbuilder.world.disturbing import Disturber
 from taskbuilder.world.forces import ForceMeter, Pair
 from taskbuilder.world.frames import SceneFrames
 from taskbuilder.world.locks import locks_of
@@ -57,6 +59,7 @@ class World(Single):
         time: Seconds since the episode began.
         quantities: Values in this episode of what the task file lists under ``randomize``.
         look: Light, background, textures, distractors and camera poses of this episode.
+        disturbed: What this episode drew for disturbances, by axis, as JSON can hold it.
         piled: Resting pose of each object in a pile at the start of this episode, relative to the
             position of the pile.
         onlooker: None, or a generator that is advanced before each physics step and can thus read
@@ -75,6 +78,7 @@ class World(Single):
         sites: Mapping[str, Site],
         floor: Body | None,
         warnings: tuple[Finding, ...] = (),
+        disturbances: Disturbances = (),
     ) -> None:
         self.task = task
         self.spec = task.spec
@@ -87,7 +91,12 @@ class World(Single):
         self.segments = segments_of(robots, objects, sites, floor)
         self.warnings = warnings
         self.time = 0.0
-        self.quantities: Mapping[str, Any] = written(scene, task.spec.randomize, task.names.groups)
+        self._disturber = Disturber(dict(disturbances))
+        self.quantities: Mapping[str, Any] = {
+            **self._disturber.written(self),
+            **written(scene, task.spec.randomize, task.names.groups),
+        }
+        self.disturbed: Mapping[str, Any] = {}
         self.look = AS_WRITTEN
         self.contact_order = ContactOrder(client, self._bodies)
         self._painter = Painter(client, objects, floor, furniture(task.spec, scene))
@@ -134,17 +143,25 @@ class World(Single):
             self._pile(int(randomness.piles().integers(PILES)))
         self.restore(self._built or self.keep_as_built())
         self.contact_order.begun_anew()
+        values = dict(self.quantities)
         if randomized:
-            self._set_quantities(drawn(self.spec.randomize, randomness.quantities()))
+            values |= drawn(self.spec.randomize, randomness.quantities())
+        self._set_quantities(self._disturber.quantities(values, randomness))
+        starts = self._disturber.start_arms(self, randomness)
         place_all(self, randomness.placement())
         self._run({}, self._settling_steps)
-        if looks:
-            look = draw_look(self.spec, self.scene, randomness.looks(), looks)
-            if "distractors" in looks:
-                look = replace(look, distractors=scattered(self, randomness.distractors()))
-            self._set_look(look)
+        if parts := {*looks, *self._disturber.look_parts}:
+            self._set_look(self._drawn_look(parts, randomness))
+        self.disturbed = self._disturber.drawn(self, starts)
         self.time = 0.0
         self._forces.clear()
+
+    def _drawn_look(self, parts: Collection[LookPart], randomness: EpisodeRandomness) -> Look:
+        look = self._disturber.scaled(draw_look(self.spec, self.scene, randomness.looks(), parts))
+        if "distractors" not in parts:
+            return look
+        most = self._disturber.most_distractors
+        return replace(look, distractors=scattered(self, randomness.distractors(), most))
 
     def _pile(self, number: int) -> None:
         """Take one of the piles, and settle it if that was never done."""
@@ -224,7 +241,8 @@ class World(Single):
         sites = {name: site.pose for name, site in self.sites.items()}
         snapshot, met = save(self.client, motors), self.contact_order.contacts()
         return WorldState(
-            *(snapshot, self.time, sites, self.quantities, met, self._forces.readings, self.look)
+            *(snapshot, self.time, sites, self.quantities, met, self._forces.readings, self.look),
+            self.disturbed,
         )
 
     def restore(self, state: WorldState) -> None:
@@ -240,6 +258,7 @@ class World(Single):
             self.sites[name].pose = pose
         self._set_quantities(state.quantities)
         self._set_look(state.look)
+        self.disturbed = state.disturbed
         self._forces.restore(state.forces)
         self.refresh()
 

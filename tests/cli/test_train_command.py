@@ -27,7 +27,7 @@ pytest.importorskip("torch")
 
 TINY = ("--set", "hidden=[8]", "batch=16", "warm_up=20")
 SHORT = ("--envs", "2", "--evaluate-every", "60", "--evaluate-episodes", "1")
-TRAIN = ("train", "handover", "--steps", "120", "--seed", "3", *SHORT, *TINY)
+TRAIN = ("train", "handover", "--reward", "team", "--steps", "120", "--seed", "3", *SHORT, *TINY)
 
 
 def plan_of(folder: str) -> dict:
