@@ -95,9 +95,9 @@ def option_words(options: Mapping[str, Any]) -> list[str]:
     for name, value in options.items():
         if value is True and infos[name].true_word:
             words.append(flag_of(name))
-        elif name == "robots":
-            for robot, model in value:
-                words += [flag_of(name), f"{robot}={model}"]
+        elif isinstance(value, tuple):  # pairs, each given alone
+            for key, one in value:
+                words += [flag_of(name), f"{key}={one}"]
         else:
             words += [flag_of(name), str(value)]
     return words

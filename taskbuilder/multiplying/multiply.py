@@ -6,10 +6,11 @@ from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 
+from taskbuilder.carried import Trust
 from taskbuilder.data import collecting, layout
 from taskbuilder.data.collecting import Report
 from taskbuilder.data.dataset import Dataset, load_dataset
-from taskbuilder.data.environment import Trust, make_from, options_of_dataset
+from taskbuilder.data.environment import make_from, options_of_dataset
 from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.recording import Cameras
 from taskbuilder.digests import digest
