@@ -181,8 +181,8 @@ def _sections(task: Task) -> Iterator[str]:
     yield "## Best policy so far"
     yield leaderboard.best(name)
     yield "## Files"
-    shapes = (thing.shape.urdf for thing in spec.scene.objects.values() if thing.shape)
-    urdfs = dict.fromkeys(file for file in shapes if file)
+    own = [thing for thing in spec.scene.objects.values() if thing.object is None]
+    urdfs = dict.fromkeys(thing.urdf for thing in own if thing.urdf)
     for file in (f"{name}.yaml", f"{name}.py", *urdfs):
         yield shown_file(f"tasks/{file}")
 

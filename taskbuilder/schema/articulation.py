@@ -175,11 +175,8 @@ def _out_of_range(
 def limited(joint: UrdfJoint, thing: ObjectSpec) -> UrdfJoint:
     """A joint with the limits that it has in the scene, by its object's scale and ``limits``."""
     joint = _scaled(joint, (thing.shape.scale if thing.shape else None) or 1.0)
-    if joint.name in thing.joints:
-        bounds = JointSpec.of(thing.joints[joint.name], turns=joint.type != "prismatic").range
-        if bounds is not None:
-            return replace(joint, lower=bounds[0], upper=bounds[1])
-    return joint
+    bounds = thing.joint(joint.name, turns=joint.type != "prismatic").range
+    return joint if bounds is None else replace(joint, lower=bounds[0], upper=bounds[1])
 
 
 def _check_grasps(
@@ -223,15 +220,18 @@ def _check_joints(source: Source, name: str, thing: ObjectSpec, urdf: Urdf) -> I
     size = (thing.shape.scale if thing.shape else None) or 1.0
     for key, written in thing.joints.items():
         path: Path_ = ("scene", "objects", name, "joints", key)
-        if key not in moving:
+        spoken_of = [joint for joint in moving if thing.joint_key(joint) == key]
+        if not spoken_of:
             message = f'the URDF has no joint "{key}" that moves; '
             message += suggestion(key, moving, what="it has")
             yield Finding("TB301", message, dotted(path), source.locate(path, key=True))
-            continue
-        joint = _scaled(moving[key], size)
-        yield from _led(source, path, joint, written)
-        wrong = list(_wrong_units(source, path, joint, written))
-        yield from wrong or _beyond(source, path, joint, written)
+        for own in spoken_of:
+            joint = _scaled(moving[own], size)
+            wrong = [
+                *_led(source, path, joint, written),
+                *_wrong_units(source, path, joint, written),
+            ]
+            yield from wrong or _beyond(source, path, joint, written)
 
 
 def _scaled(joint: UrdfJoint, size: float) -> UrdfJoint:
@@ -291,7 +291,10 @@ def _beyond(
         if problems:
             return
         joint = replace(joint, lower=spec.range[0], upper=spec.range[1])
-    if spec.begin is not None:
+    if spec.start_between is not None:
+        problems = [p for start in spec.start_between if (p := beyond_limits(joint, start))]
+        yield from _findings(source, (*path, f"start_range{suffix}"), problems[:1])
+    elif spec.begin is not None:
         place = (*path, f"start{suffix}") if isinstance(written, JointSpec) else path
         problem = beyond_limits(joint, spec.begin)
         yield from _findings(source, place, [problem] if problem else [])

@@ -7,6 +7,7 @@ full edge lengths. Orientations are roll, pitch and yaw about fixed x, y, z, as 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fnmatch import fnmatchcase
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, model_validator
@@ -90,12 +91,21 @@ class BodySpec(Model):
         Mapping[Reference, Annotated[JointSpec | float, OrNumber()]], AfterValidator(frozen)
     ] = Field(
         default_factory=lambda: frozen({}),
-        description="Initial position, limits, spring, damping, friction and lock of URDF joints.",
+        description="Initial position, limits, spring, damping, friction and lock of URDF joints. "
+        "The key `bend_*` stands for all joints whose names begin with bend_ and that have no key "
+        "of their own.",
     )
 
     def joint(self, name: str, *, turns: bool) -> JointSpec:
         """What the file says of a joint, or what holds where it says nothing."""
-        return JointSpec.of(self.joints.get(name, JointSpec()), turns=turns)
+        key = self.joint_key(name)
+        return JointSpec.of(JointSpec() if key is None else self.joints[key], turns=turns)
+
+    def joint_key(self, name: str) -> str | None:
+        """The key that speaks of a joint: its name, or else the first pattern that fits."""
+        if name in self.joints:
+            return name
+        return next((key for key in self.joints if "*" in key and fnmatchcase(name, key)), None)
 
     @property
     def urdf(self) -> str | None:

@@ -59,6 +59,16 @@ class JointSpec(Model):
     start_deg: float | None = Field(
         None, description="Initial position of a revolute joint, in degrees; 0 by default."
     )
+    start_range: tuple[Coordinate, Coordinate] | None = Field(
+        None,
+        description="Minimum and maximum of the initial position of a prismatic joint, which is "
+        "drawn at random in each episode; given instead of `start`.",
+    )
+    start_range_deg: tuple[float, float] | None = Field(
+        None,
+        description="Minimum and maximum of the initial position of a revolute joint, which is "
+        "drawn at random in each episode; given instead of `start_deg`.",
+    )
     limits: tuple[Coordinate, Coordinate] | None = Field(
         None,
         description="Minimum and maximum position of a prismatic joint, within the limits in the "
@@ -87,8 +97,13 @@ class JointSpec(Model):
     @model_validator(mode="after")
     def _whole(self) -> JointSpec:
         _at_most_one(self, "start")
+        _at_most_one(self, "start_range")
         _at_most_one(self, "limits")
-        for key in ("limits", "limits_deg"):
+        if self.start_between is not None and _si(self.start, self.start_deg) is not None:
+            raise PydanticCustomError(
+                "choice", "it has both a start and a range of starts; keep one"
+            )
+        for key in ("start_range", "start_range_deg", "limits", "limits_deg"):
             bounds = getattr(self, key)
             if bounds is not None and bounds[0] > bounds[1]:
                 raise PydanticCustomError(
@@ -98,15 +113,20 @@ class JointSpec(Model):
 
     @property
     def begin(self) -> float | None:
-        """The initial position in rad or m; None if not given."""
+        """The initial position in rad or m, or the middle of its range; None if not given."""
+        if self.start_between is not None:
+            return sum(self.start_between) / 2.0
         return _si(self.start, self.start_deg)
+
+    @property
+    def start_between(self) -> tuple[float, float] | None:
+        """The range of the initial position in rad or m; None if it is not drawn at random."""
+        return _si_range(self.start_range, self.start_range_deg)
 
     @property
     def range(self) -> tuple[float, float] | None:
         """The limits in rad or m; None if not given."""
-        if self.limits_deg is not None:
-            return math.radians(self.limits_deg[0]), math.radians(self.limits_deg[1])
-        return self.limits
+        return _si_range(self.limits, self.limits_deg)
 
     @classmethod
     def of(cls, written: JointSpec | float, *, turns: bool) -> JointSpec:
@@ -118,12 +138,23 @@ class JointSpec(Model):
         )
 
 
-UNITS = {"start": "start_deg", "limits": "limits_deg", "rest": "rest_deg"}
+UNITS = {
+    "start": "start_deg",
+    "start_range": "start_range_deg",
+    "limits": "limits_deg",
+    "rest": "rest_deg",
+}
 """Key of a prismatic joint -> key of a revolute joint."""
 
 
 def _si(metres: float | None, degrees: float | None) -> float | None:
     return metres if degrees is None else math.radians(degrees)
+
+
+def _si_range(
+    metres: tuple[float, float] | None, degrees: tuple[float, float] | None
+) -> tuple[float, float] | None:
+    return metres if degrees is None else (math.radians(degrees[0]), math.radians(degrees[1]))
 
 
 def _at_most_one(model: Model, key: str) -> None:

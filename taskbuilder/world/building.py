@@ -170,7 +170,8 @@ def _build_articulated(loader: Loader, name: str, spec: ObjectSpec, urdf: Urdf) 
     boxes = {link.name: link_box(link.collisions, size) for link in urdf.links}
     links = tuple(link.name for link in urdf.links if urdf.moving_joints_above(link.name))
     frames = _grasp_frames(spec, body)
-    return SceneObject(name, spec, body, boxes, frames, indices, links, passive, tuple(mimics))
+    ranges = {joint: how.start_between for joint, how in said.items() if how.start_between}
+    return SceneObject(name, spec, body, boxes, frames, indices, links, passive, mimics, ranges)
 
 
 def _limits(

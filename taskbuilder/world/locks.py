@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from taskbuilder.schema.joints import JointSpec
 from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.world.scene_objects import SceneObject
 
@@ -67,9 +66,9 @@ class Locks:
 def locks_of(objects: Mapping[str, SceneObject]) -> Locks:
     """Every lock of a scene."""
     of = tuple(
-        JointLock(f"{name}.{key}", joint, written.lock.unless)
+        JointLock(f"{name}.{inner}", joint, lock.unless)
         for name, thing in objects.items()
-        for key, joint in thing.passive.items()
-        if isinstance(written := thing.spec.joints[key], JointSpec) and written.lock is not None
+        for inner, joint in thing.passive.items()
+        if (lock := thing.spec.joint(inner, turns=True).lock) is not None
     )
     return Locks(of)

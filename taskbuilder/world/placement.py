@@ -21,6 +21,7 @@ from taskbuilder.schema.placing import Place
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import closest_distance
+from taskbuilder.world.joint_starts import draw_joints
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.scene_objects import SceneObject, Site
 
@@ -122,7 +123,7 @@ class PlacementPlan:
 
 
 def place_all(world: PlacementWorld, rng: np.random.Generator) -> None:
-    """Put every placed thing, and what goes with it, where its region says.
+    """Draw the joints that start at random, and put every placed thing where its region says.
 
     Args:
         world: Just restored to how it was built.
@@ -132,6 +133,8 @@ def place_all(world: PlacementWorld, rng: np.random.Generator) -> None:
         PlacementError: A thing found no free place.
     """
     plan = world.plan
+    for thing in world.objects.values():
+        draw_joints(thing, rng)
     for name in plan.still:
         if name in world.piled:
             put(world, name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from taskbuilder.assets.model import UrdfMimic
 from taskbuilder.geometry import Box, Pose
 from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.sites import SiteSpec
@@ -38,7 +39,9 @@ class SceneObject:
         joints: Indices of the joints that move.
         moving_links: Names of the links that they move.
         passive: What acts on those that have more than constant friction, by name.
-        mimics: Names of those that follow another one, which are no states of their own.
+        mimics: Those that follow another one, which are no states of their own, and what they
+            follow.
+        start_ranges: Range of the initial position (rad or m) of those that start at random.
     """
 
     name: str
@@ -49,7 +52,8 @@ class SceneObject:
     joints: tuple[int, ...] = ()
     moving_links: tuple[str, ...] = ()
     passive: Mapping[str, PassiveJoint] = field(default_factory=dict)
-    mimics: tuple[str, ...] = ()
+    mimics: Mapping[str, UrdfMimic] = field(default_factory=dict)
+    start_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def free_links(self) -> frozenset[int] | None:

@@ -162,6 +162,11 @@ scene:
           lock: {unless: tray at goal}
         hinge: {start_deg: 30, limits_deg: [0, 60], spring: {stiffness: 0.5, rest_deg: -10}}
       position: [0, 0.5, 0.5]
+    locker:
+      shape: {urdf: assets/cabinet.urdf}
+      fixed: true
+      joints: {sl*: {start_range: [0, 0.1]}, hinge: {start_range_deg: [10, 60]}}
+      position: [0, 1.5, 0.5]
   sites:
     goal:
       marker: {box: [0.1, 0.1, 0.1]}

@@ -69,7 +69,7 @@ def test_a_task_that_uses_every_feature_once_has_no_findings(everything):
     assert everything.warnings == ()
     assert len(everything.scenes) == 4
     assert tuple(everything.robots) == ("left", "right", "third")
-    assert {*everything.assets} == {"pebble", "cabinet", "mug"}
+    assert {*everything.assets} == {"pebble", "cabinet", "locker", "mug"}
     assert {*everything.collisions} == {"pebble", "mug"}
 
 

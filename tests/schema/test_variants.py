@@ -299,6 +299,30 @@ HERE = "scene.objects.cabinet.joints"
             f"error[TB106] {HERE}.hinge: start is for a prismatic joint and start_deg for a revo",
         ),
         (
+            "{hinge: {start_deg: 10, start_range_deg: [0, 20]}}",
+            f"error[TB106] {HERE}.hinge: it has both a start and a range of starts; keep one",
+        ),
+        (
+            "{hinge: {start_range_deg: [20, 0]}}",
+            f"error[TB106] {HERE}.hinge: start_range_deg is [least, greatest]; swap them",
+        ),
+        (
+            "{slide: {start_range_deg: [0, 20]}}",
+            f"error[TB110] {HERE}.slide.start_range_deg: slide slides; write start_range, in met",
+        ),
+        (
+            "{slide: {start_range: [0, 0.4]}}",
+            f"error[TB302] {HERE}.slide.start_range: 0.4 m is beyond the limits of slide; from 0",
+        ),
+        (
+            "{sl*t: {damping: 1}}",
+            f'error[TB301] {HERE}.sl*t: the URDF has no joint "sl*t" that moves',
+        ),
+        (
+            "{sl*: {start_deg: 10}}",
+            f"error[TB110] {HERE}.sl*.start_deg: slide slides; write start, in metres",
+        ),
+        (
             "{slide: {limits: [0.2, 0.1]}}",
             f"error[TB106] {HERE}.slide: limits is [least, greatest]; swap them",
         ),

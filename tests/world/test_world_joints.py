@@ -100,6 +100,37 @@ def test_joints_start_where_they_are_written(room):
     assert world.joint("machine.axle") == pytest.approx(math.radians(400), abs=1e-6)
 
 
+def test_a_joint_starts_anywhere_in_its_range_and_at_the_same_place_for_a_seed(room):
+    world = room("{hinge: {start_range_deg: [20, 60]}, button: 0.01}")
+    starts = []
+    for seed in (*range(30), 0):
+        world.reset(seed)
+        starts.append(math.degrees(world.joint("machine.hinge")))
+        assert world.joint("machine.button") == pytest.approx(0.01, abs=1e-6)
+    assert starts[0] == starts[-1]
+    assert 20 <= min(starts) < 27
+    assert 53 < max(starts) <= 60
+
+
+def test_a_lock_holds_a_joint_where_the_episode_has_put_it(room):
+    world = room("{hinge: {start_range_deg: [20, 60], lock: {unless: allowed}}}")
+    starts = []
+    for seed in range(4):
+        world.reset(seed)
+        starts.append(world.joint("machine.hinge"))
+        for _ in range(5):
+            world.step()
+        assert world.joint("machine.hinge") == pytest.approx(starts[-1], abs=math.radians(0.5))
+    assert max(starts) - min(starts) > math.radians(5)
+
+
+def test_a_pattern_speaks_of_all_joints_that_have_no_key_of_their_own(room):
+    world = room('{"*": {start_deg: 30, friction: 0}, button: 0.02, axle: 400}')
+    assert world.joint("machine.button") == pytest.approx(0.02, abs=1e-6)
+    assert world.joint("machine.hinge") == pytest.approx(math.radians(30), abs=1e-3)
+    assert world.joint("machine.axle") == pytest.approx(math.radians(400), abs=1e-6)
+
+
 def test_limits_of_the_task_file_stop_a_joint(room):
     world = room("{button: {limits: [-0.01, 0.02]}, axle: {limits_deg: [-20, 45]}}")
     assert pulled(world, "button", 5.0) == pytest.approx(0.02, abs=1e-3)

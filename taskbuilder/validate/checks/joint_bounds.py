@@ -12,6 +12,7 @@ from taskbuilder.description.node import AllOf, Condition, walk
 from taskbuilder.errors import Finding, Severity
 from taskbuilder.schema.articulation import limited
 from taskbuilder.schema.joints import JointSpec
+from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.task import Task
 
@@ -70,15 +71,17 @@ def _never(task: Task, scene: SceneSpec, node: JointAngle | JointPosition) -> st
     unit = "°" if turns else " m"
     return (
         f"can never hold: it needs {wanted:.4g}{unit}, and {node.joint} is at {most} "
-        f"{limit:.4g}{unit}, by {_place_of_limit(task, thing.joints.get(inner), owner, inner)}"
+        f"{limit:.4g}{unit}, by {_place_of_limit(task, thing, owner, inner)}"
     )
 
 
-def _place_of_limit(task: Task, written: JointSpec | float | None, owner: str, inner: str) -> str:
+def _place_of_limit(task: Task, thing: ObjectSpec, owner: str, inner: str) -> str:
     """The file and line that limits a joint; of a URDF, the file."""
-    if isinstance(written, JointSpec) and written.range is not None:
+    joint = thing.joint_key(inner)
+    written = None if joint is None else thing.joints[joint]
+    if joint is not None and isinstance(written, JointSpec) and written.range is not None:
         key = "limits" if written.limits is not None else "limits_deg"
-        at = task.file.source.locate(("scene", "objects", owner, "joints", inner, key))
+        at = task.file.source.locate(("scene", "objects", owner, "joints", joint, key))
         if at is not None:
             return f"{at.file.name}:{at.line}"
     asset = task.file.assets[owner]
