@@ -49,8 +49,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 from kept_runs import unpack
 
 CURVES, OBJECTS, ROBOT = "curves", "objects", "robot:"
-COLORS = 256
-"""Colours of a still: a fifth of the size, and no difference to be seen."""
+COLORS, CHART_COLORS = 256, 64
+"""Colours of a still and of a chart: a fifth of the size, and no difference to be seen."""
 
 TILE, ABREAST = 170, 6
 """Edge of the picture of an object in pixels, and how many are in a row."""
@@ -237,7 +237,9 @@ def _keep(file: Path, name: str) -> None:
     """Put a picture among those of the pages, a still with as many colours as a film may have."""
     if file.suffix == ".png":
         with Image.open(file) as picture:
-            small = picture.convert("RGB").quantize(COLORS, method=Image.Quantize.FASTOCTREE)
+            chart = file.stem.endswith(("rewards", "curves"))
+            colors = CHART_COLORS if chart else COLORS
+            small = picture.convert("RGB").quantize(colors, method=Image.Quantize.FASTOCTREE)
         small.save(IMAGES / name, optimize=True)
     else:
         (IMAGES / name).write_bytes(_packed(file))
@@ -248,7 +250,7 @@ def _packed(film: Path) -> bytes:
     if shutil.which("gifsicle") is None:
         sys.stderr.write(f"gifsicle is not installed; {film.name} is kept as it is\n")
         return film.read_bytes()
-    command = ["gifsicle", "-O3", "--lossy=20", "--no-warnings", str(film)]
+    command = ["gifsicle", "-O3", "--lossy=30", "--no-warnings", str(film)]
     return subprocess.run(command, check=True, capture_output=True).stdout
 
 
