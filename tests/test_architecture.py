@@ -82,8 +82,8 @@ LAYERS: dict[str, tuple[str, ...]] = {
         *SIMULATED,
     ),
     "multiplying": (
-        *("data", "policies", "expert", "rollout", "env", "arrays", "digests", "processes"),
-        *SIMULATED,
+        *("data", "policies", "expert", "rollout", "env", "carried", "arrays", "digests"),
+        *("processes", *SIMULATED),
     ),
     "validate": (
         *("bench", "visual", "expert", "rollout", "env"),

@@ -7,8 +7,6 @@ from typing import Any
 
 from pettingzoo.utils import BaseParallelWrapper
 
-Infos = dict[str, dict[str, float]]
-
 
 class NumericInfos(BaseParallelWrapper):  # type: ignore[misc]  # pettingzoo ships no types
     """Leaves what is no number, such as the instruction, out of the infos.
@@ -23,21 +21,19 @@ class NumericInfos(BaseParallelWrapper):  # type: ignore[misc]  # pettingzoo shi
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Any], Infos]:
+    ) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
         """Begin an episode; see `TaskEnv.reset`."""
         observations, infos = super().reset(seed=seed, options=options)
         return observations, _numeric(infos)
 
-    def step(
-        self, actions: dict[str, Any]
-    ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], Infos]:
+    def step(self, actions: dict[str, Any]) -> tuple[Any, ...]:
         """Run one control step; see `TaskEnv.step`."""
         *returned, infos = super().step(actions)
         observations, rewards, terminations, truncations = returned
         return observations, rewards, terminations, truncations, _numeric(infos)
 
 
-def _numeric(infos: Mapping[str, Mapping[str, Any]]) -> Infos:
+def _numeric(infos: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, float]]:
     return {
         agent: {key: value for key, value in info.items() if isinstance(value, int | float)}
         for agent, info in infos.items()

@@ -9,7 +9,7 @@ fields. So a new option is a new field, and the same field in `EnvOptions` for t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, field, fields, replace
+from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
@@ -20,7 +20,6 @@ from taskbuilder.schema.choices import GraspChoice, OtherRobots
 from taskbuilder.schema.disturbances import AXES, Disturbances, DisturbancesGiven, disturbances
 
 if TYPE_CHECKING:  # models of files, which the command line does without until a command runs
-    from taskbuilder.schema.catalogue import Catalogue
     from taskbuilder.schema.load import TaskFile
     from taskbuilder.task import Task
 
@@ -321,35 +320,6 @@ class Options:
         file = with_grasp(with_robots(task.file, self.robots, task.file.catalogue), self.grasp)
         file = with_timing(file, self.horizon, self.control_hz)
         return with_disturbances(file, self.disturbances, self.renderer)
-
-    def load(
-        self,
-        reference: str | Path,
-        *,
-        catalogue: Catalogue | None = None,
-        guarded: bool = False,
-    ) -> Task:
-        """Load a task with the horizon, control rate, robots and grasping of these options.
-
-        Args:
-            reference: Name or path of the task.
-            catalogue: Catalogue in which to look up names; see `load_task`.
-            guarded: Whether to import the description in a child process first; see `load_task`.
-
-        Raises:
-            UnknownNameError: There is no such task, or no robot of a name in ``robots``.
-            UsageError: An option does not fit the task.
-            FileError: The files of the task, or of such a robot, have errors.
-        """
-        from taskbuilder.env.timing import with_timing
-        from taskbuilder.task import load_task
-
-        self.check()
-        robots = dict(self.robots)
-        task = load_task(
-            reference, catalogue=catalogue, guarded=guarded, robots=robots, grasp=self.grasp
-        )
-        return replace(task, file=with_timing(task.file, self.horizon, self.control_hz))
 
     def check(self) -> None:
         """Check what can be checked without a task.

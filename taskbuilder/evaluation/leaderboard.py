@@ -140,8 +140,8 @@ def leaderboard(
     if not place.is_dir():
         raise UsageError(f"there is no folder {display_path(place)}; name one with certificates")
     before = _before(also)
-    known = catalogue or Catalogue.discover()
-    rows = [_row(place, name, replay, before, known, spread) for name in _certificates(place)]
+    catalogue = catalogue or Catalogue.discover()
+    rows = [_row(place, name, replay, before, catalogue, spread) for name in _certificates(place)]
     if not rows:
         raise UsageError(
             f"{display_path(place)} has no certificate; evaluate --certificate FILE writes one"
@@ -177,7 +177,7 @@ def _row(
         row = _counted(row, data)
     except (UsageError, KeyError, TypeError, ValueError) as error:
         return replace(row, reason=f"damaged: {excerpt(error)}")
-    edited = [said for point in compare_seals(data) for said in point.differs]
+    edited = [part for point in compare_seals(data) for part in point.differs]
     if edited:
         return replace(row, reason=", ".join(map(excerpt, edited)))
     row = replace(row, verifications=before.get(row.digest, ()))
@@ -185,11 +185,11 @@ def _row(
         return _elsewhere(row, "nothing was played again", believed=True)
     seeds = tuple(sorted(SystemRandom().sample(data["seeds"], min(replay, len(data["seeds"])))))
     try:
-        found = verify_data(file, data, catalogue=catalogue, spread=spread, sample=seeds)
+        verification = verify_data(file, data, catalogue=catalogue, spread=spread, sample=seeds)
     except (TaskbuilderError, OSError) as error:
         return replace(row, reason=excerpt(error))
-    points = {point.about: point for point in found.points}
-    wrong = tuple(about for about in dict.fromkeys(found.wrong) if about != "library")
+    points = {point.about: point for point in verification.points}
+    wrong = tuple(about for about in dict.fromkeys(verification.wrong) if about != "library")
     row = replace(row, seeds=seeds)
     if not wrong:
         here = Verified(_processor(), f"{datetime.now(UTC):%Y-%m-%d}", len(seeds))
@@ -197,7 +197,9 @@ def _row(
         return replace(row, mark="verified", verifications=(here, *others))
     another = any(not points[about].same for about in _MACHINE if about in points)
     believed = another and set(wrong) <= set(_ELSEWHERE)
-    return _elsewhere(row, "; ".join(_said(points[about]) for about in wrong), believed=believed)
+    return _elsewhere(
+        row, "; ".join(_words(points[about]) for about in wrong), believed=believed
+    )
 
 
 def _elsewhere(row: Row, reason: str, *, believed: bool) -> Row:
@@ -207,7 +209,7 @@ def _elsewhere(row: Row, reason: str, *, believed: bool) -> Row:
     return replace(row, reason=reason, verifications=())
 
 
-def _said(point: Point) -> str:
+def _words(point: Point) -> str:
     return f"{point.about}: {point}"
 
 
@@ -234,7 +236,7 @@ def _counted(row: Row, data: Mapping[str, Any]) -> Row:
 
 def _before(files: Sequence[str | Path]) -> dict[str, tuple[Verified, ...]]:
     """Verifications of earlier leaderboards, by the digest of the certificate."""
-    found: dict[str, dict[str, Verified]] = {}
+    verified: dict[str, dict[str, Verified]] = {}
     for file in map(Path, files):
         try:
             data = parse_json(read_plain(file, MOST_BYTES))
@@ -245,10 +247,10 @@ def _before(files: Sequence[str | Path]) -> dict[str, tuple[Verified, ...]]:
                     one = Verified(
                         excerpt(each["processor"]), excerpt(each["date"]), int(each["replayed"])
                     )
-                    found.setdefault(row["digest"], {})[one.processor] = one
+                    verified.setdefault(row["digest"], {})[one.processor] = one
         except (ValueError, KeyError, TypeError):
             raise UsageError(f"{display_path(file)} is no leaderboard.json") from None
-    return {key: tuple(each.values()) for key, each in found.items()}
+    return {key: tuple(each.values()) for key, each in verified.items()}
 
 
 def as_json(rows: Sequence[Row]) -> str:

@@ -12,6 +12,7 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
+from taskbuilder.env.loading import load_with
 from taskbuilder.env.options import Options
 from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.jobs import DONE, RAISED, TRIES, LostError, Worker, packed, say, tell_of_loss
@@ -101,7 +102,7 @@ class ValidationConfig:
         Args:
             guarded: Whether to import the description in a child process first.
         """
-        return self.options.load(self.reference, catalogue=self.catalogue, guarded=guarded)
+        return load_with(self.options, self.reference, catalogue=self.catalogue, guarded=guarded)
 
 
 class Listener(Protocol):

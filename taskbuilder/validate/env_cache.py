@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from taskbuilder.description.load import is_interrupt
+from taskbuilder.env.loading import load_with
 from taskbuilder.env.options import Options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import Finding
@@ -120,7 +121,7 @@ def open_cache(source: EnvSource, task: Task | None = None) -> EnvCache:
         task: The task, if it has been loaded already.
     """
     if source not in _CACHES:
-        loaded = task or source.options.load(source.reference, catalogue=source.catalogue)
+        loaded = task or load_with(source.options, source.reference, catalogue=source.catalogue)
         _CACHES[source] = EnvCache(loaded, source.options)
     return _CACHES[source]
 

@@ -288,9 +288,9 @@ def freeze_state(patch):
 def freeze_pictures(patch):
     look = Observer._look
 
-    def frozen(self, world, cameras):
-        self.__dict__.setdefault("pictures", look(self, world, list(cameras)))
-        return self.pictures
+    def frozen(self, episode, cameras):
+        self.__dict__.setdefault("first", look(self, episode, list(cameras)))
+        return self.first
 
     patch.setattr(Observer, "_look", frozen)
 

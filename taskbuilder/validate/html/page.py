@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from taskbuilder.description.description import Description
+from taskbuilder.env.loading import load_with
 from taskbuilder.env.options import Options
 from taskbuilder.errors import FileError
 from taskbuilder.jobs import LostError, worker_processes
@@ -91,7 +92,7 @@ def _made_apart(asked: tuple[str, TaskReport, Catalogue, Options]) -> Page:
 
 def _made(reference: str, report: TaskReport, catalogue: Catalogue, options: Options) -> Page:
     try:
-        task = options.load(reference, catalogue=catalogue)
+        task = load_with(options, reference, catalogue=catalogue)
     except FileError:
         return Page(report)  # its findings say why
     if len(report.families) < 2:
