@@ -10,7 +10,8 @@ from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import SEEDS, add_count, add_json, add_show, add_task
 
 OBJECT_ACTIONS = ("list", "check", "import")
-"""What `taskbuilder objects` does."""
+ROBOT_ACTIONS = (*OBJECT_ACTIONS, "poses")
+"""What `taskbuilder objects` and `taskbuilder robots` do."""
 
 
 def add_robots(adder: CommandAdder) -> None:
@@ -22,10 +23,10 @@ def add_robots(adder: CommandAdder) -> None:
     parser.add_argument(
         "action",
         nargs="?",
-        choices=("check", "import", "poses"),
-        metavar="check|import|poses",
-        help="check ROBOT instead of listing the robots; import a file of its maker; list the "
-        "postures that an SRDF or MJCF file names",
+        choices=ROBOT_ACTIONS,
+        metavar="ACTION",
+        help=f"one of {', '.join(ROBOT_ACTIONS)} (default list); poses lists the postures that an "
+        "SRDF or MJCF file names",
     )
     parser.add_argument(
         "robot",

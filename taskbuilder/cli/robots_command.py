@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         importing = arguments.action == "import"
         return run_import(arguments, robot=True) if importing else run_poses(arguments)
     catalogue = catalogue_of(arguments)
-    if arguments.action is None:
+    if arguments.action in (None, "list"):
         return _list(arguments, catalogue)
     if arguments.robot is None:
         raise UsageError("check which robot? give a name, or the path of a robot.yaml or URDF")

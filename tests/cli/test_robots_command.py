@@ -16,6 +16,7 @@ ROBOTS = sorted(Catalogue.discover().robots)
 
 def test_robots_are_listed(run):
     ran = run("robots")
+    assert run("robots", "list").out == ran.out
     head, *rows = ran.out.splitlines()
     assert head.split() == ["robot", "joints", "gripper", "summary"]
     assert [row.split()[0] for row in rows] == ROBOTS
