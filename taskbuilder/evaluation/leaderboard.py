@@ -197,9 +197,7 @@ def _row(
         return replace(row, mark="verified", verifications=(here, *others))
     another = any(not points[about].same for about in _MACHINE if about in points)
     believed = another and set(wrong) <= set(_ELSEWHERE)
-    return _elsewhere(
-        row, "; ".join(_words(points[about]) for about in wrong), believed=believed
-    )
+    return _elsewhere(row, "; ".join(_words(points[about]) for about in wrong), believed=believed)
 
 
 def _elsewhere(row: Row, reason: str, *, believed: bool) -> Row:

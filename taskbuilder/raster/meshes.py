@@ -23,6 +23,9 @@ CREASE_DEG = 40.0
 INWARD = 0.25
 """How far towards the middle of a triangle its corners are looked up."""
 
+LEAST_AREA = 0.8
+"""Share of a mesh's surface that a simplified one has at least."""
+
 ROUND = 32
 """Corners of a circle."""
 
@@ -92,7 +95,8 @@ def simplified(
     Args:
         points: (p, 3) positions in metres.
         triangles: (t, 3) numbers of points.
-        most: Number of triangles; a mesh that has no more stays as it is.
+        most: Number of triangles; a mesh that has no more stays as it is. More are left where parts
+            of the surface would be lost, as in meshes of many loose parts.
 
     Returns:
         Points, triangles, and (t, 3) for each corner of these the triangle that was there: those
@@ -104,13 +108,24 @@ def simplified(
     if len(triangles) <= most:
         return points, triangles, np.repeat(np.arange(len(triangles)), 3).reshape(-1, 3)
     joined, faces, _ = _merged(points, triangles)
-    share = 1.0 - most / len(faces)
-    fewer, left = simplify(joined.astype(np.float32), faces, target_reduction=share)
-    made, numbers = np.asarray(fewer, dtype=np.float64), np.asarray(left, dtype=np.int32)
+    made, numbers = joined, faces
+    while most < len(faces):
+        share = 1.0 - most / len(faces)
+        fewer, left = simplify(joined.astype(np.float32), faces, target_reduction=share)
+        made, numbers = np.asarray(fewer, dtype=np.float64), np.asarray(left, dtype=np.int32)
+        if _area(made, numbers) >= LEAST_AREA * _area(joined, faces):
+            break
+        made, numbers, most = joined, faces, 2 * most
     corners = made[numbers]
     within = (1.0 - INWARD) * corners + INWARD * corners.mean(axis=1, keepdims=True)
     before = nearest(within.reshape(-1, 3), points[triangles].mean(axis=1))
     return made, numbers, before.reshape(-1, 3)
+
+
+def _area(points: Points, triangles: Indices) -> float:
+    """The area of a mesh's triangles, in square metres."""
+    a, b, c = (points[triangles[:, corner]] for corner in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2.0
 
 
 def box(edges: tuple[float, float, float]) -> TriangleMesh:

@@ -88,6 +88,26 @@ def test_a_heavy_mesh_is_made_light_and_keeps_its_shape():
     assert np.abs(mesh.vertices[:, 2]).max() == pytest.approx(1.0, abs=0.01)
 
 
+def test_a_mesh_of_many_loose_parts_keeps_its_surface():
+    turns = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    ring = np.stack([np.cos(turns), np.sin(turns)], axis=1) * 0.005
+    tube = np.array([(x, y, z) for z in (0.0, 0.05) for x, y in ring])
+    here, then = np.arange(16), (np.arange(16) + 1) % 16
+    sides = np.concatenate(
+        [np.stack([here, then, then + 16], 1), np.stack([here, then + 16, here + 16], 1)]
+    )
+    places = [(0.02 * (n % 20), 0.02 * (n // 20), 0.0) for n in range(200)]
+    points = np.concatenate([tube + place for place in places])
+    faces = np.concatenate([sides + 32 * n for n in range(200)]).astype(np.int32)
+    fewer_points, fewer, _ = simplified(points, faces, 500)  # not even three for each tube
+    assert surface(fewer_points, fewer) > 0.8 * surface(points, faces)
+
+
+def surface(points, triangles):
+    a, b, c = points[triangles[:, 0]], points[triangles[:, 1]], points[triangles[:, 2]]
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+
 def test_parts_of_a_mesh_are_smooth_where_they_meet():
     ball = sphere(0.1)
     upper = ball.vertices[ball.triangles].mean(axis=1)[:, 2] > 0
