@@ -65,7 +65,7 @@ class Multiplier:
         self._reached = [0]
         self._paths = {robot: _Path(self._source, robot, env) for robot in self._source.robots}
 
-    def act(self, observations: Mapping[str, Any]) -> Actions:  # noqa: ARG002 - of a policy
+    def act(self, observations: Mapping[str, Any]) -> Actions:
         """Actions towards the poses of the next control step of the source."""
         ended = self._clock >= self._source.steps
         step = min(self._clock + 1, self._source.steps)

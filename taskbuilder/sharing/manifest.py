@@ -46,7 +46,7 @@ class Manifest:
     Attributes:
         kind: ``task``, ``data set``, ``policy`` or ``certificate``.
         name: Its name, which is that of its folder.
-        about: What else is said of it: ``task``, ``task_version``; of a task, also ``file`` and
+        about: Further properties: ``task``, ``task_version``; of a task, also ``file`` and
             ``folders``, as `CarriedTask` has them.
         files: SHA-256 of each file, by its path in the folder.
     """

@@ -238,7 +238,7 @@ class TestPays:
         report = prove(("episode_steps: 30", "episode_steps: 2"), only=(PAYS,), seeds=2)
         (finding,) = report.findings
         assert (finding.code, finding.path) == ("TB531", "expert")
-        assert "the expert succeeds from no seed" in finding.message
+        assert "the expert does not succeed with any seed" in finding.message
 
     def test_ending_the_episode_early_ends_costs(self, prove):
         ends = ("episode_steps: 30", "episode_steps: 30, ends_on: [failure]")

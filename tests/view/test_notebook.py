@@ -58,7 +58,7 @@ def test_the_notebook_runs_from_the_first_cell_to_the_last(tmp_path, monkeypatch
     for cell in cells:
         if cell["cell_type"] == "code":
             assert cell["outputs"] == []
-            exec("".join(cell["source"]), names)
+            exec("".join(cell["source"]), names)  # as Jupyter does, without its packages
     printed = capsys.readouterr().out
     assert "error[TB103] expert[3].left" in printed
     assert printed.splitlines()[-1] == "1.0 1.0"

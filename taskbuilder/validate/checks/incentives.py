@@ -125,8 +125,8 @@ def pays_family(context: Context) -> FamilyResult:
 def _no_success(context: Context) -> Result:
     """The expert has not succeeded once, as can be where the family "solvable" was left out."""
     message = (
-        "the expert succeeds from no seed, so that there is no return to compare with; the family "
-        "solvable says why it fails"
+        "the expert does not succeed with any seed, so there is no return to compare with; the "
+        "family solvable says why it fails"
     )
     check = Check("TB531", "the expert succeeds", False, 0.0, LEAST, "share")
     return check, [finding_in_file(context.task, "TB531", message, "expert")]

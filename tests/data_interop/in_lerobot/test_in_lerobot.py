@@ -111,7 +111,7 @@ def test_its_evaluation_plays_the_policy_in_the_environment_of_the_data_set(
         "taskbuilder"
     ].values()
     policy = ACTPolicy.from_pretrained(checkpoint)
-    policy.eval()
+    policy.eval()  # PyTorch: no dropout, as in LeRobot's own evaluation
     before, after = make_pre_post_processors(policy.config, pretrained_path=str(checkpoint))
     none = PolicyProcessorPipeline(steps=[])
     result = eval_policy(env, policy, none, none, before, after, n_episodes=2, start_seed=0)
