@@ -22,10 +22,7 @@ ENTRIES = {
         "With the same seed and actions, two new processes give the same episode, but a process "
         "that has already played other episodes gives a different one. The usual cause is a "
         "description that keeps state in a module-level variable. Use conditions with memory "
-        "instead, such as `Once`, `Then` and `Sustained`. Another cause is that several loose "
-        "objects lie against each other on a moving link of an articulated object. Between such "
-        "objects, the physics engine keeps contacts from earlier episodes. Place the objects "
-        "apart from each other at the start, or use fewer of them.",
+        "instead, such as `Once`, `Then` and `Sustained`.",
         Example(
             "module",
             "asked = []\n\n\n@measure\ndef longest(world):\n    asked.append(world.time)\n"

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from random import Random
+
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from taskbuilder.geometry import Pose
 from taskbuilder.shapes import BoxShape, MeshShape, Part, SphereShape
 from taskbuilder.sim.bodies import create_body, load_urdf
+from taskbuilder.sim.body import BASE, Body
+from taskbuilder.sim.bullet import p
+from taskbuilder.sim.client import Client
 from taskbuilder.sim.contact_order import ContactOrder, shape_count
+from taskbuilder.sim.contacts import forget_turned, part
+from taskbuilder.sim.islands import unite
+from taskbuilder.sim.snapshots import Snapshot, restore, save
 
 TRAY = """<robot name="tray"><link name="tray">
   <inertial><mass value="1"/>
@@ -96,3 +107,73 @@ def test_contacts_that_did_not_come_back_leave_it_uncertain(client, tray_of):
     assert not order.uncertain
     order.restored(contacts_came_back=False)
     assert order.uncertain
+
+
+CRATE = """<robot name="crate"><link name="crate">
+  <inertial><mass value="0.2"/>
+    <inertia ixx="0.0004" iyy="0.0004" izz="0.0004" ixy="0" ixz="0" iyz="0"/></inertial>
+  {shapes}
+</link></robot>"""
+STAVE = (
+    '<collision><origin xyz="{x} {y} {z}"/>'
+    '<geometry><box size="{dx} {dy} {dz}"/></geometry></collision>'
+)
+STAVES = (
+    *({"x": x, "y": 0.0, "z": 0.0, "dx": 0.02, "dy": 0.12, "dz": 0.05} for x in (-0.05, 0.05)),
+    *({"x": 0.0, "y": y, "z": 0.0, "dx": 0.12, "dy": 0.02, "dz": 0.05} for y in (-0.05, 0.05)),
+    {"x": 0.0, "y": 0.0, "z": -0.02, "dx": 0.12, "dy": 0.12, "dz": 0.01},
+)
+
+
+@given(history=st.lists(st.integers(0, 99), min_size=1, max_size=3), seed=st.integers(0, 4))
+@settings(max_examples=8, deadline=None)
+def test_links_of_several_shapes_move_the_same_whatever_was_before(
+    crates: tuple[Client, list[Body], Snapshot], history: list[int], seed: int
+) -> None:
+    first = tumble(crates, seed)
+    for earlier in history:
+        tumble(crates, earlier)
+    assert tumble(crates, seed) == first
+
+
+@pytest.fixture(scope="module")
+def crates(tmp_path_factory):
+    """Open crates of five shapes each, above a floor and a table."""
+    file = tmp_path_factory.mktemp("crates") / "crate.urdf"
+    shapes = "".join(STAVE.format(**stave) for stave in STAVES)
+    file.write_text(CRATE.format(shapes=shapes))
+    with Client(physics_hz=120) as client:
+        create_body(client, {"floor": Part(BoxShape((9.0, 9.0, 1.0)))}, pose=Pose((0.0, 0.0, -0.5)))
+        create_body(client, {"table": Part(BoxShape((0.3, 0.3, 0.1)))}, pose=Pose((0.0, 0.0, 0.05)))
+        bodies = [
+            load_urdf(client, file, pose=Pose((0.0, 0.0, 0.15 + 0.05 * n)), fixed_base=False)
+            for n in range(6)
+        ]
+        unite(bodies)
+        for one, other in pairwise(bodies):  # they touch, and turn together
+            frames = (0.0, 0.0, 0.025), (0.0, 0.0, -0.025)
+            client.bullet.createConstraint(
+                one.id, BASE, other.id, BASE, p.JOINT_FIXED, (0.0, 0.0, 0.0), *frames
+            )
+        yield client, bodies, save(client)
+
+
+def tumble(crates: tuple[Client, list[Body], Snapshot], seed: int) -> list[object]:
+    """How crates fall onto each other that begin with random velocities.
+
+    On the way old contacts are forgotten, as when a gripper opens.
+    """
+    client, bodies, snapshot = crates
+    part(client, bodies)
+    restore(snapshot)
+    random = Random(seed)
+    for body in bodies:
+        push = [random.uniform(-3.0, 3.0) for _ in range(6)]
+        client.bullet.resetBaseVelocity(body.id, push[:3], push[3:])
+    seen: list[object] = []
+    for _ in range(12):
+        client.step(10)
+        for body in bodies:
+            forget_turned(body)
+        seen.append(client.bullet.getContactPoints())
+    return seen
