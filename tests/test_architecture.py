@@ -73,6 +73,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
             "expert",
             "rollout",
             "env",
+            "fixes",
             "files",
         ),
         *SIMULATED,

@@ -15,6 +15,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.steering.session import Session
 from taskbuilder.view.episode_tab import EpisodeTab
+from taskbuilder.view.place_tab import PlaceTab
 from taskbuilder.view.scene_tab import SceneTab
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice, Stage
@@ -44,6 +45,7 @@ class LivePage:
         scene: The tab of the scene.
         episode: The tab of an episode.
         steering: The tab in which people steer robots.
+        place: The tab in which things are moved by hand.
         findings: What is wrong with the files, as the page says it.
 
     Raises:
@@ -57,7 +59,9 @@ class LivePage:
         self._heading = gui.add_markdown("")
         tabs = gui.add_tab_group()
         episode, scene = tabs.add_tab("Episode"), tabs.add_tab("Scene")
-        self.scene = SceneTab(server.viser, scene, self.ask)
+        self.scene = SceneTab(
+            server.viser, scene, ask=self.ask, picked=self._pick, shown=self._follow_scene
+        )
         self.episode = EpisodeTab(
             server.viser,
             episode,
@@ -69,6 +73,13 @@ class LivePage:
         )
         self.steering = SteeringTab(
             server.viser, tabs.add_tab("Steer"), ask=self.ask, begin=self._begin_steering
+        )
+        self.place = PlaceTab(
+            server.viser,
+            tabs.add_tab("Place"),
+            ask=self.ask,
+            scene=self.scene,
+            stop=self._stand_still,
         )
         with tabs.add_tab("Findings"):
             self.findings = gui.add_markdown("")
@@ -151,6 +162,22 @@ class LivePage:
         self.scene.light(subjects(found))
         self.findings.content = findings(found) if found else f"✗ {plain(str(error))}"
         self.episode.outcome.content = f"✗ {plain(str(error))}"
+
+    # --- moving things by hand
+
+    def _pick(self, name: str) -> None:
+        self.place.pick(name)
+
+    def _follow_scene(self) -> None:
+        self.place.show()
+
+    def _stand_still(self) -> bool:
+        """Show the initial state, unless people steer."""
+        if self.steering.runs:
+            return False
+        self.episode.clear()
+        self.scene.place_initially()
+        return True
 
     # --- steering
 

@@ -36,17 +36,27 @@ class SceneTab:
         server: The server of viser.
         tab: The container that the controls stand in.
         ask: Has something done in the thread of the page.
+        picked: Called with the name of a part of the scene that was clicked.
+        shown: Called after another scene is shown.
 
     Attributes:
         world: The world that is shown, in its initial state; None if there is none.
         variation: Number of its variation.
     """
 
-    def __init__(self, server: Any, tab: Any, ask: Ask) -> None:
+    def __init__(
+        self,
+        server: Any,
+        tab: Any,
+        *,
+        ask: Ask,
+        picked: Callable[[str], None],
+        shown: Callable[[], None],
+    ) -> None:
         self.world: World | None = None
         self.variation = 0
         self._touching: Contacts | None = None
-        self._server = server
+        self._server, self._picked, self._shown = server, picked, shown
         self._scene = BrowserScene(server, lambda name: ask(lambda: self.pick(name)))
         gui = server.gui
         with tab:
@@ -82,10 +92,16 @@ class SceneTab:
             look_from(self._server, self.world)
         self._touching = None
         self._scene.show(self.world)
-        self.place(LinkPoses(self.world).now())
+        self.place_initially()
         for word, box in self.boxes.items():
             if box.value:
                 self.switch(word)
+        self._shown()
+
+    def place_initially(self) -> None:
+        """Put the links where they are in the initial state."""
+        if self.world is not None:
+            self.place(LinkPoses(self.world).now())
 
     def close(self) -> None:
         """Free the world that is shown."""
@@ -101,6 +117,7 @@ class SceneTab:
         """Say what a part of the scene is called, and where it is in the initial state."""
         if self.world is None:
             return
+        self._picked(name)
         try:
             pose = self.world.pose(name)
         except (TaskbuilderError, KeyError):

@@ -13,11 +13,15 @@ from taskbuilder.steering.operator import Jog
 from taskbuilder.steering.session import Session, State
 from taskbuilder.task import Task
 from taskbuilder.view.contacts import Contacts
+from taskbuilder.view.placing import Placing
 from taskbuilder.view.recording import ConditionState, Recording
 from taskbuilder.view.stage_poses import StagePose
 
 MOST_CONTACTS = 12
 """Of all contacts, at most so many are listed."""
+
+OVERLAP_M = 0.002
+"""Things that touch may overlap by so much."""
 
 ON, OFF, WRONG = "●", "○", "✗"
 
@@ -145,6 +149,34 @@ def _episode(session: Session) -> str:
     reason = f": {plain(why[0]['part'])}: {plain(why[0]['says'])}" if why else ""
     ended = "success" if session.data.about["success"] else f"no success{reason}"
     return f"{text}\n\n**{ended}**. Press *Keep*, or *Discard and try again*."
+
+
+def placed(placing: Placing) -> str:
+    """Where a thing is that is moved by hand, and what its file would say."""
+    x, y, z = (f"{value:.3f}" for value in placing.pose.position)
+    lines = [f"**{plain(str(placing.thing))}** at ({x}, {y}, {z}) m"]
+    solution = placing.solution
+    if solution is not None and not solution.ok:
+        off = f"{100.0 * solution.position_error_m:.1f} cm"
+        turned = f"{math.degrees(solution.angle_error):.0f}°"
+        lines.append(f"{WRONG} out of reach: the nearest pose found is off by {off} and {turned}")
+    if solution is not None:
+        joints = ", ".join(f"{value:.1f}" for value in placing.joints_deg())
+        lines.append(f"joints: {plain(f'[{joints}]')}")
+    lines += [_distance(name, distance) for name, distance in placing.near()]
+    text = "  \n".join(lines)
+    changes = "\n".join(
+        f"# {'.'.join(map(str, change.path))}\n# {f'was {change.before}' if change.before else 'not written so far'}\n{change}"
+        for change in placing.changes()
+    )
+    return f"{text}\n\n```yaml\n{changes}\n```" if changes else text
+
+
+def _distance(name: str, distance: float) -> str:
+    """How far a body is, or how deep inside."""
+    if distance < -OVERLAP_M:
+        return f"{WRONG} {-1000.0 * distance:.0f} mm inside {plain(name)}"
+    return f"{max(1000.0 * distance, 0.0):.0f} mm from {plain(name)}"
 
 
 def margin_words(margin_mm: float) -> str:

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 
 from taskbuilder import load_dataset
@@ -167,3 +168,42 @@ def test_an_exported_episode_plays_from_the_disk(tab, touch, tmp_path, capsys):
     tab.goto(file.as_uri())
     tab.locator("canvas").first.wait_for()
     tab.wait_for_function("document.querySelectorAll('canvas').length > 0")
+
+
+def test_a_thing_is_dragged_and_written(shown, tab, server, touch):
+    tab.goto(server.address)
+    tab.get_by_text("The arm brings its tool to the ball.").wait_for()
+    press(tab, "tab", "Place")
+    tab.wait_for_timeout(3000)  # the scene is drawn
+    (client,) = server.viser.get_clients().values()
+    x, y, z = shown.scene.world.pose("cube").position
+    tab.mouse.click(*pixel(client.camera, SMALL, (x, y, z)))
+    tab.get_by_text(re.compile("at \\(0.500, 0.200")).wait_for()
+    tab.wait_for_timeout(3000)  # the arrows are drawn
+    start, end = (pixel(client.camera, SMALL, (x, y, z + up)) for up in (0.2, 0.3))
+    tab.mouse.move(*start)
+    tab.wait_for_timeout(1000)
+    tab.mouse.down()
+    for share in (0.3, 0.6, 1.0):
+        at = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+        tab.mouse.move(*at)
+        tab.wait_for_timeout(500)
+    tab.mouse.up()
+    tab.get_by_text(re.compile("was \\[0.5, 0.2, 0.02\\]")).wait_for()
+    before = touch.read_text()
+    press(tab, "button", "Write")
+    tab.get_by_text(re.compile("Written to")).wait_for()
+    changed = [new for new in touch.read_text().splitlines() if new not in before.splitlines()]
+    assert len(changed) == 1
+    assert re.search(r"position: \[0\.5\d*, 0\.2\d*, 0\.[1-9]", changed[0])
+
+
+def pixel(camera, size, point):
+    """Where a point is in the picture of a window."""
+    right = np.cross(ahead := camera.look_at - camera.position, camera.up_direction)
+    axes = [v / np.linalg.norm(v) for v in (right, np.cross(right, ahead), ahead)]
+    x, y, depth = (float(axis @ (np.array(point) - camera.position)) for axis in axes)
+    # The panel covers a part of the window on the right; the scene fills the rest.
+    width, height = camera.aspect * size["height"], size["height"]
+    scale = height / 2.0 / np.tan(camera.fov / 2.0) / depth
+    return width / 2.0 + scale * x, height / 2.0 - scale * y
