@@ -238,6 +238,8 @@ def _print_traces(report: TaskReport) -> None:
 
 def _row(family: FamilyResult) -> list[str]:
     mark = paint("ok  ", "green") if family.ok else paint("FAIL", "red")
+    if family.ok and not (family.checks and family.has_expert):
+        mark = paint("skip", "yellow")
     return [family.name, mark, f"{family.seconds:5.1f} s", family.summary]
 
 

@@ -70,6 +70,10 @@ class Probe:
     decided_after: int | None = None
 
 
+NO_EXPERT = "TB533"
+"""The code of the warning that nothing shows that the task can be done."""
+
+
 @dataclass(frozen=True)
 class FamilyResult:
     """The result of one family of checks.
@@ -99,6 +103,11 @@ class FamilyResult:
         """Whether there are no errors; warnings do not count."""
         sound = all(check.ok for check in self.checks)
         return sound and not any(finding.severity == "error" for finding in self.findings)
+
+    @property
+    def has_expert(self) -> bool:
+        """Whether it did not lack an expert that can be played."""
+        return all(finding.code != NO_EXPERT for finding in self.findings)
 
 
 @dataclass(frozen=True)
@@ -157,6 +166,11 @@ class TaskReport:
     def ok(self) -> bool:
         """Whether all families that ran passed."""
         return all(family.ok for family in self.families)
+
+    @property
+    def has_expert(self) -> bool:
+        """Whether no family lacked an expert, so that passing them proves the task."""
+        return all(family.has_expert for family in self.families)
 
     @property
     def findings(self) -> tuple[Finding, ...]:

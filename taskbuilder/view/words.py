@@ -13,7 +13,7 @@ from taskbuilder.steering.operator import Jog
 from taskbuilder.steering.session import Session, State
 from taskbuilder.task import Task
 from taskbuilder.view.contacts import Contacts
-from taskbuilder.view.placing import Placing
+from taskbuilder.view.placing import Change, Placing
 from taskbuilder.view.recording import ConditionState, Recording
 from taskbuilder.view.stage_poses import StagePose
 
@@ -165,11 +165,15 @@ def placed(placing: Placing) -> str:
         lines.append(f"joints: {plain(f'[{joints}]')}")
     lines += [_distance(name, distance) for name, distance in placing.near()]
     text = "  \n".join(lines)
-    changes = "\n".join(
-        f"# {'.'.join(map(str, change.path))}\n# {f'was {change.before}' if change.before else 'not written so far'}\n{change}"
-        for change in placing.changes()
-    )
+    changes = "\n".join(_change(change) for change in placing.changes())
     return f"{text}\n\n```yaml\n{changes}\n```" if changes else text
+
+
+def _change(change: Change) -> str:
+    """A changed value, to be copied into a task file."""
+    where = ".".join(map(str, change.path))
+    before = f"was {change.before}" if change.before else "not written so far"
+    return f"# {where}\n# {before}\n{change}"
 
 
 def _distance(name: str, distance: float) -> str:

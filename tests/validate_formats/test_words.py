@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from taskbuilder.errors import Finding
 from taskbuilder.validate.formats.words import (
     closing,
     counted,
@@ -13,6 +16,7 @@ from taskbuilder.validate.formats.words import (
     number,
     printable,
 )
+from taskbuilder.validate.report import FamilyResult
 
 
 @pytest.mark.parametrize(
@@ -54,6 +58,14 @@ def test_things_are_counted_and_listed_as_in_a_sentence():
 def test_the_verdict_names_what_failed(passed, failed):
     assert closing([passed], 31.0) == ("ok", " in 31 s")
     assert closing([passed, failed], 3.1) == ("failed", ": lift: 2 errors in 3.1 s")
+
+
+def test_the_verdict_says_which_tasks_nothing_proves(passed):
+    warning = Finding("TB533", "the task has no expert", severity="warning")
+    lonely = replace(passed, families=(FamilyResult("solvable", (), (warning,), "no expert"),))
+    word, rest = closing([passed, lonely], 31.0)
+    assert word == "ok"
+    assert rest == f" in 31 s · not proved, as there is no expert: {passed.task}"
 
 
 def test_what_no_document_can_hold_is_marked():

@@ -26,7 +26,7 @@ from taskbuilder.validate.locate import (
     in_variation,
 )
 from taskbuilder.validate.proportion import Proportion
-from taskbuilder.validate.report import Check, FamilyResult
+from taskbuilder.validate.report import NO_EXPERT, Check, FamilyResult
 
 LEAST = 0.95
 """Minimum fraction of seeds from which the expert must succeed."""
@@ -97,8 +97,8 @@ def _without_expert(context: Context) -> FamilyResult:
         message = f"no expert can plan for the action mode {mode}, so nothing shows a way"
     else:
         message = "the task has no expert, so nothing shows that it can be done; write its stages"
-    finding = finding_in_file(context.task, "TB533", message, "expert", severity="warning")
-    check = Check("TB533", "there is an expert", True, 0, None, "experts")
+    finding = finding_in_file(context.task, NO_EXPERT, message, "expert", severity="warning")
+    check = Check(NO_EXPERT, "there is an expert", True, 0, None, "experts")
     return FamilyResult("solvable", (check,), (finding,), "no expert")
 
 

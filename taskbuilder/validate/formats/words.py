@@ -65,15 +65,17 @@ def severities(report: TaskReport) -> tuple[int, int]:
 def closing(reports: Sequence[TaskReport], seconds: float) -> tuple[str, str]:
     """The verdict on all tasks: a word, and the rest of its line.
 
-    ``ok`` and `` in 31 s``; ``failed`` and ``: lift: 2 errors in 3.1 s``. A validation of some
-    families only says which.
+    ``ok`` and `` in 31 s``, and which tasks have no expert to prove them by; ``failed`` and
+    ``: lift: 2 errors in 3.1 s``. A validation of some families only says which.
     """
     failed = [report for report in reports if not report.ok]
     making = reports[0].making if reports else None
     some = f" · only {listed(making.only)}" if making and making.only else ""
     took = f"in {duration(seconds)}{some}"
     if not failed:
-        return "ok", f" {took}"
+        unproved = [report.task for report in reports if not report.has_expert]
+        but = f" · not proved, as there is no expert: {', '.join(unproved)}" if unproved else ""
+        return "ok", f" {took}{but}"
     errors = sum(severities(report)[0] for report in reports)
     what = f": {counted(errors, 'error')}" if errors else ""
     return "failed", f": {', '.join(report.task for report in failed)}{what} {took}"
