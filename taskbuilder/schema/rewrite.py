@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import yaml
 
 from taskbuilder.errors import UsageError
-from taskbuilder.schema.source import Path_, dotted
+from taskbuilder.schema.source import LOADER, Path_, dotted
 
 Value = float | Sequence[float] | Mapping[str, "Value"]
 """A number, a list of numbers, or a mapping of such values."""
@@ -47,7 +47,7 @@ def written(value: Value) -> str:
 
 def _with(text: str, path: Path_, value: str) -> str:
     """The text with another value at one place."""
-    node: yaml.Node = yaml.compose(text, Loader=yaml.SafeLoader) or yaml.ScalarNode("", "")
+    node: yaml.Node = yaml.compose(text, Loader=LOADER) or yaml.ScalarNode("", "")
     for depth, step in enumerate(path, 1):
         where, (behind, found) = dotted(path[:depth]), _child(node, step)
         if found is None and depth == len(path) and isinstance(node, yaml.MappingNode):

@@ -28,7 +28,7 @@ Path_ = tuple[str | int, ...]
 """Where a value is in a file: keys and list indices from the top."""
 
 # libyaml's parser where PyYAML was built with it: ten times as fast, same events and marks.
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _NUMBERS: tuple[tuple[re.Pattern[str], Callable[[str], int | float]], ...] = (
     (re.compile(r"[-+]?[0-9]+"), int),
@@ -187,7 +187,7 @@ class _Reader:
 
     def _events(self, text: str) -> Iterator[Any]:
         try:
-            yield from yaml.parse(text, Loader=_LOADER)
+            yield from yaml.parse(text, Loader=LOADER)
         except yaml.MarkedYAMLError as error:
             raise self._fatal("TB003", *_syntax_problem(error, text)) from None
         except yaml.YAMLError as error:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 import yaml
 from hypothesis import given
@@ -10,10 +12,12 @@ from hypothesis import strategies as st
 from taskbuilder.errors import UsageError
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.rewrite import rewritten, written
-from taskbuilder.schema.source import read_source
+from taskbuilder.schema.source import LOADER, read_source
+
+loaded = partial(yaml.load, Loader=LOADER)
 
 TEXT = """\
-# A scene.
+# A scene – ä 😀.
 scene:
   objects:
     cube:   {shape: {box: [0.04, 0.04, 0.04]},  position: [0.5, 0.2,   0.02]} # red
@@ -95,10 +99,10 @@ NUMBERS = st.floats(-1e3, 1e3).map(lambda value: round(value, 4) + 0.0)
 
 @given(position=st.tuples(NUMBERS, NUMBERS, NUMBERS))
 def test_what_is_written_is_read_back(position):
-    read = yaml.safe_load(rewritten(TEXT, {CUBE: position}))
+    read = loaded(rewritten(TEXT, {CUBE: position}))
     assert tuple(read["scene"]["objects"]["cube"]["position"]) == position
     read["scene"]["objects"]["cube"]["position"] = [0.5, 0.2, 0.02]
-    assert read == yaml.safe_load(TEXT)
+    assert read == loaded(TEXT)
 
 
 @pytest.mark.parametrize("name", [*Catalogue.discover().tasks])
@@ -119,7 +123,7 @@ def test_a_position_of_any_task_is_changed_alone_or_refused(name):
             if not any(mark in str(error) for mark in ("(*)", "(&)")):
                 raise
             continue
-        expected = yaml.safe_load(text)
+        expected = loaded(text)
         expected["scene"][path[1]][path[2]]["position"] = [9.5, 8.25, 7.125]
-        assert yaml.safe_load(changed) == expected
+        assert loaded(changed) == expected
         assert changed.count("\n") == text.count("\n")

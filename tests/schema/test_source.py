@@ -273,7 +273,7 @@ def test_a_pipe_is_refused_rather_than_waited_for(folder):
 
 @pytest.mark.parametrize("loader", ["CSafeLoader", "SafeLoader"])
 def test_both_of_pyyaml_s_parsers_are_read_alike(source, monkeypatch, loader):
-    monkeypatch.setattr("taskbuilder.schema.source._LOADER", getattr(yaml, loader))
+    monkeypatch.setattr("taskbuilder.schema.source.LOADER", getattr(yaml, loader))
     read = source("a: &a [1, '1', ~, 1e-3]\n'<<': *a\na: 2\n!t b: !!str c\n")
     assert read.data == {"a": (1, "1", None, 0.001), "<<": (1, "1", None, 0.001), "b": "c"}
     assert [finding.code for finding in read.findings] == ["TB004", "TB005", "TB005"]
