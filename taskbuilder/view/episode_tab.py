@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,9 @@ from taskbuilder.view.recording import RecordedState, Recording
 from taskbuilder.view.scene_tab import Ask, SceneTab
 from taskbuilder.view.stage import Choice, Stage
 from taskbuilder.view.words import conditions, outcome, plain, stages
+
+NOBODY = "nobody"
+"""No second episode beside the first."""
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
@@ -30,6 +34,7 @@ class EpisodeTab:
 
     Attributes:
         recording: The episode that is shown, or None.
+        beside: The episode of another player from the same seed, shown beside it, or None.
         step: The control step that is shown, with its fraction while it plays.
         playing: Whether it plays.
     """
@@ -46,6 +51,7 @@ class EpisodeTab:
         explain: Callable[[TaskbuilderError], None],
     ) -> None:
         self.recording: Recording | None = None
+        self.beside: Recording | None = None
         self.step = 0.0
         self.playing = False
         self._server, self._stage, self._scene = server, stage, scene
@@ -57,6 +63,7 @@ class EpisodeTab:
         gui = self._server.gui
         players = dict.fromkeys((*self._stage.players, choice.player))
         self._player = gui.add_dropdown("Player", tuple(players), initial_value=choice.player)
+        self.other = gui.add_dropdown("Beside it", (NOBODY, *players))
         self._seed = gui.add_number("Seed", initial_value=choice.seed, min=0, step=1)
         self._variation = gui.add_number("Variation", initial_value=choice.variation, min=0, step=1)
         play = gui.add_button("Play an episode")
@@ -84,7 +91,8 @@ class EpisodeTab:
 
     def clear(self) -> None:
         """Show no episode."""
-        self.recording, self.playing = None, False
+        self.recording, self.beside, self.playing = None, None, False
+        self._scene.show_beside(on=False)
         task = self._stage.task
         self.outcome.content = "Press *Play an episode*."
         self._stages.content = stages(tuple(task.description.stages), 0) if task else ""
@@ -99,20 +107,38 @@ class EpisodeTab:
         try:
             if task is not None and choice.variation != self._scene.variation:
                 self._scene.show(task, choice.variation, choice.seed)
-            self.recording = self._stage.play(choice, self._show_moment)
+            self._scene.show_beside(on=False)
+            self.beside, self.recording = None, self._stage.play(choice, self._show_moment)
+            if self.other.value != NOBODY:
+                self._play_beside(replace(choice, player=self.other.value))
         except TaskbuilderError as error:
             self._explain(error)
             return
-        self._slider.max = self.recording.rollout.steps
+        self._slider.max = self.steps
         self._draw_charts(self.recording)
         self.go_to(0, pause=False)
+
+    def _play_beside(self, choice: Choice) -> None:
+        """Play another episode, and show it beside the first.
+
+        Raises:
+            TaskbuilderError: It cannot be played.
+        """
+        self._scene.show_beside(on=True)
+        self.beside = self._stage.play(choice, lambda now: self._scene.place_beside(now.poses))
+
+    @property
+    def steps(self) -> int:
+        """Number of control steps of the longer episode that is shown."""
+        shown = (each for each in (self.recording, self.beside) if each is not None)
+        return max((each.rollout.steps for each in shown), default=0)
 
     def play_or_pause(self) -> None:
         """Play on, from the beginning if it was at its end, or pause."""
         recording = self.recording
         if recording is None:
             return
-        if not self.playing and self.step >= recording.rollout.steps:
+        if not self.playing and self.step >= self.steps:
             self.step = 0.0
         self.playing = not self.playing
 
@@ -125,7 +151,7 @@ class EpisodeTab:
         recording = self.recording
         if recording is None:
             return
-        step = max(0, min(step, recording.rollout.steps))
+        step = max(0, min(step, self.steps))
         self.step = float(step)
         self.playing = not pause
         self._show_step(recording, step)
@@ -137,8 +163,8 @@ class EpisodeTab:
             return
         before = int(self.step)
         self.step += seconds * recording.control_hz * float(self._speed.value)
-        if self.step >= recording.rollout.steps:
-            self.step = float(recording.rollout.steps)
+        if self.step >= self.steps:
+            self.step = float(self.steps)
             self.playing = False
         if int(self.step) != before:
             self._show_step(recording, int(self.step))
@@ -151,12 +177,14 @@ class EpisodeTab:
         self.lamps.content = conditions(moment.lamps)
 
     def _show_step(self, recording: Recording, step: int) -> None:
-        moment = recording.moments[step]
+        own = min(step, recording.rollout.steps)
         with self._server.atomic():
-            self._show_moment(moment)
+            self._show_moment(recording.moments[own])
+            if self.beside is not None:
+                self._scene.place_beside(self.beside.moments[: step + 1][-1].poses)
             self._slider.value = step
-            self._stages.content = stages(recording.rollout.stages, recording.rollout.stage[step])
-            self.outcome.content = outcome(recording, step)
+            self._stages.content = stages(recording.rollout.stages, recording.rollout.stage[own])
+            self.outcome.content = outcome(recording, own, self.beside)
 
     def _draw_charts(self, recording: Recording) -> None:
         for chart in self.charts:

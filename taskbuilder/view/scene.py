@@ -14,6 +14,7 @@ from taskbuilder.view.marks import WORDS, marks_of, segments
 from taskbuilder.view.stage_poses import StagePose
 from taskbuilder.view.words import margin_words
 from taskbuilder.world.pictures import capture
+from taskbuilder.world.segments import FLOOR
 from taskbuilder.world.visible import Color, LinkPoses, VisibleLink, VisibleMesh, visible_links
 from taskbuilder.world.world import World
 
@@ -35,11 +36,62 @@ GREEN, RED, LIT = (22, 163, 74), (220, 38, 38), (245, 158, 11)
 GHOST_COLORS = {"in reach": GREEN, "out of reach": RED, "in collision": RED}
 GHOST_OPACITY = 0.55
 
+ROOT, BESIDE = "/scene", "/beside"
+"""Paths of the world that is shown, and of the same world beside it."""
+
+SURROUNDINGS = (FLOOR, "distractors")
+"""What is not shown again beside it."""
+
+GAP_M = 0.3
+"""Between two worlds side by side, in metres."""
+
 Picked = Callable[[str], None]
 
 
+class _Links:
+    """The links of a world in the browser.
+
+    Args:
+        server: The server of viser.
+        root: The path under which they stand.
+        picked: Called with the name of a link that was clicked.
+    """
+
+    def __init__(self, server: Any, root: str, picked: Picked) -> None:
+        self._scene, self._root, self._picked = server.scene, root, picked
+        self._frames: dict[int, list[Any]] = {}
+        self._known: NDArray[np.float32] | None = None
+        self.meshes: list[tuple[str, Any, Color]] = []
+
+    def add(self, link: VisibleLink) -> None:
+        """Add a link."""
+        path = f"{self._root}/{link.name.replace('.', '/')}"
+        frame = self._scene.add_frame(path, show_axes=False)
+        self._frames.setdefault(link.row, []).append(frame)
+        for number, mesh in enumerate(link.meshes):
+            handle = self._scene.add_mesh_simple(
+                f"{path}/mesh_{number}",
+                mesh.vertices,
+                mesh.triangles,
+                color=mesh.color,
+                opacity=None if mesh.opacity >= 1.0 else mesh.opacity,
+                side="double" if mesh.opacity < 1.0 else "front",
+            )
+            self.meshes.append((link.name, handle, mesh.color))
+            handle.on_click(lambda _, name=link.name: self._picked(name))
+
+    def place(self, poses: NDArray[np.float32]) -> None:
+        """Put them where they are; see `LinkPoses.now`."""
+        for row, frames in self._frames.items():
+            if self._known is not None and np.array_equal(poses[row], self._known[row]):
+                continue
+            for frame in frames:
+                frame.position, frame.wxyz = poses[row, :3], poses[row, 3:]
+        self._known = poses
+
+
 class BrowserScene:
-    """A world in the scene of a viser server.
+    """A world in the scene of a viser server, and perhaps the same world once more beside it.
 
     Args:
         server: The server.
@@ -49,36 +101,20 @@ class BrowserScene:
     def __init__(self, server: Any, picked: Picked) -> None:
         self._server = server
         self._picked = picked
-        self._frames: dict[int, list[Any]] = {}
-        self._known: NDArray[np.float32] | None = None
         self._marks: dict[str, list[Any]] = {}
-        self._meshes: list[tuple[str, Any, Color]] = []
+        self._links = _Links(server, ROOT, picked)
+        self._beside: tuple[Any, _Links] | None = None
 
     def show(self, world: World) -> None:
         """Show a world in the place of what was shown before; the viewer's camera stays."""
         with self._server.atomic():
             self._server.scene.reset()
-            self._frames, self._known, self._marks, self._meshes = {}, None, {}, []
+            self._marks, self._beside = {}, None
+            self._links = _Links(self._server, ROOT, self._picked)
             self._server.scene.set_up_direction("+z")
             self._server.scene.configure_default_lights()
             for link in visible_links(world):
-                self._add(link)
-
-    def _add(self, link: VisibleLink) -> None:
-        path = f"/scene/{link.name.replace('.', '/')}"
-        frame = self._server.scene.add_frame(path, show_axes=False)
-        self._frames.setdefault(link.row, []).append(frame)
-        for number, mesh in enumerate(link.meshes):
-            handle = self._server.scene.add_mesh_simple(
-                f"{path}/mesh_{number}",
-                mesh.vertices,
-                mesh.triangles,
-                color=mesh.color,
-                opacity=None if mesh.opacity >= 1.0 else mesh.opacity,
-                side="double" if mesh.opacity < 1.0 else "front",
-            )
-            self._meshes.append((link.name, handle, mesh.color))
-            handle.on_click(lambda _, name=link.name: self._picked(name))
+                self._links.add(link)
 
     def place(self, poses: NDArray[np.float32]) -> None:
         """Put the links where they are.
@@ -87,12 +123,33 @@ class BrowserScene:
             poses: (l, 7) of all links; see `LinkPoses.now`.
         """
         with self._server.atomic():
-            for row, frames in self._frames.items():
-                if self._known is not None and np.array_equal(poses[row], self._known[row]):
-                    continue
-                for frame in frames:
-                    frame.position, frame.wxyz = poses[row, :3], poses[row, 3:]
-        self._known = poses
+            self._links.place(poses)
+
+    def show_beside(self, world: World | None) -> None:
+        """Show a world once more, to the right of itself as its first camera sees it.
+
+        Args:
+            world: The world that is shown; None to show it once only.
+        """
+        if self._beside is not None:
+            self._beside[0].remove()
+            self._beside = None
+        if world is None:
+            return
+        with self._server.atomic():
+            links = [link for link in visible_links(world) if link.name not in SURROUNDINGS]
+            root = self._server.scene.add_frame(
+                BESIDE, show_axes=False, position=_to_the_right(world, links)
+            )
+            self._beside = root, _Links(self._server, BESIDE, self._picked)
+            for link in links:
+                self._beside[1].add(link)
+
+    def place_beside(self, poses: NDArray[np.float32]) -> None:
+        """Put the links of the world beside it where they are; see `place`."""
+        if self._beside is not None:
+            with self._server.atomic():
+                self._beside[1].place(poses)
 
     # --- what is drawn around it
 
@@ -161,7 +218,7 @@ class BrowserScene:
         Args:
             names: Those to colour.
         """
-        for name, handle, color in self._meshes:
+        for name, handle, color in self._links.meshes:
             handle.color = LIT if name.partition(".")[0] in names else color
 
     def _lines(self, world: World, word: str) -> list[Any]:
@@ -201,6 +258,27 @@ class BrowserScene:
                 self._server.scene.add_label(f"/camera_names/{name}", name, position=view.eye)
             )
         return added
+
+
+def _to_the_right(world: World, links: Sequence[VisibleLink]) -> NDArray[np.float64]:
+    """(3,) by how much a world has to be moved to stand beside itself."""
+    view = world.camera(next(iter(world.scene.cameras)))
+    ahead = np.array(view.target) - np.array(view.eye)
+    right = np.array([ahead[1], -ahead[0], 0.0])
+    length = float(np.linalg.norm(right))
+    right = right / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    poses = LinkPoses(world).now()
+    spread = [
+        _moved(mesh.vertices, poses[link.row]) @ right for link in links for mesh in link.meshes
+    ]
+    return (float(max(map(np.max, spread)) - min(map(np.min, spread))) + GAP_M) * right
+
+
+def _moved(points: NDArray[np.float32], pose: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(n, 3) points of a link in the world; its pose as in `LinkPoses.now`."""
+    axis, w = pose[4:], pose[3]
+    turned: NDArray[np.float32] = points + 2.0 * np.cross(axis, np.cross(axis, points) + w * points)
+    return turned + pose[:3]
 
 
 def camera_pictures(world: World) -> Mapping[str, NDArray[np.uint8]]:

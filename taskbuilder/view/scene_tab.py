@@ -113,6 +113,14 @@ class SceneTab:
         """Put the links where they are; see `LinkPoses.now`."""
         self._scene.place(poses)
 
+    def show_beside(self, *, on: bool) -> None:
+        """Show the world once more beside itself, for another episode, or only once."""
+        self._scene.show_beside(self.world if on else None)
+
+    def place_beside(self, poses: NDArray[np.float32]) -> None:
+        """Put the links of the world beside it where they are."""
+        self._scene.place_beside(poses)
+
     def pick(self, name: str) -> None:
         """Say what a part of the scene is called, and where it is in the initial state."""
         if self.world is None:

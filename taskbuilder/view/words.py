@@ -53,14 +53,22 @@ def conditions(lamps: Iterable[ConditionState]) -> str:
     return "\n".join(rows)
 
 
-def outcome(recording: Recording, step: int) -> str:
-    """Who plays, where the episode stands, and how it ends."""
+def outcome(recording: Recording, step: int, beside: Recording | None = None) -> str:
+    """Who plays, where the episode stands, and how it ends.
+
+    Args:
+        recording: The episode.
+        step: The control step that is shown.
+        beside: An episode that is shown beside it, or None.
+    """
     rollout = recording.rollout
     seconds = f"{rollout.seconds(step):.1f} s"
     text = (
         f"step {step} of {rollout.steps} · {seconds} · seed {rollout.seed}\n\n"
         f"{plain(recording.player)}: {plain(recording.verdict())}"
     )
+    if beside is not None:
+        text += f"\n\nbeside it, {plain(beside.player)}: {plain(beside.verdict())}"
     return f"“{plain(recording.instruction)}”\n\n{text}" if recording.instruction else text
 
 

@@ -8,6 +8,7 @@ import socket
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import viser
 from websockets.asyncio.client import connect
@@ -246,3 +247,33 @@ def test_without_viser_it_is_said_how_to_get_it(monkeypatch):
 def test_the_choice_begins_with_the_task_as_written():
     assert Choice() == Choice("expert", 0, 0)
     assert server_module.LOCAL == "127.0.0.1"
+
+
+def test_two_players_are_shown_side_by_side(page_of, touch, server):
+    page = page_of(touch)
+    page.episode.other.value = "hold"
+    page.ask(page.episode.play)
+    turn(page, lambda: page.episode.beside is not None)
+    page.ask(lambda: page.episode.go_to(12, pause=True))
+    turn(page, lambda: page.episode.step == 12)
+    assert page.episode.beside.rollout.seed == page.episode.recording.rollout.seed
+    assert re.search(
+        r"expert: success.*\n\nbeside it, hold: no success", page.episode.outcome.content
+    )
+    names = parts(server)
+    assert {"/beside", "/beside/cube", "/beside/arm/panda_link3"} <= names
+    assert "/scene/world/floor" in names
+    assert "/beside/world/floor" not in names
+    one, other = (
+        server.viser.scene._handle_from_node_name[f"/{root}/arm/panda_hand"]
+        for root in ("scene", "beside")
+    )
+    assert (
+        np.linalg.norm(one.position - other.position) > 0.05
+    )  # one reaches, the other holds still
+    page.ask(lambda: page.episode.go_to(1000, pause=True))
+    turn(page, lambda: page.episode.step == page.episode.steps)
+    page.episode.other.value = "nobody"
+    page.ask(page.episode.play)
+    turn(page, lambda: "/beside" not in parts(server))
+    assert page.episode.beside is None
