@@ -74,7 +74,11 @@ def motor_force(urdf: Urdf, hand: Hand) -> MotorForce:
             f"{at_finger:.2g} N; {_rounded(wanted):g} is proposed. What does the data sheet say?"
         )
         return MotorForce(_rounded(wanted), remark=remark)
-    remark = f"force is the effort of the URDF, with which a finger presses with {at_finger:.2g} N"
+    remark = (
+        f"force is the effort of the URDF, with which a finger presses with {at_finger:.2g} N; the "
+        f"robots of the library press with about {FINGERTIP_N:g} N. What does the data sheet say? "
+        f"For {FINGERTIP_N:g} N, write force: {_rounded(wanted):g} in robot.yaml"
+    )
     return MotorForce(_rounded(most), bounded=True, remark=remark)
 
 

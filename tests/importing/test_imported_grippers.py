@@ -80,6 +80,7 @@ def test_a_force_is_bounded_by_an_effort_that_is_sane(write, tmp_path):
     force, remarks = proposed("10")
     assert force == pytest.approx(10.0)
     assert "force is the effort of the URDF" in remarks
+    assert "What does the data sheet say? For 20 N, write force: 20 in robot.yaml" in remarks
     force, remarks = proposed("0.1")
     assert force == pytest.approx(20.0)
     assert "What does the data sheet say?" in remarks
