@@ -118,7 +118,7 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
         gripper = with_located_meshes(with_followers(gripper, changes), other)
         description = mounted(description, gripper, flange, pose, changes)
         packages.admit(other.roots)
-    name = _name(source.name or description.name)
+    name = _name(source.name or _proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_ROBOT_SLACK)
     geometry = Geometry(packages, options, changes)
@@ -185,7 +185,7 @@ def import_object(source: ImportSource) -> Imported:
         description = _of_mesh(packages.file)
     else:
         packages, description = _read(source, changes)
-    name = _name(source.name or description.name)
+    name = _name(source.name or _proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_OBJECT_SLACK, upright=mesh)
     geometry = Geometry(packages, options, changes)
@@ -327,6 +327,27 @@ _PALETTE = (
     (0.84, 0.37, 0.0, 1.0),
     (0.80, 0.47, 0.65, 1.0),
 )
+
+
+def _proposed_name(description: ImportedBody) -> str:
+    """What a file calls what it describes; or its own name, or its folder's, if that says more."""
+    file = description.file
+    folders = [each.name for each in file.parents if each.name.lower() not in _FOLDERS]
+    for text in (description.name, file.name, *folders[:1]):
+        stem = _ENDINGS.sub("", text)
+        if stem and not _SAYS_NOTHING.fullmatch(stem):
+            return stem
+    return _ENDINGS.sub("", description.name)
+
+
+_ENDINGS = re.compile(r"(\.(urdf|xacro|sdf|xml|mjcf|obj|stl|dae|ply|glb|gltf))+$", re.IGNORECASE)
+_SAYS_NOTHING = re.compile(
+    r"(model|robot|object|mesh|scene|main|index|body|visual|collision|textured|nontextured|"
+    r"untitled|unnamed|default|mobility)([_-]?\d+)?",
+    re.IGNORECASE,
+)
+"""Names that many files have."""
+_FOLDERS = ("urdf", "urdfs", "meshes", "mesh", "models", "visual", "collision", "sdf", "xml", "obj")
 
 
 def _name(text: str) -> str:
