@@ -16,6 +16,12 @@ import numpy as np
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.cli.object_figures import (
+    ObjectFigures,
+    measured,
+    print_figures,
+    print_lines_of_task,
+)
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.robot_trials import print_trial, tried, tried_gripper
 from taskbuilder.cli.tasks import make_folder
@@ -26,7 +32,8 @@ from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
 from taskbuilder.importing.postures import read_postures
 from taskbuilder.importing.writing import require_replaceable, write_folder
-from taskbuilder.schema.catalogue import CatalogueEntry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.object_files import bare_object
 from taskbuilder.schema.robots import load_robot
 from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import axes
@@ -36,8 +43,16 @@ from taskbuilder.visual.still import save_image
 from taskbuilder.world.robot_proposal import Proposal, link_pose
 
 
-def run_import(arguments: argparse.Namespace, *, robot: bool) -> int:
-    """Import a robot or an object."""
+def run_import(
+    arguments: argparse.Namespace, *, robot: bool, catalogue: Catalogue | None = None
+) -> int:
+    """Import a robot or an object.
+
+    Args:
+        arguments: Of the command line.
+        robot: Whether it is a robot.
+        catalogue: Where the robots are whose grippers an object is compared with.
+    """
     source = _source(arguments, robot=robot)
     try:
         imported = _imported(source, arguments) if robot else import_object(source)
@@ -56,11 +71,16 @@ def run_import(arguments: argparse.Namespace, *, robot: bool) -> int:
     ok = not _has_error(findings)
     if writable:
         write_folder(folder, imported.files, overwrite=arguments.overwrite)
+    figures = None
+    if writable and not robot:
+        model = bare_object(folder / f"{imported.name}.urdf")
+        figures = measured(model, catalogue or Catalogue())
     if arguments.json:
         data = _data(folder, imported, findings, picture, ok)
+        data |= figures.as_data() if figures else {}
         print_json({**data, "trial": trial.as_data() if trial else None})
         return 0 if ok else 1
-    _print(folder, imported, findings, trial, robot=robot)
+    _print(folder, imported, findings, trial, figures, robot=robot)
     if not writable:
         print(paint("failed", "red") + "; nothing was written")
         return 1
@@ -210,6 +230,7 @@ def _print(
     imported: Imported,
     findings: list[Finding],
     trial: RobotTrial | None,
+    figures: ObjectFigures | None,
     *,
     robot: bool,
 ) -> None:
@@ -230,10 +251,10 @@ def _print(
     elif robot:
         print("  no arm was found; if it is a gripper, mount it:")
         print(f"  taskbuilder robots import ARM --gripper {imported.name}.urdf --at LINK\n")
-    else:
-        print("  in a task file:\n")
-        urdf = display_path(folder / f"{imported.name}.urdf")
-        print(f"    {imported.name}: {{shape: {{urdf: {urdf}}}, position: [0.5, 0, 0.1]}}\n")
+    elif figures is not None:
+        urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,))
+        print_figures(figures, sum(link.mass or 0.0 for link in urdf.links))
+        print_lines_of_task(imported.name, folder / f"{imported.name}.urdf", figures)
     for finding in findings:
         print(show_finding(finding))
 

@@ -46,12 +46,22 @@ def take_object_picture(model: ObjectModel) -> tuple[Pixels, float, tuple[str, .
         Client(physics_hz=120) as client,
     ):
         with captured() as printed:
-            body = _body(client, model, Path(folder))
+            body = built(client, model, Path(folder))
         picture = _take_picture(client, body.occupied())
         return picture, body.mass, warnings(printed.text)
 
 
-def _body(client: Client, model: ObjectModel, folder: Path) -> Body:
+def built(client: Client, model: ObjectModel, folder: Path) -> Body:
+    """An object in the engine, with its frame at the origin.
+
+    Args:
+        client: The engine.
+        model: The object. Files of others are loaded in a child process first.
+        folder: A folder for a copy of its URDF.
+
+    Raises:
+        AssetError: The engine dies of the asset, or refuses it.
+    """
     spec = as_placed(model.spec)
     asset = model.assets.main
     if isinstance(asset, Urdf):
