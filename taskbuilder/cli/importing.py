@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from taskbuilder.assets import codes
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import read_urdf
@@ -35,6 +36,7 @@ from taskbuilder.importing.writing import require_replaceable, write_folder
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.object_files import bare_object
 from taskbuilder.schema.robots import load_robot
+from taskbuilder.trials.findings import untouching_fingers
 from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import axes
 from taskbuilder.visual.ink import Marks
@@ -63,11 +65,13 @@ def run_import(
     if robot and folder.name != imported.name:
         imported = _imported(_named(source, folder.name), arguments)
     require_replaceable(folder, overwrite=arguments.overwrite)
+    arm = robot and imported.proposal is not None
     findings, picture, trial = _tried(
-        imported, fixed=robot, moves=robot and not arguments.quick and imported.proposal is not None
+        imported, fixed=robot, arm=arm, quick=robot and arguments.quick
     )
-    # What only a trial finds is corrected in the files that are written.
-    writable = trial is not None or not _has_error(findings)
+    # What only a trial finds, or is said of fingers, is corrected in the files that are written.
+    others = [finding for finding in findings if finding.code != codes.UNTOUCHING]
+    writable = trial is not None or not _has_error(others)
     ok = not _has_error(findings)
     if writable:
         write_folder(folder, imported.files, overwrite=arguments.overwrite)
@@ -168,7 +172,7 @@ def _failed(arguments: argparse.Namespace, error: FileError) -> int:
 
 
 def _tried(
-    imported: Imported, *, fixed: bool, moves: bool
+    imported: Imported, *, fixed: bool, arm: bool, quick: bool
 ) -> tuple[list[Finding], Path | None, RobotTrial | None]:
     """What the physics engine says of the files, the picture, and the trial of a robot that moves.
 
@@ -181,9 +185,9 @@ def _tried(
         urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,), fixed=fixed)
         findings = list(imported.warnings)
         picture = _picture(folder, urdf, imported, findings)
-        if moves and not _has_error(findings):
+        if arm and not _has_error(findings):
             model = load_robot(CatalogueEntry(imported.name, folder / "robot.yaml"))
-            trial, found = tried(model)
+            trial, found = (None, untouching_fingers(model)) if quick else tried(model)
             findings += found
     return [_in_folder(one, imported.name) for one in findings], picture, trial
 

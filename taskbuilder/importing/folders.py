@@ -131,7 +131,7 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
         description = _without_unused(description, proposal, urdf, changes)
         touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
         description = geometry.refined(description, list(touching))
-        description = with_steady_fingers(description, proposal, changes)
+        description = with_steady_fingers(description, proposal, urdf, changes)
     with _aside(name, description, geometry, changes) as urdf:
         files = geometry.used_files(description)
         files[f"{name}.urdf"] = _text(description, source, changes).encode()

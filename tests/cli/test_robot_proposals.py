@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -179,6 +180,13 @@ def test_the_reach_is_a_figure_of_its_own(urdf, run):
     picture, reach = cv2.imread(data["picture"]), cv2.imread(data["reach"])
     assert picture.shape == reach.shape == (480, 480, 3)
     assert (picture != reach).any()
+
+
+def test_a_quick_check_sees_fingers_that_pass_through_everything(urdf, run):
+    bare = re.sub("<collision>.*?</collision>", "", fingers(), flags=re.DOTALL)
+    ran = run("robots", "check", str(urdf(arm() + bare)), "--quick")
+    assert ran.status == 1
+    assert ran.out.count("error[TB441]") == 2
 
 
 def test_a_robot_without_a_gripper_is_said_to_have_none(urdf, run):
