@@ -99,8 +99,9 @@ def _anyhow(figure: _Figure) -> Home:
     """A posture for a tool that cannot point down: near zero if nothing is in the way there."""
     chain = figure.chain
     zero = np.clip(np.zeros(len(chain.axes)), chain.lower, chain.upper)
-    count = _DRAWN if len(zero) >= _FEW else 0
-    drawn = beginnings_of(chain, np.random.default_rng(0), count)
+    if len(zero) < _FEW:  # which has no choice
+        return Home(tuple(zero.tolist()), pointing=False, clear=True)
+    drawn = beginnings_of(chain, np.random.default_rng(0), _DRAWN)
     order = drawn[np.argsort(_badness(figure, drawn, 0.0), kind="stable")]
     clear = figure.first_clear(np.concatenate([zero[None], order[:_TRIED]]))
     found = zero if clear is None else clear
