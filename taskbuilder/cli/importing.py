@@ -8,6 +8,7 @@ import tempfile
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import starmap
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from taskbuilder.importing.changes import HEADER
 from taskbuilder.importing.folders import Imported, ImportSource, import_object, import_robot
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
+from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.postures import read_postures
 from taskbuilder.importing.writing import require_replaceable, write_folder
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
@@ -146,10 +148,31 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
         meshes,
         getattr(arguments, "mass", None),
         arguments.density,
-        getattr(arguments, "gripper", None),
-        getattr(arguments, "at", ""),
+        _mounts(arguments) if robot else (),
         getattr(arguments, "arm", None),
     )
+
+
+def _mounts(arguments: argparse.Namespace) -> tuple[Mount, ...]:
+    """Each --gripper with its --at.
+
+    Raises:
+        UsageError: There are more of one than of the other.
+    """
+    files: list[Path] = arguments.gripper or []
+    places: list[str] = arguments.at or []
+    if files and not places:
+        raise UsageError("on which link? --gripper needs --at LINK[@x,y,z[,roll,pitch,yaw]]")
+    if len(files) != len(places):
+        raise UsageError(
+            f"--gripper is given {_times(len(files))} and --at {_times(len(places))}; write one "
+            "--at for each --gripper, in the order in which they are mounted on one another"
+        )
+    return tuple(starmap(Mount, zip(files, places, strict=True)))
+
+
+def _times(count: int) -> str:
+    return {0: "not at all", 1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _folders(arguments: argparse.Namespace) -> Mapping[str, Path]:

@@ -189,6 +189,21 @@ def test_a_quick_check_sees_fingers_that_pass_through_everything(urdf, run):
     assert ran.out.count("error[TB441]") == 2
 
 
+@pytest.mark.parametrize(
+    ("places", "said"),
+    [
+        ([], "on which link? --gripper needs --at"),
+        (["--at", "l6"], "--gripper is given twice and --at once; write one --at for each"),
+    ],
+)
+def test_every_gripper_and_adapter_needs_a_place(places, said, urdf, run):
+    pytest.importorskip("trimesh")
+    file = str(urdf(arm()))
+    ran = run("robots", "import", file, "--gripper", file, "--gripper", file, *places)
+    assert ran.status == 2
+    assert said in " ".join(ran.err.split())
+
+
 def test_a_robot_without_a_gripper_is_said_to_have_none(urdf, run):
     file = urdf(
         arm() + link("tool0", 0.02) + joint("fix", "l6", "tool0", "0 0 0.06", "0 0 1", "fixed", "")
