@@ -14,7 +14,7 @@ from taskbuilder.shapes import BoxShape, Part
 from taskbuilder.sim.bodies import create_body
 from taskbuilder.sim.client import Client
 from taskbuilder.trials.stand import PHYSICS_HZ
-from taskbuilder.visual.object_picture import built
+from taskbuilder.world.lone_object import lone_object
 
 _LOW_M, _WIDE_M, _THICK_M = 1e-3, 10.0, 0.5
 _SETTLE_S, _STILL = 3.0, 0.02  # m/s and rad/s: what is slower lies still
@@ -53,7 +53,7 @@ def rest(model: ObjectModel, low: float) -> Rest:
         Client(physics_hz=PHYSICS_HZ) as client,
         captured(),
     ):
-        body = built(client, model, Path(folder))
+        body = lone_object(client, model, Path(folder))
         plate = BoxShape((_WIDE_M, _WIDE_M, 2.0 * _THICK_M))
         ground = {"ground": Part(plate, Pose(), (1.0, 1.0, 1.0, 1.0))}
         create_body(client, ground, pose=Pose((0.0, 0.0, -_THICK_M)))

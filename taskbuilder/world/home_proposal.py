@@ -326,6 +326,7 @@ def _bodies(
     """The shapes of the base, and of all that moves with each joint of an arm."""
     names = [joint.name for joint in arm]
     hulls: list[list[Floats]] = [[] for _ in range(len(arm) + 1)]
+    solid = any(link.collisions for link in urdf.links)  # else what is only seen has to do
     for link in urdf.links:
         above = [
             names.index(j.name) for j in urdf.moving_joints_above(link.name) if j.name in names
@@ -333,7 +334,7 @@ def _bodies(
         index = max(above, default=-1)
         frame = urdf.root if index < 0 else arm[index].child
         pose = link_pose(urdf, frame, link.name, others)
-        for shape in link.collisions or link.visuals:
+        for shape in link.collisions if solid else link.visuals:
             hulls[index + 1].append(_outermost(_outline(shape), pose @ shape.pose))
     yield from map(tuple, hulls)
 
