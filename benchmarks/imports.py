@@ -19,6 +19,7 @@ from taskbuilder.assets.paths import AssetError, pybullet_data_folder
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, TaskbuilderError
 from taskbuilder.importing.folders import ImportSource, import_robot
+from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.writing import write_folder
 from taskbuilder.visual.robot_picture import take_robot_picture
 
@@ -146,8 +147,7 @@ def imported(case: Case, base: Path, scratch: Path) -> dict[str, Any]:
                 file,
                 {name: base / folder for name, folder in case.packages.items()},
                 case.arguments,
-                gripper=located(case.gripper, base) if case.gripper else None,
-                flange=case.at,
+                mounts=(Mount(located(case.gripper, base), case.at),) if case.gripper else (),
             )
         )
         row["seconds"] = round(time.perf_counter() - began, 1)

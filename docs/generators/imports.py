@@ -16,7 +16,7 @@ def files(_: str) -> str:
     data = json.loads(RESULTS.read_text(encoding="utf-8"))
     head = ["robot", "`robots check` of the file", "`robots import`", "arm", "gripper", "seconds"]
     rows = [_row(row) for row in data["files"]]
-    said = f"{data['imported']} of {data['of']} files are imported and pass the check."
+    said = f"{data['imported']} of {data['of']} files are imported and can be loaded."
     return f"{said}\n\n{table(head, rows)}"
 
 

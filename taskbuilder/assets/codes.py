@@ -205,7 +205,8 @@ CODES: dict[str, tuple[str, str]] = {
         "Finger without collision shape",
         "None of the links of a finger has a `<collision>`. The finger passes through everything. "
         "In `fingers`, name the links that touch objects, such as pads, or add collision shapes to "
-        "the URDF; `robots import` does.",
+        "the URDF; `robots import` makes them from what is seen. Some descriptions end in mounts "
+        "for fingers that a user chooses: these need fingers.",
     ),
     STROKE: (
         "Stroke differs from the fingers",
@@ -217,14 +218,16 @@ CODES: dict[str, tuple[str, str]] = {
         "Gripper out of control",
         "The empty gripper was closed and opened. A joint became faster than anything real, did "
         "not come to rest, or did not arrive. Usually the damping of a joint is too large for the "
-        "mass of its finger: the engine applies damping once per physics step, and a step that "
-        "more than reverses the speed makes the finger fly. Lower the damping, or raise the mass.",
+        "mass or the moment of inertia of its finger: the engine applies damping once per physics "
+        "step, and a step that more than reverses the speed makes the finger fly. Lower the "
+        "damping, as the message says; `robots import` does. Or raise the mass.",
     ),
     FORCE_LOST: (
         "Force of a finger is lost",
         "A finger presses with less than half of the force that follows from `force` of the "
-        "gripper and from the geometry. The fingers are too light for the engine, or they do not "
-        "meet the block with their pads.",
+        "gripper and from the geometry. The fingers are too light for the engine, which with "
+        "strong motors is felt on narrow blocks first; a larger `<mass>` or a lower `force` helps. "
+        "Or they do not meet the block with their pads.",
     ),
     TOOL_POINT: (
         "Tool centre point not between the fingers",

@@ -225,4 +225,14 @@ def _suggestion(path: Path) -> str:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
         return f"there is no folder {quoted(folder.name)} either"
-    return suggestion(path.name, names, otherwise=f"put it in the folder {quoted(folder.name)}")
+    alike = [name for name in names if _same_kind(path.suffix, Path(name).suffix)]
+    return suggestion(path.name, alike, otherwise=f"put it in the folder {quoted(folder.name)}")
+
+
+_MESHES = {".obj", ".stl", ".dae", ".glb", ".gltf", ".ply"}
+
+
+def _same_kind(wanted: str, found: str) -> bool:
+    """Whether a file of one ending may be what is meant by another; an MTL is no mesh."""
+    wanted, found = wanted.lower(), found.lower()
+    return found in _MESHES if wanted in _MESHES else found not in _MESHES

@@ -84,14 +84,19 @@ def add_import(parser: ArgumentParser) -> None:
 def add_mounting(parser: ArgumentParser) -> None:
     """Options of importing robots alone."""
     parser.add_argument(
-        "--gripper", type=Path, metavar="FILE", help="import: description of a gripper to mount"
+        "--gripper",
+        action="append",
+        type=Path,
+        metavar="FILE",
+        help="import: description of a gripper to mount, or of an adapter between arm and gripper "
+        "(may be repeated, from the arm outwards)",
     )
     parser.add_argument(
         "--at",
-        default="",
+        action="append",
         metavar="LINK[@POSE]",
         help="import: link to mount it on, and its pose there as x,y,z or x,y,z,roll,pitch,yaw, in "
-        "metres and degrees",
+        "metres and degrees; one for each --gripper",
     )
     parser.add_argument(
         "--arm",

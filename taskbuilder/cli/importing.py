@@ -8,14 +8,22 @@ import tempfile
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import starmap
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from taskbuilder.assets import codes
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.cli.object_figures import (
+    ObjectFigures,
+    measured,
+    print_figures,
+    print_lines_of_task,
+)
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.robot_trials import print_trial, tried, tried_gripper
 from taskbuilder.cli.tasks import make_folder
@@ -24,10 +32,13 @@ from taskbuilder.importing.changes import HEADER
 from taskbuilder.importing.folders import Imported, ImportSource, import_object, import_robot
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
+from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.postures import read_postures
 from taskbuilder.importing.writing import require_replaceable, write_folder
-from taskbuilder.schema.catalogue import CatalogueEntry
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
+from taskbuilder.schema.object_files import bare_object
 from taskbuilder.schema.robots import load_robot
+from taskbuilder.trials.findings import untouching_fingers
 from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import axes
 from taskbuilder.visual.ink import Marks
@@ -36,8 +47,16 @@ from taskbuilder.visual.still import save_image
 from taskbuilder.world.robot_proposal import Proposal, link_pose
 
 
-def run_import(arguments: argparse.Namespace, *, robot: bool) -> int:
-    """Import a robot or an object."""
+def run_import(
+    arguments: argparse.Namespace, *, robot: bool, catalogue: Catalogue | None = None
+) -> int:
+    """Import a robot or an object.
+
+    Args:
+        arguments: Of the command line.
+        robot: Whether it is a robot.
+        catalogue: Where the robots are whose grippers an object is compared with.
+    """
     source = _source(arguments, robot=robot)
     try:
         imported = _imported(source, arguments) if robot else import_object(source)
@@ -48,19 +67,26 @@ def run_import(arguments: argparse.Namespace, *, robot: bool) -> int:
     if robot and folder.name != imported.name:
         imported = _imported(_named(source, folder.name), arguments)
     require_replaceable(folder, overwrite=arguments.overwrite)
+    arm = robot and imported.proposal is not None
     findings, picture, trial = _tried(
-        imported, fixed=robot, moves=robot and not arguments.quick and imported.proposal is not None
+        imported, fixed=robot, arm=arm, quick=robot and arguments.quick
     )
-    # What only a trial finds is corrected in the files that are written.
-    writable = trial is not None or not _has_error(findings)
+    # What only a trial finds, or is said of fingers, is corrected in the files that are written.
+    others = [finding for finding in findings if finding.code != codes.UNTOUCHING]
+    writable = trial is not None or not _has_error(others)
     ok = not _has_error(findings)
     if writable:
         write_folder(folder, imported.files, overwrite=arguments.overwrite)
+    figures = None
+    if writable and not robot:
+        model = bare_object(folder / f"{imported.name}.urdf")
+        figures = measured(model, catalogue or Catalogue())
     if arguments.json:
         data = _data(folder, imported, findings, picture, ok)
+        data |= figures.as_data() if figures else {}
         print_json({**data, "trial": trial.as_data() if trial else None})
         return 0 if ok else 1
-    _print(folder, imported, findings, trial, robot=robot)
+    _print(folder, imported, findings, trial, figures, robot=robot)
     if not writable:
         print(paint("failed", "red") + "; nothing was written")
         return 1
@@ -122,10 +148,31 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
         meshes,
         getattr(arguments, "mass", None),
         arguments.density,
-        getattr(arguments, "gripper", None),
-        getattr(arguments, "at", ""),
+        _mounts(arguments) if robot else (),
         getattr(arguments, "arm", None),
     )
+
+
+def _mounts(arguments: argparse.Namespace) -> tuple[Mount, ...]:
+    """Each --gripper with its --at.
+
+    Raises:
+        UsageError: There are more of one than of the other.
+    """
+    files: list[Path] = arguments.gripper or []
+    places: list[str] = arguments.at or []
+    if files and not places:
+        raise UsageError("on which link? --gripper needs --at LINK[@x,y,z[,roll,pitch,yaw]]")
+    if len(files) != len(places):
+        raise UsageError(
+            f"--gripper is given {_times(len(files))} and --at {_times(len(places))}; write one "
+            "--at for each --gripper, in the order in which they are mounted on one another"
+        )
+    return tuple(starmap(Mount, zip(files, places, strict=True)))
+
+
+def _times(count: int) -> str:
+    return {0: "not at all", 1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _folders(arguments: argparse.Namespace) -> Mapping[str, Path]:
@@ -148,7 +195,7 @@ def _failed(arguments: argparse.Namespace, error: FileError) -> int:
 
 
 def _tried(
-    imported: Imported, *, fixed: bool, moves: bool
+    imported: Imported, *, fixed: bool, arm: bool, quick: bool
 ) -> tuple[list[Finding], Path | None, RobotTrial | None]:
     """What the physics engine says of the files, the picture, and the trial of a robot that moves.
 
@@ -161,9 +208,9 @@ def _tried(
         urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,), fixed=fixed)
         findings = list(imported.warnings)
         picture = _picture(folder, urdf, imported, findings)
-        if moves and not _has_error(findings):
+        if arm and not _has_error(findings):
             model = load_robot(CatalogueEntry(imported.name, folder / "robot.yaml"))
-            trial, found = tried(model)
+            trial, found = (None, untouching_fingers(model)) if quick else tried(model)
             findings += found
     return [_in_folder(one, imported.name) for one in findings], picture, trial
 
@@ -210,6 +257,7 @@ def _print(
     imported: Imported,
     findings: list[Finding],
     trial: RobotTrial | None,
+    figures: ObjectFigures | None,
     *,
     robot: bool,
 ) -> None:
@@ -230,10 +278,10 @@ def _print(
     elif robot:
         print("  no arm was found; if it is a gripper, mount it:")
         print(f"  taskbuilder robots import ARM --gripper {imported.name}.urdf --at LINK\n")
-    else:
-        print("  in a task file:\n")
-        urdf = display_path(folder / f"{imported.name}.urdf")
-        print(f"    {imported.name}: {{shape: {{urdf: {urdf}}}, position: [0.5, 0, 0.1]}}\n")
+    elif figures is not None:
+        urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,))
+        print_figures(figures, sum(link.mass or 0.0 for link in urdf.links))
+        print_lines_of_task(imported.name, folder / f"{imported.name}.urdf", figures)
     for finding in findings:
         print(show_finding(finding))
 

@@ -57,8 +57,8 @@ def add_robots(adder: CommandAdder) -> None:
 def add_objects(adder: CommandAdder) -> None:
     """`taskbuilder objects`."""
     parser = adder.command(
-        "list the objects of the catalogue, check the files of one object and render it, or import "
-        "an object",
+        "list the objects of the catalogue, check, measure and render one object, or import an "
+        "object",
         "check mug",
     )
     parser.add_argument(
@@ -72,8 +72,8 @@ def add_objects(adder: CommandAdder) -> None:
         "object",
         nargs="?",
         metavar="OBJECT",
-        help="check: name of the object, or path of an object.yaml; import: a mesh (DAE, GLB, PLY, "
-        "OBJ, STL), URDF, xacro, SDF or MJCF",
+        help="check: name of the object, its folder, or path of an object.yaml, a URDF, an OBJ or "
+        "an STL; import: a mesh (DAE, GLB, PLY, OBJ, STL), URDF, xacro, SDF or MJCF",
     )
     parser.add_argument(
         "--out",

@@ -8,18 +8,26 @@ from typing import Any
 
 from taskbuilder.assets.model import Urdf
 from taskbuilder.assets.paths import AssetError
+from taskbuilder.cli.object_figures import (
+    ObjectFigures,
+    grasp_lines,
+    measured,
+    print_figures,
+    print_lines_of_task,
+)
 from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.tasks import catalogue_of, make_folder, tell_of_clashes
 from taskbuilder.errors import (
     FileError,
     Finding,
     Location,
+    UnknownNameError,
     UsageError,
     display_path,
     in_reading_order,
 )
-from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
-from taskbuilder.schema.object_files import ObjectModel, load_object
+from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
+from taskbuilder.schema.object_files import MESHES, ObjectModel, bare_object, load_object
 from taskbuilder.visual.object_picture import take_object_picture
 from taskbuilder.visual.still import save_image
 from taskbuilder.world.inertias import check_inertias
@@ -86,18 +94,22 @@ def _data(model: ObjectModel) -> dict[str, Any]:
 
 def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
     if arguments.object is None:
-        raise UsageError("check which object? give a name, or the path of an object.yaml")
+        raise UsageError(
+            "check which object? give a name, a folder, or the path of an object.yaml, a URDF or a "
+            "mesh"
+        )
     findings: list[Finding] = []
-    model = picture = mass = None
+    model = picture = mass = figures = None
     try:
-        entry = catalogue.object(arguments.object, Path())
-        model = load_object(entry, catalogue.folders)
+        model = _read(arguments.object, catalogue)
     except FileError as error:
         findings += error.findings
     if model is not None:
         findings += () if model.entry.trusted else _doubts(model)
         file = arguments.out or Path("renders", f"{model.entry.name}.png")
         picture, mass = _picture(model, file, findings)
+        if picture is not None:
+            figures = measured(model, catalogue)
     ok = not any(finding.severity == "error" for finding in findings)
     if arguments.json:
         print_json(
@@ -106,6 +118,7 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
                 "ok": ok,
                 **(_data(model) if model else {}),
                 "mass": mass,
+                **(figures.as_data() if figures else {}),
                 "findings": [finding.as_data() for finding in in_reading_order(findings)],
                 "picture": display_path(picture) if picture else None,
             }
@@ -113,12 +126,61 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         return 0 if ok else 1
     if model is not None:
         _print_object(model, mass)
+        if figures is not None:
+            print_figures(figures, mass)
+            _print_use(model, figures)
     for finding in in_reading_order(findings):
         print(show_finding(finding))
     print(paint("ok", "green") if ok else paint("failed", "red"))
     if picture:
         print(display_path(picture))
     return 0 if ok else 1
+
+
+def _read(reference: str, catalogue: Catalogue) -> ObjectModel:
+    """The object of a name, a folder, an object file, a URDF or a mesh.
+
+    Raises:
+        FileError: Files are wrong.
+        UnknownNameError: There is no such object.
+    """
+    path = Path(reference)
+    if path.is_dir() and looks_like_path(reference) and not (path / "object.yaml").is_file():
+        path = _urdf_in(path)
+    if path.is_file() and path.suffix.lower() in (*MESHES, ".urdf", ".xml"):
+        return bare_object(path)
+    if path.is_file() and path.suffix.lower() not in (".yaml", ".yml"):
+        raise UnknownNameError(
+            f"{display_path(path)} is not read as it is; taskbuilder objects import "
+            f"{display_path(path)} makes a URDF of DAE, GLB, PLY, SDF, MJCF and xacro files"
+        )
+    return load_object(catalogue.object(reference, Path()), catalogue.folders)
+
+
+def _urdf_in(folder: Path) -> Path:
+    """The only URDF of a folder, such as one that an import wrote.
+
+    Raises:
+        UnknownNameError: There is none, or there are several.
+    """
+    found = sorted(folder.glob("*.urdf"))
+    if len(found) == 1:
+        return found[0]
+    several = f"; name one of {', '.join(file.name for file in found)}" if found else ""
+    raise UnknownNameError(
+        f"{display_path(folder)} has no object.yaml and {len(found) or 'no'} URDF"
+        f"{'s' * (len(found) > 1)} in it{several}"
+    )
+
+
+def _print_use(model: ObjectModel, figures: ObjectFigures) -> None:
+    """The lines of a task file for an object that is not in the catalogue, and grasp points."""
+    grasps = grasp_lines(figures)
+    if model.entry.file.suffix not in (".yaml", ".yml"):
+        print_lines_of_task(model.entry.name, model.entry.file, figures)
+    elif grasps:
+        print("  it has no grasp points; these fit:\n")
+        print("\n".join(f"    {line}" for line in grasps), end="\n\n")
 
 
 def _doubts(model: ObjectModel) -> list[Finding]:
@@ -166,10 +228,10 @@ def _print_object(model: ObjectModel, mass: float | None) -> None:
 # --- import
 
 
-def _import(arguments: argparse.Namespace, _: Catalogue) -> int:
+def _import(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
     from taskbuilder.cli.importing import run_import
 
     if arguments.object is None:
         raise UsageError("import takes a file: taskbuilder objects import FILE")
     arguments.file = arguments.object
-    return run_import(arguments, robot=False)
+    return run_import(arguments, robot=False, catalogue=catalogue)

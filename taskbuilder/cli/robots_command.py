@@ -27,6 +27,7 @@ from taskbuilder.errors import (
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
 from taskbuilder.schema.robots import RobotModel, load_robot
+from taskbuilder.trials.findings import untouching_fingers
 from taskbuilder.trials.proposing import corrected, proposed_model
 from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import arm_reach, axes
@@ -109,7 +110,9 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         arm = _arm(urdf, robot, proposal)
         file = arguments.out or Path("renders", f"{robot.entry.name if robot else urdf.name}.png")
         pictures = _pictures(file, urdf, joints, findings, arm, trusted=trusted)
-        if not arguments.quick and not _failed(findings):
+        if arguments.quick:
+            findings += _untouching(urdf, robot, proposal)
+        elif not _failed(findings):
             trial, proposal = _trial(urdf, robot, proposal, findings)
     ok = not _failed(findings)
     if arguments.json:
@@ -152,6 +155,15 @@ def _trial(
         trial, found = None, tuple(error.findings)
     findings += found
     return trial, proposal
+
+
+def _untouching(
+    urdf: Urdf, robot: RobotModel | None, proposal: Proposal | None
+) -> tuple[Finding, ...]:
+    """What is wrong with fingers that needs no trial."""
+    if robot is None and proposal is not None and proposal.gripper:
+        robot = proposed_model(urdf, proposal)
+    return untouching_fingers(robot) if robot is not None else ()
 
 
 def _read(reference: str, catalogue: Catalogue) -> tuple[Urdf, RobotModel | None]:

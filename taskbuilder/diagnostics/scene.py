@@ -90,7 +90,9 @@ ENTRIES = {
         "After the reset, in which the scene settles for one control step, the object is more than "
         "3 mm outside the region in which it was placed. It fell, slid or was pushed. Or an object "
         "that was placed on a surface is more than 5 mm below its top, or has tilted by more than "
-        "2°.",
+        "2°: the bottom of its shape is not level in its own frame, or a URDF states a centre of "
+        "mass that is elsewhere. The message names the `rpy_deg` in which it comes to lie, or "
+        "`inertia: shape`, which takes the centre of mass from the shape.",
         block(
             "place: {center: [0, 0.3, 0.436], size: [0.1, 0.1, 0]}",
             "place: {surface: table, center: [0, 0.3], size: [0.1, 0.1]}",

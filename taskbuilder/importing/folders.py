@@ -20,7 +20,7 @@ from taskbuilder.importing.description import ImportedBody, ImportedShape, Link
 from taskbuilder.importing.geometry import Geometry, MeshOptions
 from taskbuilder.importing.limits import held, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
-from taskbuilder.importing.mounting import mounted, parse_flange, with_located_meshes
+from taskbuilder.importing.mounting import Mount, mounted, with_located_meshes
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.reading import is_mesh, read_description
 from taskbuilder.importing.shells import without_shells
@@ -51,8 +51,7 @@ class ImportSource:
         meshes: How meshes are imported.
         mass: Of the whole in kg, in place of what the file says.
         density: In kg/m³, in place of masses that the file says.
-        gripper: A file to mount on a robot, or None.
-        flange: Where, as ``LINK[@pose]``.
+        mounts: What is mounted on a robot, one after the other: adapters, and a gripper.
         arm: A link of the arm that is meant, where there are several.
     """
 
@@ -64,8 +63,7 @@ class ImportSource:
     meshes: MeshOptions = field(default_factory=MeshOptions)
     mass: float | None = None
     density: float | None = None
-    gripper: Path | None = None
-    flange: str = ""
+    mounts: tuple[Mount, ...] = ()
     arm: str | None = None
 
 
@@ -109,16 +107,14 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
     changes = Changes()
     packages, description = _read(source, changes)
     description = with_followers(description, changes)
-    if source.gripper is not None:
-        if not source.flange:
-            raise UsageError("on which link? --gripper needs --at LINK[@x,y,z[,roll,pitch,yaw]]")
-        flange, pose = parse_flange(source.flange)
-        other = Packages.around(source.gripper, source.packages, source.root)
-        gripper = read_description(other, source.arguments, changes)
-        gripper = with_located_meshes(with_followers(gripper, changes), other)
-        description = mounted(description, gripper, flange, pose, changes)
+    parts = []
+    for mount in source.mounts:
+        other = Packages.around(mount.file, source.packages, source.root)
+        part = with_followers(read_description(other, source.arguments, changes), changes)
+        parts.append((with_located_meshes(part, other), mount.flange))
         packages.admit(other.roots)
-    name = _name(source.name or description.name)
+    description = mounted(description, parts, changes)
+    name = _name(source.name or _proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_ROBOT_SLACK)
     geometry = Geometry(packages, options, changes)
@@ -131,7 +127,7 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
         description = _without_unused(description, proposal, urdf, changes)
         touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
         description = geometry.refined(description, list(touching))
-        description = with_steady_fingers(description, proposal, changes)
+        description = with_steady_fingers(description, proposal, urdf, changes)
     with _aside(name, description, geometry, changes) as urdf:
         files = geometry.used_files(description)
         files[f"{name}.urdf"] = _text(description, source, changes).encode()
@@ -185,7 +181,7 @@ def import_object(source: ImportSource) -> Imported:
         description = _of_mesh(packages.file)
     else:
         packages, description = _read(source, changes)
-    name = _name(source.name or description.name)
+    name = _name(source.name or _proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_OBJECT_SLACK, upright=mesh)
     geometry = Geometry(packages, options, changes)
@@ -285,8 +281,7 @@ def _aside(
 
 def _text(description: ImportedBody, source: ImportSource, changes: Changes) -> str:
     comment = [f"{MARK} from {source.file.name}"]
-    if source.gripper is not None:
-        comment.append(f"with {source.gripper.name} on {source.flange}")
+    comment += [f"with {mount.file.name} on {mount.flange}" for mount in source.mounts]
     return urdf_text(description, [*comment, "", *changes.lines()])
 
 
@@ -327,6 +322,27 @@ _PALETTE = (
     (0.84, 0.37, 0.0, 1.0),
     (0.80, 0.47, 0.65, 1.0),
 )
+
+
+def _proposed_name(description: ImportedBody) -> str:
+    """What a file calls what it describes; or its own name, or its folder's, if that says more."""
+    file = description.file
+    folders = [each.name for each in file.parents if each.name.lower() not in _FOLDERS]
+    for text in (description.name, file.name, *folders[:1]):
+        stem = _ENDINGS.sub("", text)
+        if stem and not _SAYS_NOTHING.fullmatch(stem):
+            return stem
+    return _ENDINGS.sub("", description.name)
+
+
+_ENDINGS = re.compile(r"(\.(urdf|xacro|sdf|xml|mjcf|obj|stl|dae|ply|glb|gltf))+$", re.IGNORECASE)
+_SAYS_NOTHING = re.compile(
+    r"(model|robot|object|mesh|scene|main|index|body|visual|collision|textured|nontextured|"
+    r"untitled|unnamed|default|mobility)([_-]?\d+)?",
+    re.IGNORECASE,
+)
+"""Names that many files have."""
+_FOLDERS = ("urdf", "urdfs", "meshes", "mesh", "models", "visual", "collision", "sdf", "xml", "obj")
 
 
 def _name(text: str) -> str:

@@ -1,9 +1,11 @@
-"""One description mounted on another: a gripper on the flange of an arm."""
+"""Descriptions mounted on one another: a gripper on the flange of an arm, or on an adapter."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from urllib.parse import quote
 
 from taskbuilder.assets import codes
@@ -37,56 +39,82 @@ def parse_flange(text: str) -> tuple[str, Pose]:
     return link, Pose.from_rpy_deg((x, y, z), (roll, pitch, yaw))
 
 
+@dataclass(frozen=True)
+class Mount:
+    """Something to mount on a robot.
+
+    Attributes:
+        file: Its description.
+        flange: Where, as ``LINK[@pose]``: a link of the arm, or of what was mounted before it.
+    """
+
+    file: Path
+    flange: str
+
+
 def mounted(
-    arm: ImportedBody, gripper: ImportedBody, flange: str, pose: Pose, changes: Changes
+    arm: ImportedBody, parts: Sequence[tuple[ImportedBody, str]], changes: Changes
 ) -> ImportedBody:
-    """An arm with a gripper on one of its links.
+    """An arm with a gripper on one of its links, or with adapters and a gripper on one another.
 
     Args:
         arm: The arm.
-        gripper: The gripper, whose root is put on the flange; with absolute references.
-        flange: A link of the arm.
-        pose: The root of the gripper in the frame of the flange.
+        parts: The parts with absolute references, and where the root of each is put.
         changes: Where changes are noted.
 
     Raises:
-        FileError: The arm has no such link, or the gripper nothing to be mounted by.
+        FileError: There is no such link, or nothing moves that could be a gripper.
+        UsageError: A place has another form.
     """
+    if parts and not any(joint.moves for part, _ in parts for joint in part.joints):
+        last = parts[-1][0]
+        message = (
+            "has no joint that moves, so it is no gripper; mount another file, or mount the "
+            "gripper on it with another --gripper and --at"
+        )
+        raise FileError([Finding(codes.STRUCTURE, message, "", Location(last.file))])
+    called: dict[str, str] = {}
+    for part, place in parts:
+        flange, pose = parse_flange(place)
+        arm, called = _with_part(arm, part, called.get(flange, flange), pose, changes)
+    return arm
+
+
+def _with_part(
+    arm: ImportedBody, part: ImportedBody, flange: str, pose: Pose, changes: Changes
+) -> tuple[ImportedBody, dict[str, str]]:
+    """The arm with a part on it, and how the links of the part are called there."""
     links = [link.name for link in arm.links]
     if flange not in links:
         leaves = [name for name in links if all(joint.parent != name for joint in arm.joints)]
         right = suggestion(flange, links, otherwise=f"its outermost links are {', '.join(leaves)}")
-        message = f"has no link {quoted(flange)} to mount a gripper on; {right}"
+        message = f"has no link {quoted(flange)} to mount {part.file.name} on; {right}"
         raise FileError([Finding(codes.STRUCTURE, message, "", Location(arm.file))])
-    if not any(joint.moves for joint in gripper.joints):
-        message = "has no joint that moves, so it is no gripper; mount another file"
-        raise FileError([Finding(codes.STRUCTURE, message, "", Location(gripper.file))])
     taken = {*links, *(joint.name for joint in arm.joints)}
-    mine = [link.name for link in gripper.links] + [joint.name for joint in gripper.joints]
-    prefix = "" if not taken & set(mine) else "gripper_"
+    mine = [link.name for link in part.links] + [joint.name for joint in part.joints]
+    what = "gripper" if any(joint.moves for joint in part.joints) else "adapter"
+    prefix = "" if not taken & set(mine) else f"{what}_"
     while prefix and any(f"{prefix}{name}" in taken for name in mine):
         prefix = f"{prefix}_"
     if prefix:
-        changes.note(
-            "gripper", "names", "some are taken", f"{prefix}…", "every name may be there once"
-        )
-    renamed = [replace(link, name=f"{prefix}{link.name}") for link in gripper.links]
-    joints = [_renamed_joint(joint, prefix) for joint in gripper.joints]
-    root = f"{prefix}{gripper.root}"
+        changes.note(what, "names", "some are taken", f"{prefix}…", "every name may be there once")
+    renamed = [replace(link, name=f"{prefix}{link.name}") for link in part.links]
+    joints = [_renamed_joint(joint, prefix) for joint in part.joints]
+    root = f"{prefix}{part.root}"
     name = f"{root}_mount"
-    place = Location(gripper.file)
-    mount = ImportedJoint(name, "fixed", flange, root, pose, (1.0, 0.0, 0.0), place)
+    mount = ImportedJoint(name, "fixed", flange, root, pose, (1.0, 0.0, 0.0), Location(part.file))
     changes.note(
-        "gripper", "mounted", gripper.file.name, f"{root} on {flange}",
+        what, "mounted", part.file.name, f"{root} on {flange}",
         "at " + " ".join(f"{value:g}" for value in pose.position) + " m",
     )  # fmt: skip
     postures: dict[str, dict[str, float]] = {name: dict(p) for name, p in arm.postures.items()}
-    return replace(
+    whole = replace(
         arm,
         links=(*arm.links, *renamed),
         joints=(*arm.joints, mount, *joints),
         postures=postures,
     )
+    return whole, {link.name: f"{prefix}{link.name}" for link in part.links}
 
 
 def with_located_meshes(description: ImportedBody, packages: Packages) -> ImportedBody:

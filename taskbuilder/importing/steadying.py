@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from taskbuilder.assets.model import Urdf
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedJoint, Link
-from taskbuilder.world.grip_force import LIGHT_KG, most_damping
+from taskbuilder.world.grip_force import LIGHT_KG, most_damping, turned_inertia
 from taskbuilder.world.robot_proposal import Proposal
 
 _HEAVIER_KG = 0.02
 
 
 def with_steady_fingers(
-    description: ImportedBody, proposal: Proposal, changes: Changes
+    description: ImportedBody, proposal: Proposal, urdf: Urdf, changes: Changes
 ) -> ImportedBody:
     """The description with fingers of some weight, and with less damping where it is too much.
 
     Args:
         description: With masses.
         proposal: What its gripper is.
+        urdf: The same robot.
         changes: Where changes are noted.
     """
     links = {}
@@ -32,7 +34,7 @@ def with_steady_fingers(
             links[link.name] = _heavier(link, _HEAVIER_KG - mass, changes)
     description = description.with_links(links)
     joints = tuple(
-        _undamped(joint, description, changes) if joint.name in proposal.gripper else joint
+        _undamped(joint, description, urdf, changes) if joint.name in proposal.gripper else joint
         for joint in description.joints
     )
     return replace(description, joints=joints)
@@ -57,14 +59,21 @@ def _heavier(link: Link, more: float, changes: Changes) -> Link:
     return replace(link, inertial=replace(before, mass=mass, moments=moments))
 
 
-def _undamped(joint: ImportedJoint, description: ImportedBody, changes: Changes) -> ImportedJoint:
-    mass = sum(_mass(description.link(name)) for name in description.rigid_group(joint.child))
-    most = most_damping(mass)
-    if joint.type != "prismatic" or joint.damping <= 2.0 * most:
+def _undamped(
+    joint: ImportedJoint, description: ImportedBody, urdf: Urdf, changes: Changes
+) -> ImportedJoint:
+    if joint.type == "prismatic":
+        inertia = sum(_mass(description.link(n)) for n in description.rigid_group(joint.child))
+        of_what, unit = f"{inertia * 1000:.3g} g", "N s/m"
+    else:
+        inertia = turned_inertia(urdf, urdf.joint(joint.name))
+        of_what, unit = f"{inertia:.2g} kg·m²", "Nm s/rad"
+    most = most_damping(inertia)
+    if joint.damping <= 2.0 * most:
         return joint
     damping = float(f"{most:.2g}")
     changes.note(
-        f"joint {joint.name}", "damping", f"{joint.damping:g} N s/m", f"{damping:g} N s/m",
-        f"too much for {mass * 1000:.3g} g: the engine would make it fly",
+        f"joint {joint.name}", "damping", f"{joint.damping:g} {unit}", f"{damping:g} {unit}",
+        f"too much for {of_what}: the engine would make it fly",
     )  # fmt: skip
     return replace(joint, damping=damping)

@@ -72,12 +72,12 @@ def require_replaceable(folder: Path, *, overwrite: bool) -> None:
     if not ours and any(folder.iterdir()):
         raise UsageError(
             f"{display_path(folder)} is there and was not written by an import; "
-            "name another folder with --out"
+            "give another name with --name, or another folder with --out"
         )
     if ours and not overwrite:
         raise UsageError(
-            f"{display_path(folder)} is there; replace it with --overwrite, "
-            "or name another folder with --out"
+            f"{display_path(folder)} is there, by an earlier import; give this one another name "
+            "with --name, or replace that one with --overwrite"
         )
 
 

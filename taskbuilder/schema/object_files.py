@@ -14,9 +14,9 @@ from pydantic_core import PydanticCustomError
 from taskbuilder.assets import codes
 from taskbuilder.assets.mesh import Mesh, read_mesh
 from taskbuilder.assets.model import Urdf
-from taskbuilder.assets.paths import AssetError, resolve
+from taskbuilder.assets.paths import AssetError, packages_named_in, resolve
 from taskbuilder.assets.urdf import read_urdf
-from taskbuilder.errors import FileError, Finding
+from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.schema.articulation import check_object
 from taskbuilder.schema.bodies import BodySpec
 from taskbuilder.schema.catalogue import CatalogueEntry
@@ -25,6 +25,11 @@ from taskbuilder.schema.objects import ObjectSpec
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.schema.values import Name, Text, exactly_one, frozen
+
+MESHES = (".obj", ".stl")
+"""Endings of meshes that are read as they are; others have to be imported."""
+
+WATER_KG_M3 = 1000.0
 
 
 class ObjectFileSpec(BodySpec):
@@ -101,6 +106,34 @@ def load_object(entry: CatalogueEntry, roots: Sequence[Path] = ()) -> ObjectMode
     if spec is None or any(finding.severity == "error" for finding in findings):
         raise FileError([*findings, *assets.warnings])
     return ObjectModel(entry, spec, assets)
+
+
+def bare_object(file: Path, *, name: str = "") -> ObjectModel:
+    """A URDF or a mesh alone, as an object without an object file.
+
+    A mesh states no mass and is given water's density.
+
+    Args:
+        file: A URDF, an OBJ or an STL.
+        name: What it is called; by default as its file.
+
+    Raises:
+        FileError: With every finding.
+    """
+    path = file.absolute()
+    entry = CatalogueEntry(name or path.stem, path)
+    about = {"object": "bare", "summary": f"{path.name}, without an object file"}
+    if path.suffix.lower() in MESHES:
+        try:
+            mesh = read_mesh(path)
+        except AssetError as error:
+            raise FileError([error.finding(location=Location(path))]) from error
+        spec = {**about, "shape": {"mesh": path.name}, "density": WATER_KG_M3}
+        return ObjectModel(entry, ObjectFileSpec.model_validate(spec), Assets(mesh))
+    urdf = read_urdf(path, (path.parent, *packages_named_in(path)), fixed=False)
+    spec = {**about, "shape": {"urdf": path.name}}
+    assets = Assets(urdf, None, urdf.warnings)
+    return ObjectModel(entry, ObjectFileSpec.model_validate(spec), assets)
 
 
 def read_assets(

@@ -1,1 +1,1 @@
-"""Trials of a robot in physics, alone: what its gripper holds, and what its arm bears."""
+"""Trials in physics, alone: what a gripper holds, what an arm bears, how an object comes to lie."""

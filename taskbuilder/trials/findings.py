@@ -17,11 +17,19 @@ from taskbuilder.trials.arm import JointTrial
 from taskbuilder.trials.gripping import BlockGrip
 from taskbuilder.trials.robot_trial import GripperTrial, RobotTrial
 from taskbuilder.trials.stand import BLOCK_KG, PHYSICS_HZ
-from taskbuilder.world.grip_force import FINGERTIP_N, LIGHT_KG, most_damping
+from taskbuilder.world.grip_force import (
+    FINGERTIP_N,
+    LIGHT_KG,
+    most_damping,
+    turned_inertia,
+)
 
 _STROKE_SHARE, _STROKE_M = 0.1, 3e-3  # by which a declared stroke may be off
 _JAW_SHARE = 0.25  # a jaw that turns is open further at its tip than at the tcp
 _LEAST_LOAD_N = 2.0
+_NEARLY = 0.9  # share of its force with which a finger presses on wide blocks, if only narrow ones
+# are the matter
+_HEAVY_KG, _MORE, _LEAST_N = 0.02, 1.3, 0.1
 _ARRIVES = 0.5  # least share of its force with which a finger presses
 _LEFT, _STILL = 0.05, 0.5  # of the way of a free gripper: not arrived, and still moving
 _SAG_RAD, _SAG_M = math.radians(1.0), 3e-3
@@ -60,15 +68,18 @@ def judge(trial: RobotTrial, model: RobotModel) -> tuple[Finding, ...]:
         trial: What was measured.
         model: The robot; a proposal has no robot file, and its findings point at the URDF.
     """
-    file = model.entry.file
-    written = file != model.urdf.path
-    places = _Places(model, read_source(file) if written else None)
+    places = _places(model)
     findings: list[Finding] = []
     if trial.gripper is not None and model.spec.gripper is not None:
         findings += _of_gripper(trial.gripper, model.spec.gripper, places)
     for joint in trial.arm:
         findings += _of_joint(joint, places)
     return tuple(findings)
+
+
+def _places(model: RobotModel) -> _Places:
+    file = model.entry.file
+    return _Places(model, read_source(file) if file != model.urdf.path else None)
 
 
 def _of_gripper(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iterator[Finding]:
@@ -88,18 +99,39 @@ def _of_gripper(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iter
         yield from _holding(trial, spec, places)
 
 
+def untouching_fingers(model: RobotModel) -> tuple[Finding, ...]:
+    """Fingers that pass through everything, which is known without a trial.
+
+    Args:
+        model: The robot; a proposal has no robot file, and its findings point at the URDF.
+    """
+    if model.spec.gripper is None:
+        return ()
+    return tuple(_untouching(model.spec.gripper, _places(model)))
+
+
 def _untouching(spec: GripperSpec, places: _Places) -> Iterator[Finding]:
-    """Fingers that pass through everything."""
     urdf = places.model.urdf
     for number, links in enumerate(spec.fingers):
-        if not any(urdf.link(link).collisions for link in links):
-            named = " and ".join(links)
-            message = (
-                f"{named} {'has' if len(links) == 1 else 'have'} no <collision>, so this finger "
-                "passes through everything; name the links of the finger that have one, or add "
-                "it to the URDF (robots import does)"
+        if any(urdf.link(link).collisions for link in links):
+            continue
+        named, several = " and ".join(links), len(links) > 1
+        message = (
+            f"{named} {'have' if several else 'has'} no <collision>, so this finger passes "
+            "through everything; "
+        )
+        if any(urdf.link(link).visuals for link in links):
+            message += (
+                "name the links of the finger that have one, or add it to the URDF (robots import "
+                "makes it from what is seen)"
             )
-            yield places.finding(codes.UNTOUCHING, message, ("gripper", "fingers", number))
+        else:
+            message += (
+                f"nothing can be seen of {'them' if several else 'it'} either, so the URDF has the "
+                "mounts of fingers and no fingers: take a description of the gripper with "
+                "fingers, or add <visual> and <collision> of them"
+            )
+        yield places.finding(codes.UNTOUCHING, message, ("gripper", "fingers", number))
 
 
 def _flying(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Finding | None:
@@ -130,13 +162,19 @@ def _too_damped(joint: str, places: _Places) -> str:
     element = next(each for each in urdf.tree.all("joint") if each.get("name") == joint)
     dynamics = element.first("dynamics")
     damping = float((dynamics.get("damping") if dynamics else None) or 0.0)
-    mass = _moved_mass(urdf.joint(joint).child, places)
-    most = most_damping(mass)
-    if urdf.joint(joint).type != "prismatic" or damping <= 2.0 * most:
+    moved = urdf.joint(joint)
+    if moved.type == "prismatic":
+        inertia = _moved_mass(moved.child, places)
+        of_what = _weight(inertia)
+    else:
+        inertia = turned_inertia(urdf, moved)
+        of_what = f"a moment of inertia of {inertia:.2g} kg·m²"
+    most = most_damping(inertia)
+    if damping <= 2.0 * most:
         return ""
     return (
-        f"its damping of {damping:g} is too much for {_weight(mass)} at {PHYSICS_HZ} physics "
-        f'steps per second; write <dynamics damping="{most:.2g}"/> or less'
+        f"its damping of {damping:g} is too much for {of_what} at {PHYSICS_HZ} physics steps per "
+        f'second; write <dynamics damping="{most:.2g}"/> or less'
     )
 
 
@@ -226,11 +264,12 @@ def _lost_force(
     urdf = places.model.urdf
     masses = {finger[0]: _moved_mass(finger[0], places) for finger in spec.fingers}
     sliding = {joint.child for joint in urdf.joints if joint.type == "prismatic"}
-    light = [
-        link
-        for link, mass in masses.items()
-        if mass < LIGHT_KG and sliding & {name for name, _ in urdf.fixed_to(link)}
-    ]
+    slides = [link for link in masses if sliding & {name for name, _ in urdf.fixed_to(link)}]
+    # The solver exerts less the lighter a finger is and the less it has left to close.
+    pressing = [grip for grip in trial.grips if grip.fits and grip.force]
+    wide = max(pressing, key=lambda grip: grip.width, default=None)
+    by_width = wide is not None and wide.force >= _NEARLY * trial.expected
+    light = [link for link in slides if masses[link] < LIGHT_KG or by_width]
     falls = f", and a block of {_mm(lost)} falls" if lost else ""
     message = (
         f"each finger should press with {trial.expected:.3g} N and presses with {least:.2g} N"
@@ -238,10 +277,12 @@ def _lost_force(
     )
     severity: Severity = "error" if lost else "warning"
     if light:
-        weight = _weight(min(masses[link] for link in light))
+        lightest = min(masses[link] for link in light)
+        enough = max(_HEAVY_KG, _MORE * lightest * trial.expected / max(least, _LEAST_N))
         message += (
-            f"; {' and '.join(light)} weigh {weight}, too little for the engine: write a <mass> of "
-            "0.02 kg or more in the URDF"
+            f"; {' and '.join(light)} weigh {_weight(lightest)}, too little for the engine to "
+            f"press with {trial.expected:.3g} N on narrow objects: write a <mass> of {enough:.1g} "
+            "kg in the URDF, or a lower force"
         )
         return places.finding(codes.FORCE_LOST, message, ("gripper", "fingers"), severity)
     message += "; correct tcp and fingers, so that their pads meet the block on both sides"

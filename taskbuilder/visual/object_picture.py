@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from taskbuilder.assets.model import Urdf
-from taskbuilder.assets.urdf import resolved_text
 from taskbuilder.cameras import STUDIO, CameraView
 from taskbuilder.geometry import Box, add, norm, scale
 from taskbuilder.quiet import captured
-from taskbuilder.schema.object_files import ObjectModel, as_placed
-from taskbuilder.shapes import MeshShape, Part
-from taskbuilder.sim.bodies import create_body, load_urdf
-from taskbuilder.sim.body import Body
+from taskbuilder.schema.object_files import ObjectModel
 from taskbuilder.sim.client import Client
 from taskbuilder.sim.engine_output import warnings
 from taskbuilder.sim.pictures import capture
-from taskbuilder.sim.probe import probe
 from taskbuilder.visual.still import Pixels
-from taskbuilder.world.shapes import parts_of
-from taskbuilder.world.weights import mass_of, weighed
+from taskbuilder.world.lone_object import lone_object
 
 _FROM = (0.5, -0.75, 0.5)
 _SIZE = (480, 480)
@@ -46,36 +38,9 @@ def take_object_picture(model: ObjectModel) -> tuple[Pixels, float, tuple[str, .
         Client(physics_hz=120) as client,
     ):
         with captured() as printed:
-            body = _body(client, model, Path(folder))
+            body = lone_object(client, model, Path(folder))
         picture = _take_picture(client, body.occupied())
         return picture, body.mass, warnings(printed.text)
-
-
-def _body(client: Client, model: ObjectModel, folder: Path) -> Body:
-    spec = as_placed(model.spec)
-    asset = model.assets.main
-    if isinstance(asset, Urdf):
-        copy = folder / asset.path.name
-        size = (spec.shape.scale if spec.shape else None) or 1.0
-        copy.write_text(resolved_text(weighed(asset, spec, size)), encoding="utf-8")
-        if not model.entry.trusted:
-            probe(copy, kind="urdf")
-        body = load_urdf(client, copy, name=spec.object, fixed_base=False, scale=size)
-        for joint in asset.moving_joints:
-            begin = spec.joint(joint.name, turns=joint.type != "prismatic").begin or 0.0
-            body.put_joints({joint.name: begin})
-        return body
-    parts = parts_of(spec, asset, model.assets.collision)
-    for path in () if model.entry.trusted else _meshes(parts):
-        probe(path, kind="mesh")
-    return create_body(client, parts, name=spec.object, mass=mass_of(spec, parts))
-
-
-def _meshes(parts: Mapping[str, Part]) -> Iterator[Path]:
-    for part in parts.values():
-        for shape in (part.shape, part.look):
-            if isinstance(shape, MeshShape):
-                yield shape.path
 
 
 def _take_picture(client: Client, extent: Box) -> Pixels:

@@ -19,13 +19,7 @@ from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import forget_turned
 from taskbuilder.sim.motors import Command, Motors, couple
 from taskbuilder.world.end_effector import Push, Pushes
-
-LEAST_INERTIA = 1e-3
-"""Principal moments, in kg·m², that links of turning gripper joints have at least.
-
-Published grippers have knuckles of 5e-6, with which the solver does not converge; a geared motor's
-rotor, which a URDF leaves out, adds about this much.
-"""
+from taskbuilder.world.grip_force import LEAST_INERTIA
 
 GRASP_FORCE_N = 0.5
 """What each finger must press with to hold something: well above the noise of a touch."""

@@ -11,8 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.links import read_pose
+from taskbuilder.assets.model import Urdf, UrdfJoint
+from taskbuilder.assets.schema import number
 from taskbuilder.world.hands import Hand, gap, pads
+from taskbuilder.world.weights import ENTRIES
 
 FINGERTIP_N = 20.0
 """Force of each finger that is proposed, in newtons: with it, what is grasped is rarely lost."""
@@ -20,18 +23,50 @@ FINGERTIP_N = 20.0
 LIGHT_KG = 0.015
 """Mass of a finger below which the engine's solver loses much of its force."""
 
+LEAST_INERTIA = 1e-3
+"""Principal moments, in kg·m², that links of turning gripper joints have at least.
+
+Published grippers have knuckles of 5e-6, with which the solver does not converge; a geared motor's
+rotor, which a URDF leaves out, adds about this much.
+"""
+
 _STEPS_PER_S = 120.0  # of physics, as task files have it by default
 _SHARES = 0.3, 0.7  # of the way from open to closed, between which the motion is measured
 _SANE_N = 4.0  # an effort that gives a finger less is a placeholder
 
 
-def most_damping(mass: float) -> float:
-    """Damping in N s/m of a joint that slides with which a mass in kg comes to rest.
+def most_damping(inertia: float) -> float:
+    """Damping of a joint, with which what it moves comes to rest, in N s/m or Nm s/rad.
 
     The engine applies damping once per physics step. From four times as much on, a step more than
     stops what moves; with eight times, it flies.
+
+    Args:
+        inertia: Mass in kg of what slides, or moment of inertia in kg·m² of what turns.
     """
-    return mass * _STEPS_PER_S / 4.0
+    return inertia * _STEPS_PER_S / 4.0
+
+
+def turned_inertia(urdf: Urdf, joint: UrdfJoint) -> float:
+    """Moment of inertia of what a joint of a gripper turns, about its axis, as the engine has it.
+
+    Joints further out are taken to move freely.
+    """
+    elements = {element.get("name"): element for element in urdf.tree.all("link")}
+    about = 0.0
+    for name, pose in urdf.fixed_to(joint.child):
+        inertial, mass = elements[name].first("inertial"), urdf.link(name).mass
+        if inertial is None or not mass:
+            continue
+        frame = pose @ read_pose(inertial)
+        xx, xy, xz, yy, yz, zz = (
+            number(inertial.first("inertia"), entry) or 0.0 for entry in ENTRIES
+        )
+        axis = np.array(frame.inverse().apply(joint.axis)) - np.array(frame.inverse().position)
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        beside = np.cross(np.array(joint.axis), np.array(frame.position))
+        about += float(axis @ tensor @ axis) + mass * float(beside @ beside)
+    return max(LEAST_INERTIA, about)
 
 
 @dataclass(frozen=True)
@@ -74,7 +109,11 @@ def motor_force(urdf: Urdf, hand: Hand) -> MotorForce:
             f"{at_finger:.2g} N; {_rounded(wanted):g} is proposed. What does the data sheet say?"
         )
         return MotorForce(_rounded(wanted), remark=remark)
-    remark = f"force is the effort of the URDF, with which a finger presses with {at_finger:.2g} N"
+    remark = (
+        f"force is the effort of the URDF, with which a finger presses with {at_finger:.2g} N; the "
+        f"robots of the library press with about {FINGERTIP_N:g} N. What does the data sheet say? "
+        f"For {FINGERTIP_N:g} N, write force: {_rounded(wanted):g} in robot.yaml"
+    )
     return MotorForce(_rounded(most), bounded=True, remark=remark)
 
 

@@ -250,7 +250,7 @@ def link_points(urdf: Urdf, above: str, link: str, joints: Mapping[str, float]) 
 
 def _shape_points(shape: UrdfShape) -> Points:
     if shape.kind == "mesh" and shape.mesh is not None:
-        points = _mesh_points(shape.mesh) * np.array(shape.size)
+        points = mesh_points(shape.mesh) * np.array(shape.size)
     else:
         plain = UrdfShape(shape.kind, shape.size, Pose(), shape.mesh)
         points = np.array(list(link_box((plain,), 1.0).corners()))
@@ -259,7 +259,8 @@ def _shape_points(shape: UrdfShape) -> Points:
 
 
 @lru_cache(maxsize=64)
-def _mesh_points(path: Path) -> Points:
+def mesh_points(path: Path) -> Points:
+    """Points of a mesh as its file has them, each once, and at most 2,000 or so."""
     points = np.asarray(read_mesh(path).points, np.float64).reshape(-1, 3)
     unique = np.unique(np.round(points, 5), axis=0)
     return unique[:: max(1, len(unique) // 2000)]

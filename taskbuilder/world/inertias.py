@@ -33,6 +33,8 @@ Those of the objects of the library differ by a factor of up to 1.9, and those o
 pybullet_data that were computed from CAD models by up to 13.
 """
 
+_CENTER_M, _CENTER_SHARE = 0.005, 0.05  # of the diagonal: a centre that is so far off is doubtful
+
 
 @dataclass(frozen=True)
 class Inertia:
@@ -115,6 +117,23 @@ def check_inertias(urdf: Urdf, *, fixed: bool) -> Iterator[Finding]:
             )
             place = inertial.first("origin") or inertial
             yield _finding(codes.CENTER_OF_MASS, urdf, link.name, place, message)
+
+
+def misplaced_centers(urdf: Urdf) -> Iterator[tuple[str, float]]:
+    """Links whose stated centre of mass is far from that of their shapes, and how far, in metres.
+
+    What is heavy at one end has its centre of mass there, so this is not wrong by itself.
+    """
+    elements = {element.get("name"): element for element in urdf.tree.all("link")}
+    for link in urdf.links:
+        inertial = elements[link.name].first("inertial")
+        shapes = link.collisions or link.visuals
+        box = _around(urdf, link)
+        if not link.mass or inertial is None or not shapes or box is None:
+            continue
+        off = math.dist(read_pose(inertial).position, uniform(shapes).center.tolist())
+        if off > max(_CENTER_M, _CENTER_SHARE * 2.0 * norm(box.half)):
+            yield link.name, off
 
 
 def inertias(urdf: Urdf, *, fixed: bool) -> Iterator[Inertia]:

@@ -14,9 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
-from taskbuilder.geometry import Pose, Vec3, from_axes, from_rpy_deg
-from taskbuilder.kinematics.chain import Chain
-from taskbuilder.kinematics.inverse import solve
+from taskbuilder.geometry import Pose, Vec3, from_axes
 from taskbuilder.world.grip_force import MotorForce, motor_force
 from taskbuilder.world.hands import (
     ALIGNED,
@@ -34,6 +32,7 @@ from taskbuilder.world.hands import (
     pads,
     snapped,
 )
+from taskbuilder.world.home_proposal import Home, find_home
 
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
 _FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
@@ -115,12 +114,13 @@ def propose(
             "fixed one; as it is, the robot pushes"
         )
         link, tcp = _pushing(urdf, hand)
+    opened = {name: ends[0] for name, ends in found.ends.items()} if found else {}
     if home is not None:
-        start, pointing = _named(arm, home), True
+        start = _named(arm, home)
     else:
-        start, pointing = _home(urdf, arm, link, tcp)
-    if not pointing:
-        remarks.append("no home was found in which the tool points down; home_deg is near zero")
+        best = find_home(urdf, arm, link, tcp, opened)
+        start = best.joints
+        remarks += _doubts(best)
     return Proposal(
         arm,
         link,
@@ -291,24 +291,19 @@ def _named(arm: Sequence[UrdfJoint], home: Mapping[str, float]) -> tuple[float, 
     )
 
 
-def _home(
-    urdf: Urdf, arm: Sequence[UrdfJoint], link: str, tcp: Pose
-) -> tuple[tuple[float, ...], bool]:
-    """Joint positions with the tool pointing down before the base, and whether it does."""
-    chain = Chain.of(urdf, [joint.name for joint in arm], link, tcp)
-    start = tuple(
-        float(np.clip(0.0, low, high)) for low, high in zip(chain.lower, chain.upper, strict=True)
-    )
-    length = float(np.linalg.norm(chain.frames[:, :3, 3], axis=1).sum())
-    rng = np.random.default_rng(0)
-    for away, high in ((0.45, 0.25), (0.35, 0.35), (0.55, 0.15), (0.3, 0.1), (0.25, 0.5)):
-        for yaw in (0.0, 90.0):
-            turn = from_rpy_deg((180.0, 0.0, yaw))
-            target = Pose((away * length, 0.0, high * length), turn)
-            found = solve(chain, target, start=start, rng=rng)
-            if found.ok:
-                return found.joints, True
-    return start, False
+def _doubts(home: Home) -> list[str]:
+    """What is to be known of a posture that is not all that a home should be."""
+    remarks = []
+    if not home.pointing:
+        remarks.append(
+            "no home was found in which the tool points down. Does home_deg suit your tasks?"
+        )
+    if not home.clear:
+        remarks.append(
+            "in home_deg, links are below the base plane or in each other, and no better was "
+            "found. Which joint positions does the maker call home?"
+        )
+    return remarks
 
 
 def _vec(values: Points) -> Vec3:

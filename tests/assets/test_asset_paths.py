@@ -123,6 +123,12 @@ def test_suggests_the_closest_name(folder: Path, reference: str) -> None:
         resolve(reference, folder, [folder.parent])
 
 
+def test_suggests_no_material_file_for_a_mesh(folder: Path) -> None:
+    (folder / "meshes" / "pear.mtl").write_text("")
+    with pytest.raises(AssetError, match="put it in the folder"):
+        resolve("meshes/pear.obj", folder, [folder.parent])
+
+
 def test_a_symbolic_link_does_not_lead_out(folder: Path, tmp_path: Path) -> None:
     (folder / "inside.stl").symlink_to(folder / "meshes" / "finger.stl")
     (folder / "outside.obj").symlink_to(tmp_path / "secret.obj")

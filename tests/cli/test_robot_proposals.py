@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -179,6 +180,28 @@ def test_the_reach_is_a_figure_of_its_own(urdf, run):
     picture, reach = cv2.imread(data["picture"]), cv2.imread(data["reach"])
     assert picture.shape == reach.shape == (480, 480, 3)
     assert (picture != reach).any()
+
+
+def test_a_quick_check_sees_fingers_that_pass_through_everything(urdf, run):
+    bare = re.sub("<collision>.*?</collision>", "", fingers(), flags=re.DOTALL)
+    ran = run("robots", "check", str(urdf(arm() + bare)), "--quick")
+    assert ran.status == 1
+    assert ran.out.count("error[TB441]") == 2
+
+
+@pytest.mark.parametrize(
+    ("places", "said"),
+    [
+        ([], "on which link? --gripper needs --at"),
+        (["--at", "l6"], "--gripper is given twice and --at once; write one --at for each"),
+    ],
+)
+def test_every_gripper_and_adapter_needs_a_place(places, said, urdf, run):
+    pytest.importorskip("trimesh")
+    file = str(urdf(arm()))
+    ran = run("robots", "import", file, "--gripper", file, "--gripper", file, *places)
+    assert ran.status == 2
+    assert said in " ".join(ran.err.split())
 
 
 def test_a_robot_without_a_gripper_is_said_to_have_none(urdf, run):

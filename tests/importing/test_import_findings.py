@@ -7,6 +7,7 @@ from made_robots import arm, ascii_stl, box_mesh, joint, link, snapshot
 
 from taskbuilder.errors import FileError, UsageError
 from taskbuilder.importing.folders import ImportSource, import_robot
+from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.writing import write_folder
 
@@ -153,5 +154,5 @@ def test_the_flange_is_read(write):
     for text in ("", "l6@1,2", "l6@a,b,c", "@0,0,0"):
         with pytest.raises(UsageError, match="--at"):
             import_robot(
-                ImportSource(write(arm()), gripper=write(arm(), name="g.urdf"), flange=text)
+                ImportSource(write(arm()), mounts=(Mount(write(arm(), name="g.urdf"), text),))
             )

@@ -8,7 +8,7 @@ from made_robots import ascii_stl, box_mesh, open_box
 
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.assets.urdf import read_urdf
-from taskbuilder.errors import FileError
+from taskbuilder.errors import FileError, UsageError
 from taskbuilder.importing.folders import ImportSource, import_object
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.surfaces import welded_mesh
@@ -131,3 +131,40 @@ def trimesh_torus():
     import trimesh
 
     return trimesh.creation.torus(0.05, 0.01, major_sections=24, minor_sections=8)
+
+
+LONE = """<robot name="{name}"><link name="body"><collision><geometry>
+<box size="0.05 0.05 0.05"/></geometry></collision></link></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("path", "said", "proposed"),
+    [
+        ("YcbPear/model.urdf", "model.urdf", "YcbPear"),
+        ("pear/urdf/model.urdf", "robot", "pear"),
+        ("pear/fruit.urdf", "model", "fruit"),
+        ("things/model.urdf", "pear.urdf", "pear"),
+        ("things/model.urdf", "pear", "pear"),
+    ],
+)
+def test_a_name_that_many_files_have_is_not_proposed(path, said, proposed, tmp_path):
+    file = tmp_path / path
+    file.parent.mkdir(parents=True)
+    file.write_text(LONE.format(name=said))
+    assert import_object(ImportSource(file)).name == proposed
+
+
+def test_a_mesh_that_is_only_called_mesh_is_named_by_its_folder(tmp_path):
+    file = tmp_path / "cracker_box" / "meshes" / "textured.stl"
+    file.parent.mkdir(parents=True)
+    file.write_bytes(ascii_stl(box_mesh((0.1, 0.1, 0.1))))
+    assert import_object(ImportSource(file)).name == "cracker_box"
+
+
+def test_a_second_object_of_a_name_is_told_how_to_get_another(tmp_path):
+    file = tmp_path / "pear.urdf"
+    file.write_text(LONE.format(name="pear"))
+    imported = import_object(ImportSource(file))
+    write_folder(tmp_path / "objects" / "pear", imported.files, overwrite=False)
+    with pytest.raises(UsageError, match=r"another name with --name, or replace that one"):
+        write_folder(tmp_path / "objects" / "pear", imported.files, overwrite=False)

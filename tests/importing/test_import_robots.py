@@ -10,9 +10,11 @@ from made_robots import arm, ascii_stl, box_mesh, jaw, joint, link, snapshot, tw
 from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.errors import FileError
 from taskbuilder.importing.folders import ImportSource, import_robot
+from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.writing import write_folder
 from taskbuilder.schema.catalogue import CatalogueEntry
 from taskbuilder.schema.robots import load_robot
+from taskbuilder.world.robot_proposal import link_pose
 
 BALL = '<sphere radius="0.1"/>'
 MESH = '<mesh filename="{}"/>'
@@ -228,7 +230,7 @@ def test_a_gripper_is_mounted_on_an_arm(write, package, tmp_path):
     file = write(arm())
     gripper = package / "urdf" / "gripper.urdf"
     gripper.write_text(f'<robot name="hand">{GRIPPER}</robot>')
-    imported = import_robot(ImportSource(file, gripper=gripper, flange="l6@0,0,0.1"))
+    imported = import_robot(ImportSource(file, mounts=(Mount(gripper, "l6@0,0,0.1"),)))
     robot = written(imported, tmp_path)
     assert len(robot.arm) == 6
     assert robot.spec.gripper is not None
@@ -238,9 +240,32 @@ def test_a_gripper_is_mounted_on_an_arm(write, package, tmp_path):
     assert alone.proposal is None
     assert "robot.yaml" not in alone.files
     with pytest.raises(FileError, match=r'no link "l66".*did you mean "l6"'):
-        import_robot(ImportSource(file, gripper=gripper, flange="l66"))
+        import_robot(ImportSource(file, mounts=(Mount(gripper, "l66"),)))
     with pytest.raises(FileError, match="no gripper"):
-        import_robot(ImportSource(file, gripper=_fixed(package), flange="l6"))
+        import_robot(ImportSource(file, mounts=(Mount(_fixed(package), "l6"),)))
+
+
+def test_an_adapter_may_be_between_arm_and_gripper(write, package, tmp_path):
+    file = write(arm())
+    gripper = package / "urdf" / "gripper.urdf"
+    gripper.write_text(f'<robot name="hand">{GRIPPER}</robot>')
+    adapter = package / "urdf" / "adapter.urdf"
+    plate = link("l1", BALL) + link("top", BALL)  # the arm has an l1, too
+    plate += joint("bolts", "l1", "top", "0 0 0.05", kind="fixed", extra="")
+    adapter.write_text(f'<robot name="adapter">{plate}</robot>')
+    chain = (Mount(adapter, "l6@0,0,0.1"), Mount(gripper, "top@0,0,0.02"))
+    imported = import_robot(ImportSource(file, mounts=chain))
+    robot = written(imported, tmp_path)
+    assert robot.spec.gripper is not None
+    parents = {joint.child: joint.parent for joint in robot.urdf.joints}
+    assert parents["palm"] == "adapter_top"
+    assert parents["adapter_l1"] == "l6"
+    pose = link_pose(robot.urdf, "l6", "palm", {})
+    assert pose.position == pytest.approx((0.0, 0.0, 0.17))
+    mounted = [(row.subject, row.after) for row in rows(imported, "mounted")]
+    assert mounted == [("adapter", "adapter_l1 on l6"), ("gripper", "palm on adapter_top")]
+    with pytest.raises(FileError, match="mount the gripper on it with another --gripper and --at"):
+        import_robot(ImportSource(file, mounts=chain[:1]))
 
 
 def _fixed(package):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from made_robots import arm, joint, link, two_fingers
+from made_robots import INERTIAL, arm, jaw, joint, link, two_fingers
 
 from taskbuilder.importing.folders import ImportSource, import_robot
 from taskbuilder.importing.writing import write_folder
@@ -69,6 +69,19 @@ def test_fingers_that_would_fly_are_steadied_and_the_change_is_a_row(write, tmp_
     assert all(grip.held for grip in trial.grips)
 
 
+def test_damping_with_which_a_jaw_would_fly_is_lowered(write, tmp_path):
+    light = INERTIAL.replace('value="1"', 'value="0.05"').replace("0.01", "1e-5")
+    end = 'effort="5" velocity="2"/>'
+    damped = jaw().replace(INERTIAL, light).replace(end, f'{end}<dynamics damping="1"/>')
+    imported = import_robot(ImportSource(write(arm() + damped)), try_gripper)
+    (row,) = [row for row in imported.changes.rows if row.what == "damping"]
+    assert (row.before, row.after) == ("1 Nm s/rad", "0.03 Nm s/rad")
+    trial = try_gripper(written(imported, tmp_path))
+    assert trial.motion.left < 0.01
+    assert trial.motion.still < 0.01
+    assert all(grip.held for grip in trial.grips if grip.fits)
+
+
 def test_a_force_is_bounded_by_an_effort_that_is_sane(write, tmp_path):
     def proposed(effort: str) -> tuple[float, str]:
         fingers = two_fingers().replace('effort="10"', f'effort="{effort}"')
@@ -80,6 +93,7 @@ def test_a_force_is_bounded_by_an_effort_that_is_sane(write, tmp_path):
     force, remarks = proposed("10")
     assert force == pytest.approx(10.0)
     assert "force is the effort of the URDF" in remarks
+    assert "What does the data sheet say? For 20 N, write force: 20 in robot.yaml" in remarks
     force, remarks = proposed("0.1")
     assert force == pytest.approx(20.0)
     assert "What does the data sheet say?" in remarks

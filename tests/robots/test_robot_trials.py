@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,16 +13,16 @@ from made_arms import MadeArm
 from taskbuilder.errors import Finding
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry
 from taskbuilder.schema.robots import RobotModel, load_robot
-from taskbuilder.trials.findings import judge
+from taskbuilder.trials.findings import judge, untouching_fingers
 from taskbuilder.trials.robot_trial import RobotTrial, try_gripper, try_robot
 
-Write = Callable[[MadeArm], RobotModel]
+Write = Callable[..., RobotModel]
 
 
 @pytest.fixture
 def write(tmp_path: Path) -> Write:
-    def write_robot(made: MadeArm) -> RobotModel:
-        return load_robot(CatalogueEntry("mine", made.write(tmp_path / "mine")))
+    def write_robot(made: MadeArm, name: str = "mine") -> RobotModel:
+        return load_robot(CatalogueEntry(name, made.write(tmp_path / name)))
 
     return write_robot
 
@@ -83,6 +84,35 @@ def test_following_the_advice_mends_the_robot(write, tmp_path):
     mended = replace(weak, force=20.0, stroke=0.085)
     file = mended.write(tmp_path / "other")
     assert of_gripper(load_robot(CatalogueEntry("other", file))) == []
+
+
+def test_a_mass_mends_fingers_that_press_on_wide_blocks_only(write, tmp_path):
+    light = MadeArm(finger_kg=0.016, force=30.0)
+    (finding,) = of_gripper(write(light))
+    assert finding.code == "TB444"
+    assert "too little for the engine to press with 30 N on narrow objects" in finding.message
+    written = float(re.search(r"<mass> of ([0-9.]+) kg", finding.message)[1])
+    file = replace(light, finger_kg=written).write(tmp_path / "other")
+    assert of_gripper(load_robot(CatalogueEntry("other", file))) == []
+
+
+def test_fingers_that_pass_through_everything_are_found_without_a_trial(write):
+    model = write(MadeArm(touching=False))
+    found = untouching_fingers(model)
+    assert [finding.path for finding in found] == ["gripper.fingers[0]", "gripper.fingers[1]"]
+    assert all("robots import makes it from what is seen" in one.message for one in found)
+    assert untouching_fingers(write(MadeArm(), "other")) == ()
+
+
+def test_a_mount_without_a_finger_is_called_so(write):
+    model = write(MadeArm(touching=False))
+    text = model.urdf.path.read_text()
+    begin = text.index('<link name="finger_a">')
+    seen = text[text.index("<visual>", begin) : text.index("</visual>", begin) + len("</visual>")]
+    model.urdf.path.write_text(text.replace(seen, ""))
+    (finding, _) = untouching_fingers(load_robot(model.entry))
+    assert "the URDF has the mounts of fingers and no fingers" in finding.message
+    assert "robots import" not in finding.message
 
 
 def test_an_arm_that_sags_is_found(write):

@@ -206,6 +206,46 @@ class TestRegionsOnSurfaces:
         assert not self.found(validate, "center: [0.1, 0.05], size: [0.02, 0.1]", seeds=1)
 
 
+LEANING = """<robot name="leaning"><link name="body">
+  <inertial><mass value="0.2"/><origin xyz="{center}"/>
+    <inertia ixx="2e-4" iyy="2e-4" izz="2e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><origin xyz="0 0 0.03" rpy="{roll} 0 0"/><geometry><box size="0.06 0.06 0.06"/>
+  </geometry></collision></link></robot>
+"""
+
+
+class TestWhatDoesNotStandUpright:
+    """An object of others, whose own frame or centre of mass is not what one would expect."""
+
+    def found(self, validate, tmp_path, where="", more="", **shape):
+        (tmp_path / "leaning.urdf").write_text(LEANING.format(**shape))
+        thing = (
+            f"    thing: {{shape: {{urdf: leaning.urdf}}, {more} place: {{surface: board, "
+            f"center: [0.5, 0.5], size: [0.02, 0.02]{where}}}}}\n    board: {{shape: {{box: "
+            "[0.4, 0.4, 0.1]}, fixed: true, position: [0.5, 0.5, 0.05]}\n"
+        )
+        report = validate(("  objects:\n", f"  objects:\n{thing}"), only=("reset",), seeds=2)
+        return [one.message for one in report.findings if one.code == "TB310"]
+
+    def test_it_tilts_and_the_orientation_in_which_it_lies_is_named(self, validate, tmp_path):
+        shape = {"center": "0 0 0.03", "roll": math.radians(12)}
+        (message,) = self.found(validate, tmp_path, **shape)
+        assert message.startswith("tilted by ")
+        assert message.endswith(
+            "° on board in 2 of 2 resets; it comes to lie with rpy_deg: [-12, 0, 0], so write that "
+            "under place"
+        )
+        assert not self.found(validate, tmp_path, ", rpy_deg: [-12, 0, 0]", **shape)
+
+    def test_a_centre_of_mass_that_makes_it_tip_is_named(self, validate, tmp_path):
+        shape = {"center": "0.045 0 0.05", "roll": 0}
+        (message,) = self.found(validate, tmp_path, **shape)
+        assert message.startswith("tilted by ")
+        assert "the centre of mass that the URDF gives body is 49 mm from that of its" in message
+        assert message.endswith("write inertia: shape for the object")
+        assert not self.found(validate, tmp_path, more="inertia: shape,", **shape)
+
+
 CABINET = """<robot name="cabinet">
   <link name="case"><inertial><mass value="2"/>
     <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>

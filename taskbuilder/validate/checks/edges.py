@@ -6,8 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from taskbuilder.geometry import ORIGIN, Pose, Vec3, dot
+from taskbuilder.assets.model import Urdf
+from taskbuilder.geometry import ORIGIN, Pose, Vec3, conjugate, dot, norm, rotate, to_rpy_deg
 from taskbuilder.schema.placing import Place
+from taskbuilder.sim.contacts import closest_distance
+from taskbuilder.world.inertias import misplaced_centers
 from taskbuilder.world.world import World
 
 OVER_M = 0.001
@@ -25,6 +28,8 @@ MARGIN_M = 0.01
 """Distance from the edges at which a region ends that is suggested."""
 
 _STEP_M = 0.001
+_TOUCHING_M = 0.002
+_SETTLE_S, _STILL = 3.0, 0.02  # m/s and rad/s: what is slower lies still
 
 
 @dataclass(frozen=True)
@@ -77,20 +82,75 @@ def overhang(world: World, name: str, place: Place) -> Overhang | None:
     return Overhang(most, place.surface, _shared(place, ends) if straight else None)
 
 
-def fell(world: World, name: str, place: Place) -> str | None:
-    """How an object that was placed on a surface fell or tips over, in words; None if it stands."""
+@dataclass(frozen=True)
+class Upset:
+    """An object that does not stand as it was placed.
+
+    Attributes:
+        surface: What it was placed on.
+        tilt_deg: By how much it is tilted there; None if it is no longer on it.
+    """
+
+    surface: str
+    tilt_deg: float | None
+
+    def __str__(self) -> str:
+        if self.tilt_deg is None:
+            return f"fell from {self.surface}"
+        return f"tilted by {self.tilt_deg:.0f}° on {self.surface}"
+
+
+def upset(world: World, name: str, place: Place) -> Upset | None:
+    """How an object that was placed on a surface fell or tilted; None if it stands."""
     if place.surface is None or name not in world.objects or world.objects[name].spec.fixed:
         return None
-    at = world.pose(name)
+    at, box = world.pose(name), world.box(name)
     top = world.box(place.surface).seen_from(world.pose(place.surface)).high[2]
-    drop = top - world.box(name).seen_from(at).low[2]
     up: Vec3 = (0.0, 0.0, 1.0)
-    placed = Pose.from_rpy_deg(ORIGIN, place.rpy_deg).inverse().apply(up)
-    cosine = dot(Pose(ORIGIN, at.quaternion).inverse().apply(up), placed)
+    wanted = Pose.from_rpy_deg(ORIGIN, place.rpy_deg)
+    cosine = dot(rotate(conjugate(at.quaternion), up), wanted.inverse().apply(up))
     tilt = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
-    if drop > DROP_M:
-        return f"fell from {place.surface}"
-    return f"tips over on {place.surface}" if tilt > TILT_DEG else None
+    # Corners of a tilted box are below what is in it, so its middle and its contact count.
+    middle = at.apply(box.center)[2]
+    sunk = top - box.seen_from(at).low[2] > DROP_M
+    if middle < top or (sunk and not _touches(world, name, place.surface)):
+        return Upset(place.surface, None)
+    return Upset(place.surface, tilt) if tilt > TILT_DEG else None
+
+
+def _touches(world: World, name: str, surface: str) -> bool:
+    owner = world.objects.get(surface.partition(".")[0])
+    body = world.objects[name].body
+    return owner is not None and closest_distance(body, owner.body, _TOUCHING_M) is not None
+
+
+def standing(world: World, name: str, place: Place) -> str:
+    """How an object that tilts on its surface is to be placed so that it lies still, in words.
+
+    The world is stepped, so its episode is over.
+
+    Args:
+        world: The world, after a reset.
+        name: The object, which is tilted.
+        place: Where it was placed.
+    """
+    asset, spec = world.task.assets.get(name), world.scene.objects[name]
+    if isinstance(asset, Urdf) and not (spec.density or spec.inertia):
+        for link, off in misplaced_centers(asset):
+            return (
+                f"the centre of mass that the URDF gives {link} is {off * 1000:.0f} mm from that "
+                "of its shape; unless it is really there, write inertia: shape for the object"
+            )
+    for _ in range(math.ceil(_SETTLE_S * world.spec.timing.control_hz)):
+        world.step()
+    moves = world.objects[name].body.velocity()
+    found = upset(world, name, place)
+    if found is None or found.tilt_deg is None or max(map(norm, moves)) > _STILL:
+        return "its shape does not bear it in that orientation; write another rpy_deg under place"
+    frame = world.pose(place.frame) if place.frame != "world" else Pose()
+    roll, pitch, _ = to_rpy_deg((frame.inverse() @ world.pose(name)).quaternion)
+    rpy = f"[{round(roll)}, {round(pitch)}, {place.rpy_deg[2]:g}]"
+    return f"it comes to lie with rpy_deg: {rpy}, so write that under place"
 
 
 def _corners(place: Place) -> Iterator[Vec3]:

@@ -15,7 +15,7 @@ from taskbuilder.geometry import Pose, Vec3
 from taskbuilder.schema.placing import Place
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.task import Task
-from taskbuilder.validate.checks.edges import Overhang, fell, overhang
+from taskbuilder.validate.checks.edges import Overhang, Upset, overhang, standing, upset
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import Start
 from taskbuilder.validate.locate import (
@@ -38,7 +38,8 @@ class _Tally:
     episodes: int = 0
     misplaced: dict[str, Finding] = field(default_factory=dict)
     strayed: dict[str, int] = field(default_factory=dict)
-    fallen: dict[str, list[str]] = field(default_factory=dict)
+    upset: dict[str, list[Upset]] = field(default_factory=dict)
+    upright: dict[str, str] = field(default_factory=dict)
     hanging: dict[str, Overhang] = field(default_factory=dict)
     solved: list[str] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
@@ -96,8 +97,8 @@ def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
         tally.positions.setdefault((name, start.variation), []).append(world.position(name))
         if _outside(world, name, place):
             tally.strayed[name] = tally.strayed.get(name, 0) + 1
-        elif how := fell(world, name, place):
-            tally.fallen.setdefault(name, []).append(how)
+        elif how := upset(world, name, place):
+            tally.upset.setdefault(name, []).append(how)
         over = overhang(world, name, place)
         if over is not None and (name not in tally.hanging or over.by > tally.hanging[name].by):
             tally.hanging[name] = over
@@ -112,6 +113,10 @@ def _begin(world: World, referee: Referee, start: Start, tally: _Tally) -> bool:
         tally.solved.append(str(start))
     if outcome.failure:
         tally.failed.append(str(start))
+    for name, place in _regions(world.scene):
+        if name in tally.upset and name not in tally.upright and (how := upset(world, name, place)):
+            advice = standing(world, name, place) if how.tilt_deg is not None else ""
+            tally.upright[name] = advice
     return True
 
 
@@ -142,8 +147,8 @@ def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
         for name, count in tally.strayed.items()
     ]
     strayed += [
-        finding_at(task, "TB310", f"{how[0]} in {len(how)} of {total} resets", name, "place")
-        for name, how in tally.fallen.items()
+        finding_at(task, "TB310", _upset(name, tally), name, "place")
+        for name in tally.upset
         if name not in tally.hanging  # which says why
     ]
     yield _counted("TB310", "placements stay inside their regions", strayed, len(strayed))
@@ -161,8 +166,17 @@ def _checks(task: Task, tally: _Tally) -> Iterator[Result]:
     yield _varies(task, tally)
 
 
+def _upset(name: str, tally: _Tally) -> str:
+    """How an object does not stand, how often, and what would help."""
+    found = tally.upset[name]
+    worst = max(found, key=lambda how: math.inf if how.tilt_deg is None else how.tilt_deg)
+    advice = tally.upright.get(name, "")
+    often = f"{worst} in {len(found)} of {tally.episodes} resets"
+    return f"{often}; {advice}" if advice and worst.tilt_deg is not None else often
+
+
 def _hangs(name: str, over: Overhang, tally: _Tally) -> str:
-    falls = len(tally.fallen.get(name, []))
+    falls = len(tally.upset.get(name, []))
     seen = f"it fell in {falls} of {tally.episodes} resets; " if falls else ""
     return f"{seen}{over}"
 
