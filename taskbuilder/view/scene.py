@@ -274,11 +274,12 @@ def _to_the_right(world: World, links: Sequence[VisibleLink]) -> NDArray[np.floa
     return (float(max(map(np.max, spread)) - min(map(np.min, spread))) + GAP_M) * right
 
 
-def _moved(points: NDArray[np.float32], pose: NDArray[np.float32]) -> NDArray[np.float32]:
+def _moved(points: NDArray[np.float32], pose: NDArray[np.float32]) -> NDArray[np.float64]:
     """(n, 3) points of a link in the world; its pose as in `LinkPoses.now`."""
-    axis, w = pose[4:], pose[3]
-    turned: NDArray[np.float32] = points + 2.0 * np.cross(axis, np.cross(axis, points) + w * points)
-    return turned + pose[:3]
+    x, y, z, w, *axis = pose.astype(np.float64)
+    turn = np.cross(axis, points.astype(np.float64))
+    moved: NDArray[np.float64] = points + 2.0 * (np.cross(axis, turn) + w * turn) + (x, y, z)
+    return moved
 
 
 def camera_pictures(world: World) -> Mapping[str, NDArray[np.uint8]]:
