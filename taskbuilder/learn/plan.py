@@ -310,8 +310,26 @@ def load_plan(folder: Path) -> tuple[Plan, dict[str, Any]]:
     except (ValueError, KeyError, TypeError) as error:
         where = display_path(folder / RUN_FILE)
         raise UsageError(f"{where} is damaged: {excerpt(error)}") from None
+    _check_package(plan.algorithm, about.get("algorithm_package"))
     plan.check()
     return plan, about
+
+
+def _check_package(algorithm: str, package: Any) -> None:
+    """Name the package that a run's algorithm is of, if it is not there.
+
+    Raises:
+        UsageError: It is not there.
+    """
+    try:
+        check_name(algorithm)
+    except UsageError as error:
+        if not isinstance(package, str) or not package:
+            raise
+        raise UsageError(
+            f'the algorithm "{algorithm}" of this run is of the package {package}, which is not '
+            "here; install it first"
+        ) from error
 
 
 def digest(files: Sequence[Path]) -> str:

@@ -16,7 +16,7 @@ from taskbuilder.env.factory import with_choices
 from taskbuilder.env.options import TrainingOptions
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim
-from taskbuilder.learn.algorithms import find_algorithm
+from taskbuilder.learn.algorithms import find_algorithm, package_of
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
 from taskbuilder.learn.expert_waits import with_timeout
@@ -320,6 +320,7 @@ def create(
         run.plan,
         {
             "digest": _digest(task),
+            "algorithm_package": package_of(plan.algorithm),
             **({"data_seal": identity(run.dataset)} if run.dataset else {}),
             "horizon": plan.options.applied(task).spec.timing.episode_steps,
             "stages": list(task.description.stages),

@@ -139,6 +139,11 @@ def test_the_foreign_algorithm_is_trained_and_its_policy_plays(extras, tmp_path,
     assert len(policy.networks["arm"].layers) == 1
     actions = policy.act({"arm": np.zeros(policy.sizes("arm")[0], np.float32)})
     assert np.isfinite(actions["arm"]).all()
+    file = tmp_path / "run" / "run.json"
+    assert json.loads(file.read_text())["algorithm_package"] == "taskbuilder-extras 1.0"
+    file.write_text(file.read_text().replace('"ridge"', '"crest"'))  # as if it were not installed
+    assert main(["train", "--resume", str(tmp_path / "run")]) == 2
+    assert "is of the package taskbuilder-extras 1.0, which is not here" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(

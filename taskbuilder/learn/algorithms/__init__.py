@@ -49,6 +49,17 @@ def check_name(name: str) -> None:
     _part(name)
 
 
+def package_of(name: str) -> str:
+    """Name and version of the package that adds an algorithm; "" for the library's own.
+
+    Raises:
+        UsageError: There is no algorithm with this name.
+        ExtensionError: Two packages have an algorithm with this name.
+    """
+    part = _part(name)
+    return part.package if part is not None else ""
+
+
 def _part(name: str) -> ForeignPart | None:
     try:
         return DOOR.part(name, ALGORITHMS)
