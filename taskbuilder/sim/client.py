@@ -146,9 +146,9 @@ class Client(Single):
         self.close()
 
     def _configure(self, gravity: Vec3) -> None:
-        # Pairs of shapes that are near each other are found by comparing all with all, which takes
-        # no longer with so few. Bullet's tree forgets only a tenth of the old pairs at a time, so
-        # the order in which contacts are solved would depend on all that moved before.
+        # Pairs of links that are near each other are found by comparing all with all, which hardly
+        # takes longer with a hundred links. Bullet's tree forgets only a tenth of the old pairs at
+        # a time, so the order of solving contacts would depend on all that moved before.
         self.bullet.resetSimulation(p.RESET_USE_SIMPLE_BROADPHASE)
         self.bullet.setPhysicsEngineParameter(
             fixedTimeStep=self.dt,
