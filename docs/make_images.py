@@ -59,10 +59,15 @@ IMAGES = Path(__file__).parent / "images"
 RUNS = {"": "learning", "-earlier": "learning_earlier"}
 """Groups of training runs, by what the names of their curves have."""
 PAPER = {
-    "pick_push_place-1": "Pick-Push-Place, the paper's learner",
-    "collaborative_lift-1": "Collaborative Lift, the paper's learner",
-    "handover-1": "Handover, the paper's learner",
+    "pick_push_place": ("Pick-Push-Place", ("pick_push_place-1",)),
+    "pick_push_place-attach": (
+        "Pick-Push-Place",
+        ("pick_push_place-1", "pick_push_place-attach-11"),
+    ),
+    "collaborative_lift": ("Collaborative Lift", ("collaborative_lift-1",)),
+    "handover": ("Handover", ("handover-1",)),
 }
+"""Runs of the paper's learner that one picture shows, with their title."""
 SHOWN = {
     "pick_push_place": "Pick-Push-Place",
     "collaborative_lift": "Collaborative Lift",
@@ -201,10 +206,11 @@ def _make_curves(folder: Path) -> None:
             _call("plot", *map(str, runs), "--out", str(folder / "curves.png"))
             _keep(folder / "curves.png", f"{name}-curves.png")
     paper = unpack("paper", folder)
-    for run, title in PAPER.items():
-        curves = folder / "curves.png"
-        _call("plot", str(paper / run), "--title", title, "--out", str(curves))
-        _keep(curves, f"paper-{run.rpartition('-')[0]}-curves.png")
+    for name, (title, shown) in PAPER.items():
+        curves, folders = folder / "curves.png", [str(paper / run) for run in shown]
+        title = f"{title}, the paper's learner"
+        _call("plot", *folders, "--title", title, "--out", str(curves))
+        _keep(curves, f"paper-{name}-curves.png")
 
 
 def make_ablation() -> None:

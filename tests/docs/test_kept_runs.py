@@ -50,3 +50,20 @@ def test_a_run_that_is_kept_is_read_again_and_the_others_stay(tmp_path, monkeypa
         assert sorted(path.name for path in runs.iterdir()) == ["one", "two"]
         assert (runs / "one" / "episodes.csv").read_text() == "step\n1\n"
     assert [file.name for file in tmp_path.iterdir()] == ["group.tar.xz"]
+
+
+def test_a_run_is_put_into_a_group_with_fewer_digits(tmp_path, monkeypatch):
+    monkeypatch.setattr(kept_runs, "RESULTS", tmp_path)
+    run = tmp_path / "run"
+    run.mkdir()
+    for name in ("run.json", "policy.npz"):
+        (run / name).write_text("{}")
+    for name in ("evaluations.csv", "updates.csv"):
+        (run / name).write_text("step,how\n")
+    (run / "episodes.csv").write_text("step,return,how\n123456,-73.08481,nan\n200000,0.5,a\n2000")
+    kept_runs.keep("group", run, "one")
+    kept_runs.keep("group", run, "two")
+    with kept_runs.unpacked("group") as runs:
+        assert sorted(path.name for path in runs.iterdir()) == ["one", "two"]
+        table = (runs / "one" / "episodes.csv").read_text()
+    assert table == "step,return,how\n123456,-73.08,nan\n200000,0.5,a\n"
