@@ -14,7 +14,7 @@ from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.object_files import MESHES, ObjectModel
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.trials.resting import Rest, rest
-from taskbuilder.world.handling import Flat, Hold, Solid
+from taskbuilder.world.handling import FingerHold, Flat, Surfaces
 from taskbuilder.world.shapes import link_box
 
 LIMIT_S = 60.0
@@ -37,15 +37,15 @@ class ObjectFigures:
         cups: Robot -> radius of its suction cup in metres, and its force in newtons.
     """
 
-    solid: Solid
-    sides: Mapping[str, Hold]
-    holds: Mapping[str, Hold]
+    solid: Surfaces
+    sides: Mapping[str, FingerHold]
+    holds: Mapping[str, FingerHold]
     flat: Flat | None
     rest: Rest | None
     grippers: Mapping[str, float]
     cups: Mapping[str, tuple[float, float]]
 
-    def too_small(self, hold: Hold) -> list[str]:
+    def too_small(self, hold: FingerHold) -> list[str]:
         """Robots whose grippers do not open far enough."""
         return [name for name, stroke in self.grippers.items() if stroke < hold.opening]
 
@@ -83,7 +83,7 @@ def measured(model: ObjectModel, catalogue: Catalogue) -> ObjectFigures:
         model: The object.
         catalogue: Where robots are found.
     """
-    solid = Solid.of(model)
+    solid = Surfaces.of(model)
     lies = _rest(model, solid)
     as_it_lies = solid.lying(lies.rpy_deg) if lies and lies.still and not lies.upright else solid
     found = [hold for way in (0, 1) if (hold := as_it_lies.hold(way)) is not None]
@@ -143,16 +143,16 @@ def _turned(figures: ObjectFigures) -> str:
     return f", rpy_deg: {list(found.rpy_deg)}"
 
 
-def _written(name: str, hold: Hold) -> str:
+def _written(name: str, hold: FingerHold) -> str:
     return f"{name}: {{at: {_rounded(hold)}, across: {hold.across}}}"
 
 
-def _comment(hold: Hold) -> str:
+def _comment(hold: FingerHold) -> str:
     low = f", with its tcp {_mm(hold.depth)} above the table" if hold.low else ""
     return f"a gripper opens {_mm(hold.opening)} for it{low}"
 
 
-def _rounded(hold: Hold) -> list[float]:
+def _rounded(hold: FingerHold) -> list[float]:
     return [round(value, 3) + 0.0 for value in hold.at]
 
 
@@ -177,7 +177,7 @@ def _fingers(figures: ObjectFigures) -> list[str]:
     return lines
 
 
-def _which(figures: ObjectFigures, hold: Hold) -> str:
+def _which(figures: ObjectFigures, hold: FingerHold) -> str:
     """Which of the known grippers open far enough."""
     small, count = figures.too_small(hold), len(figures.grippers)
     fitting = [name for name in figures.grippers if name not in small]
@@ -225,7 +225,7 @@ def _lies(figures: ObjectFigures) -> list[str]:
     ]
 
 
-def _rest(model: ObjectModel, solid: Solid) -> Rest | None:
+def _rest(model: ObjectModel, solid: Surfaces) -> Rest | None:
     low = float(solid.low[2])
     if model.entry.trusted:
         return rest(model, low)

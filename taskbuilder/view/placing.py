@@ -64,7 +64,7 @@ def movables(world: World) -> tuple[Movable, ...]:
 
 
 @dataclass(frozen=True)
-class Change:
+class ValueChange:
     """A value of the file that is to be another one.
 
     Attributes:
@@ -150,12 +150,12 @@ class Placing:
         found = ((name, min(each.distance for each in at)) for name, at in near.items() if at)
         return tuple(sorted(found, key=lambda pair: pair[1])[:MOST_WORDS])
 
-    def changes(self) -> tuple[Change, ...]:
+    def changes(self) -> tuple[ValueChange, ...]:
         """What in the file is to be written otherwise."""
         source = self._world.task.source
         befores = ((path, source.get(*path)) for path in self.values)
         return tuple(
-            Change(path, "" if before is None else written(before), self.values[path])
+            ValueChange(path, "" if before is None else written(before), self.values[path])
             for path, before in befores
         )
 

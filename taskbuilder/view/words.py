@@ -13,7 +13,7 @@ from taskbuilder.steering.operator import Jog
 from taskbuilder.steering.session import Session, State
 from taskbuilder.task import Task
 from taskbuilder.view.contacts import Contacts
-from taskbuilder.view.placing import Change, Placing
+from taskbuilder.view.placing import Placing, ValueChange
 from taskbuilder.view.recording import ConditionState, Recording
 from taskbuilder.view.stage_poses import StagePose
 
@@ -177,7 +177,7 @@ def placed(placing: Placing) -> str:
     return f"{text}\n\n```yaml\n{changes}\n```" if changes else text
 
 
-def _change(change: Change) -> str:
+def _change(change: ValueChange) -> str:
     """A changed value, to be copied into a task file."""
     where = ".".join(map(str, change.path))
     before = f"was {change.before}" if change.before else "not written so far"

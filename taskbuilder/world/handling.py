@@ -59,7 +59,7 @@ _RADII = tuple(np.arange(0.004, 0.0501, 0.002).tolist())
 
 
 @dataclass(frozen=True)
-class Hold:
+class FingerHold:
     """Where fingers can take hold of an object from above.
 
     Attributes:
@@ -96,7 +96,7 @@ class Flat:
 
 
 @dataclass(frozen=True)
-class Solid:
+class Surfaces:
     """An object as surfaces.
 
     Attributes:
@@ -112,7 +112,7 @@ class Solid:
     turn: Pose = AT_ORIGIN
 
     @classmethod
-    def of(cls, model: ObjectModel) -> Solid:
+    def of(cls, model: ObjectModel) -> Surfaces:
         """The surfaces by which an object of the catalogue collides."""
         pieces = list(_pieces(model))
         volumes = [solid(shape).volume for shape, _ in pieces]
@@ -122,7 +122,7 @@ class Solid:
         moves = isinstance(main, Urdf) and bool(main.moving_joints)
         return cls(np.concatenate([_placed(*piece) for piece in pieces]), (x, y, z), moves)
 
-    def lying(self, rpy_deg: Vec3) -> Solid:
+    def lying(self, rpy_deg: Vec3) -> Surfaces:
         """The same in another orientation of its own frame, in degrees."""
         turn = Pose.from_rpy_deg(ORIGIN, rpy_deg)
         axes = np.array([turn.axis(index) for index in range(3)])
@@ -146,7 +146,7 @@ class Solid:
         x, y, z = (self.high - self.low).tolist()
         return x, y, z
 
-    def hold(self, way: int, between: tuple[float, float] = (0.0, 1.0)) -> Hold | None:
+    def hold(self, way: int, between: tuple[float, float] = (0.0, 1.0)) -> FingerHold | None:
         """The best place for fingers that close along a level axis, near the centre of mass.
 
         Args:
@@ -167,7 +167,7 @@ class Solid:
                 best, least = found, cost
         return best
 
-    def holds(self, widest: float = WIDEST_M) -> dict[str, Hold]:
+    def holds(self, widest: float = WIDEST_M) -> dict[str, FingerHold]:
         """Grasp points by name: one near the centre of mass, and two at the ends of what is long.
 
         There are none for an object with joints, whose links move apart.
@@ -234,7 +234,7 @@ class Solid:
                 tops[index] = heights[over].max()
         return tops
 
-    def _hold_at(self, way: int, at: float) -> Hold | None:
+    def _hold_at(self, way: int, at: float) -> FingerHold | None:
         """The place for fingers at a coordinate of the axis along which they do not close."""
         near = self._points[np.abs(self._points[:, 1 - way] - at) <= FINGER_M / 2.0]
         if len(near) < 4:
@@ -250,7 +250,7 @@ class Solid:
         opening = 2.0 * max(float(beside.max()) - middle, middle - float(beside.min()))
         x, y = (at, middle) if way else (middle, at)
         place, width = self._own((x, y, float(height))), float(np.ptp(beside))
-        return Hold(place, self._axis(way), width, opening + _SPARE_M, height - bottom)
+        return FingerHold(place, self._axis(way), width, opening + _SPARE_M, height - bottom)
 
     def _own(self, point: Vec3) -> Vec3:
         """A point in the frame of the object."""

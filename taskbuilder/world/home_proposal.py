@@ -51,7 +51,7 @@ _STEPS = 40
 
 
 @dataclass(frozen=True)
-class Home:
+class ProposedHome:
     """A posture that is proposed.
 
     Attributes:
@@ -67,7 +67,7 @@ class Home:
 
 def find_home(
     urdf: Urdf, arm: Sequence[UrdfJoint], link: str, tcp: Pose, others: Mapping[str, float]
-) -> Home:
+) -> ProposedHome:
     """The best posture that is found for an arm to begin in.
 
     Args:
@@ -88,24 +88,24 @@ def find_home(
         order = postures[np.argsort(_badness(figure, postures, side), kind="stable")]
         clear = figure.first_clear(order[:_TRIED])
         if clear is not None:
-            return Home(tuple(clear.tolist()), pointing=True, clear=True)
+            return ProposedHome(tuple(clear.tolist()), pointing=True, clear=True)
         unclear = order[0] if unclear is None else unclear
     if unclear is not None:
-        return Home(tuple(unclear.tolist()), pointing=True, clear=False)
+        return ProposedHome(tuple(unclear.tolist()), pointing=True, clear=False)
     return _anyhow(figures[0])
 
 
-def _anyhow(figure: _Figure) -> Home:
+def _anyhow(figure: _Figure) -> ProposedHome:
     """A posture for a tool that cannot point down: near zero if nothing is in the way there."""
     chain = figure.chain
     zero = np.clip(np.zeros(len(chain.axes)), chain.lower, chain.upper)
     if len(zero) < _FEW:  # which has no choice
-        return Home(tuple(zero.tolist()), pointing=False, clear=True)
+        return ProposedHome(tuple(zero.tolist()), pointing=False, clear=True)
     drawn = beginnings_of(chain, np.random.default_rng(0), _DRAWN)
     order = drawn[np.argsort(_badness(figure, drawn, 0.0), kind="stable")]
     clear = figure.first_clear(np.concatenate([zero[None], order[:_TRIED]]))
     found = zero if clear is None else clear
-    return Home(tuple(found.tolist()), pointing=False, clear=clear is not None)
+    return ProposedHome(tuple(found.tolist()), pointing=False, clear=clear is not None)
 
 
 def _pointing(figure: _Figure, side: float) -> list[Floats]:

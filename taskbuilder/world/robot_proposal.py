@@ -32,7 +32,7 @@ from taskbuilder.world.hands import (
     pads,
     snapped,
 )
-from taskbuilder.world.home_proposal import Home, find_home
+from taskbuilder.world.home_proposal import ProposedHome, find_home
 
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
 _FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
@@ -291,7 +291,7 @@ def _named(arm: Sequence[UrdfJoint], home: Mapping[str, float]) -> tuple[float, 
     )
 
 
-def _doubts(home: Home) -> list[str]:
+def _doubts(home: ProposedHome) -> list[str]:
     """What is to be known of a posture that is not all that a home should be."""
     remarks = []
     if not home.pointing:

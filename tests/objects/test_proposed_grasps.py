@@ -12,7 +12,7 @@ from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import play
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.object_files import load_object
-from taskbuilder.world.handling import Solid
+from taskbuilder.world.handling import Surfaces
 
 TASK = """\
 task: lift
@@ -44,8 +44,8 @@ class Lift(Description):
 """
 
 
-def solid(name: str) -> Solid:
-    return Solid.of(load_object(Catalogue.discover().objects[name]))
+def solid(name: str) -> Surfaces:
+    return Surfaces.of(load_object(Catalogue.discover().objects[name]))
 
 
 @pytest.mark.parametrize(

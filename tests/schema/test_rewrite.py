@@ -15,6 +15,7 @@ from taskbuilder.schema.rewrite import rewritten, written
 from taskbuilder.schema.source import LOADER, read_source
 
 loaded = partial(yaml.load, Loader=LOADER)
+as_written = partial(yaml.load, Loader=yaml.BaseLoader)  # a name such as "off" stays a name
 
 TEXT = """\
 # A scene – ä 😀.
@@ -123,7 +124,7 @@ def test_a_position_of_any_task_is_changed_alone_or_refused(name):
             if not any(mark in str(error) for mark in ("(*)", "(&)")):
                 raise
             continue
-        expected = loaded(text)
-        expected["scene"][path[1]][path[2]]["position"] = [9.5, 8.25, 7.125]
-        assert loaded(changed) == expected
+        expected = as_written(text)
+        expected["scene"][path[1]][path[2]]["position"] = ["9.5", "8.25", "7.125"]
+        assert as_written(changed) == expected
         assert changed.count("\n") == text.count("\n")

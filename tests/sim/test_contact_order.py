@@ -126,7 +126,7 @@ STAVES = (
 
 
 @given(history=st.lists(st.integers(0, 99), min_size=1, max_size=3), seed=st.integers(0, 4))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None, derandomize=True)
 def test_links_of_several_shapes_move_the_same_whatever_was_before(
     crates: tuple[Client, list[Body], Snapshot], history: list[int], seed: int
 ) -> None:

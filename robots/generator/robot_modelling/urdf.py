@@ -127,7 +127,7 @@ def mesh_files(link: Link) -> dict[str, str]:
 def link_lines(link: Link) -> list[str]:
     """Return a link's URDF."""
     keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    inertia = " ".join(f'{k}="{v:.9g}"' for k, v in zip(keys, link.inertia, strict=True))
+    inertia = " ".join(f'{k}="{v + 0.0:.9g}"' for k, v in zip(keys, link.inertia, strict=True))
     lines = [
         f'  <link name="{link.name}">',
         "    <inertial>",
