@@ -205,8 +205,8 @@ CODES: dict[str, tuple[str, str]] = {
         "Finger without collision shape",
         "None of the links of a finger has a `<collision>`. The finger passes through everything. "
         "In `fingers`, name the links that touch objects, such as pads, or add collision shapes to "
-        "the URDF; `robots import` makes them from what is seen. Some descriptions end in mounts "
-        "for fingers that a user chooses: these need fingers.",
+        "the URDF; `robots import` makes them from the visual meshes. Some descriptions end in "
+        "mounts for fingers that a user chooses: these need fingers.",
     ),
     STROKE: (
         "Stroke differs from the fingers",

@@ -123,7 +123,7 @@ def _untouching(spec: GripperSpec, places: _Places) -> Iterator[Finding]:
         if any(urdf.link(link).visuals for link in links):
             message += (
                 "name the links of the finger that have one, or add it to the URDF (robots import "
-                "makes it from what is seen)"
+                "makes it from the visual meshes)"
             )
         else:
             message += (

@@ -158,7 +158,7 @@ class PlaceTab:
         self._follow()
         return placed(self.placing)
 
-    # --- what is seen
+    # --- display
 
     def _dragged(self, event: Any) -> None:
         (x, y, z), (w, qx, qy, qz) = event.target.position.tolist(), event.target.wxyz.tolist()

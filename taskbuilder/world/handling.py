@@ -151,7 +151,7 @@ class Surfaces:
 
         Args:
             way: The axis: 0 or 1, x or y as it lies.
-            between: Which part of the other axis is looked at, as shares of the size along it.
+            between: Range along the other axis to search, as shares of the size along it.
         """
         along = 1 - way
         low, high = self.low[along], self.high[along]

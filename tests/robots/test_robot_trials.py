@@ -100,7 +100,7 @@ def test_fingers_that_pass_through_everything_are_found_without_a_trial(write):
     model = write(MadeArm(touching=False))
     found = untouching_fingers(model)
     assert [finding.path for finding in found] == ["gripper.fingers[0]", "gripper.fingers[1]"]
-    assert all("robots import makes it from what is seen" in one.message for one in found)
+    assert all("robots import makes it from the visual meshes" in one.message for one in found)
     assert untouching_fingers(write(MadeArm(), "other")) == ()
 
 
