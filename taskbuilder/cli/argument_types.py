@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from taskbuilder.errors import UnknownNameError
-from taskbuilder.extensions import Door
+from taskbuilder.extensions import Door, ForeignPart
 
 
 class StoreOnce(argparse.Action):
@@ -64,17 +65,30 @@ def whole(least: int, most: int) -> Any:
     return convert
 
 
-def one_of(own: Sequence[str], door: Door) -> Any:
-    """A converter for one of the library's own names, or of those that installed packages add."""
+@dataclass(frozen=True)
+class OneOf:
+    """A converter for one of the library's own names, or of those that installed packages add.
 
-    def convert(text: str) -> str:
+    Attributes:
+        own: The library's own names.
+        door: What packages can add.
+    """
+
+    own: tuple[str, ...]
+    door: Door
+
+    def __call__(self, text: str) -> str:
+        """The name, if there is such a part."""
         try:
-            door.part(text, own)
+            self.door.part(text, self.own)
         except UnknownNameError as error:
             raise argparse.ArgumentTypeError(str(error)) from None
         return text
 
-    return convert
+    def added(self) -> Iterator[ForeignPart]:
+        """The parts that installed packages add."""
+        for name in self.door.names(self.own)[len(self.own) :]:
+            yield from self.door.declared()[name]
 
 
 def listed_choices(names: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, StoreOnce, listed_choices, one_of
+from taskbuilder.cli.argument_types import Extend, OneOf, StoreOnce, listed_choices
 from taskbuilder.cli.benchmark_arguments import add_benchmark
 from taskbuilder.cli.data_arguments import add_collect, add_dataset, add_multiply
 from taskbuilder.cli.env_options import add_env_options
@@ -80,6 +80,18 @@ class Parser(argparse.ArgumentParser):
         super().__init__(*args, **options)
         for name in (None, "store"):
             self.register("action", name, StoreOnce)
+
+    def format_help(self) -> str:
+        """The help, with what installed packages add to the values of its options."""
+        kinds = [(action, action.type) for action in self._actions]
+        added = [
+            f"  {action.option_strings[-1]} {part.name}  {part.package}\n"
+            for action, kind in kinds
+            if isinstance(kind, OneOf)
+            for part in kind.added()
+        ]
+        listed = f"\nadded by installed packages:\n{''.join(added)}" if added else ""
+        return f"{super().format_help()}{listed}"
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and exit with status 2."""
@@ -254,7 +266,7 @@ def _add_validate(adder: Adder) -> None:
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
-        type=one_of(REPORT_NAMES, REPORT_FORMATS),
+        type=OneOf(REPORT_NAMES, REPORT_FORMATS),
         metavar=listed_choices(REPORT_NAMES),
         default="text",
         help="format of the report (default text)",

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from taskbuilder.cli.argument_types import Extend, whole
+from taskbuilder import extensions
+from taskbuilder.cli.argument_types import Extend, OneOf, whole
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import add_json, add_ray
+from taskbuilder.learn.algorithms import ALGORITHMS
 
 
 def add_benchmark(adder: CommandAdder) -> None:
@@ -27,7 +29,10 @@ def add_benchmark(adder: CommandAdder) -> None:
         help="what the method may use, and how it is evaluated: imitation, vision or reinforcement",
     )
     parser.add_argument(
-        "--algorithm", metavar="A", help="algorithm that trains the policies, such as bc"
+        "--algorithm",
+        type=OneOf(ALGORITHMS, extensions.ALGORITHMS),
+        metavar="A",
+        help="algorithm that trains the policies, such as bc",
     )
     parser.add_argument(
         "--policy",

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from taskbuilder.cli.argument_types import (
     Extend,
+    OneOf,
     listed,
     listed_choices,
-    one_of,
     share,
     side_or_size,
     variation_or_all,
@@ -215,7 +215,7 @@ def _add_format(parser: ArgumentParser, text: str) -> None:
     parser.add_argument(
         "--format",
         dest="export",
-        type=one_of(FORMAT_NAMES, DATA_FORMATS),
+        type=OneOf(FORMAT_NAMES, DATA_FORMATS),
         metavar=listed_choices(FORMAT_NAMES),
         help=text,
     )

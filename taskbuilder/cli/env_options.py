@@ -7,10 +7,10 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, get_type_hints
 
 from taskbuilder.cli.argument_types import (
+    OneOf,
     listed,
     listed_choices,
     number,
-    one_of,
     robot_choice,
     side_or_size,
     variation,
@@ -118,8 +118,8 @@ def _reading(hint: Any, info: OptionInfo) -> dict[str, Any]:
         words = [info.true_word if value is True else value for value in info.choices]
         once: dict[str, Any] = {"nargs": "?", "const": info.true_word} if info.true_word else {}
         if info.others:
-            names = [word for word in words if isinstance(word, str)]
-            return {"type": one_of(names, info.others), "metavar": listed_choices(names)}
+            names = tuple(word for word in words if isinstance(word, str))
+            return {"type": OneOf(names, info.others), "metavar": listed_choices(names)}
         return {"choices": words, **once}
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction}

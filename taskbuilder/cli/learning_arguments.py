@@ -6,8 +6,10 @@ import argparse
 from pathlib import Path
 from typing import Protocol
 
+from taskbuilder import extensions
 from taskbuilder.cli.argument_types import (
     Extend,
+    OneOf,
     any_variation,
     count_or_folder,
     listed,
@@ -59,7 +61,10 @@ def add_train(adder: CommandAdder) -> None:
     )
     *most, last = ALGORITHMS
     parser.add_argument(
-        "--algorithm", metavar="A", help=f"{', '.join(most)} or {last} (default maddpg)"
+        "--algorithm",
+        type=OneOf(ALGORITHMS, extensions.ALGORITHMS),
+        metavar="A",
+        help=f"{', '.join(most)} or {last} (default maddpg)",
     )
     parser.add_argument(
         "--preset",

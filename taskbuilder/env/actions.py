@@ -19,7 +19,7 @@ from taskbuilder.env.joint_modes import (
     JointVelocityMode,
 )
 from taskbuilder.env.tcp_modes import TcpDeltaMode, TcpPathMode, TcpPoseMode
-from taskbuilder.extensions import ACTION_MODES
+from taskbuilder.extensions import ACTION_MODES, ForeignPart
 from taskbuilder.schema.agents import ActionSpec
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.world import World
@@ -46,6 +46,15 @@ def arm_mode(name: str) -> type[ArmMode]:
     part = ACTION_MODES.part(name, ARM_MODES)
     if part is None:
         return ARM_MODES[name]
+    return load_mode(part)
+
+
+def load_mode(part: ForeignPart) -> type[ArmMode]:
+    """The arm mode that another package adds.
+
+    Raises:
+        ExtensionError: It cannot be used.
+    """
     mode: type[ArmMode] = part.load(_no_mode)
     return mode
 

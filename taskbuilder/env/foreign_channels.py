@@ -107,7 +107,17 @@ def find_reader(name: str) -> tuple[ForeignPart, type[ChannelReader]]:
     part = CHANNELS.part(name)
     if part is None:
         raise ValueError(f"{name} is no other package's")
-    return part, part.load(_no_reader)
+    return part, load_reader(part)
+
+
+def load_reader(part: ForeignPart) -> type[ChannelReader]:
+    """The reader that a package declares.
+
+    Raises:
+        ExtensionError: It cannot be used.
+    """
+    reader: type[ChannelReader] = part.load(_no_reader)
+    return reader
 
 
 def _no_reader(part: object) -> str | None:

@@ -58,8 +58,13 @@ class ForeignLearner:
         return _guarded(self.part, value) if callable(value) else value
 
 
-def named_in_errors(part: ForeignPart, algorithm: Algorithm) -> Algorithm:
-    """The algorithm of another package, whose learners name the package in their errors."""
+def load_algorithm(part: ForeignPart) -> Algorithm:
+    """The algorithm of another package, whose learners name the package in their errors.
+
+    Raises:
+        ExtensionError: It cannot be used.
+    """
+    algorithm: Algorithm = part.load(_problem_of_algorithm)
 
     @wraps(algorithm.learner)
     def make(source: Any, settings: Any, **more: Any) -> ForeignLearner:
@@ -71,7 +76,7 @@ def named_in_errors(part: ForeignPart, algorithm: Algorithm) -> Algorithm:
     return replace(algorithm, learner=make)
 
 
-def problem_of_algorithm(part: object) -> str | None:
+def _problem_of_algorithm(part: object) -> str | None:
     """What is wrong with what a package declares as an algorithm, or None."""
     if not isinstance(part, Algorithm):
         return "is no object of taskbuilder.learn.learner.Algorithm"

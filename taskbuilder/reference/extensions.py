@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from taskbuilder.description import Condition, Measure, Term
@@ -22,17 +22,26 @@ def declared() -> Iterator[ForeignPart]:
             yield from parts
 
 
-def described(part: ForeignPart) -> str:
+Loader = Callable[[ForeignPart], Any]
+"""Imports a part, and raises an ExtensionError if it cannot be used."""
+
+
+def described(part: ForeignPart, load: Loader) -> str:
     """What a part is, in Markdown, or why it cannot be used.
 
     A part is imported for this, so this may take as long as its package takes.
+
+    Args:
+        part: The part.
+        load: Imports the kinds of parts that this module does not know: all but checks and
+            conditions.
     """
     try:
         if part.noun == CHECKS.noun:
             return _checks(load_family(part))
         if part.noun == CONDITIONS.noun:
             return _condition(part)
-        return _meaning(part.load(lambda _: None))
+        return _meaning(load(part))
     except ExtensionError as error:
         return f"{error}."
 

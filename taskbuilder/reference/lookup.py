@@ -39,14 +39,18 @@ class Entry:
     keys: Sequence[Sequence[str]] = ()
 
 
-def explain(name: str) -> tuple[Entry, ...]:
+def explain(name: str, load: extensions.Loader) -> tuple[Entry, ...]:
     """What the reference says of a name: of a path of keys, its end will do.
+
+    Args:
+        name: The name.
+        load: Imports parts of other packages; see `taskbuilder.reference.extensions.described`.
 
     Raises:
         UnknownNameError: It says nothing.
     """
     own = tuple(entry for short, entry in _entries() if _ends(short, name))
-    found = (*own, *_foreign(name))
+    found = (*own, *_foreign(name, load))
     if not found:
         known = [part.name for part in extensions.declared()]
         known += [short.replace(".NAME", "").removeprefix("scene.") for short, _ in _entries()]
@@ -60,11 +64,12 @@ def _ends(short: str, name: str) -> bool:
     return f".{_plain(short)}".endswith(f".{_plain(name)}")
 
 
-def _foreign(name: str) -> Iterator[Entry]:
+def _foreign(name: str, load: extensions.Loader) -> Iterator[Entry]:
     """What other packages add under a name; only what has this name is imported."""
     for part in extensions.declared():
         if _ends(part.name, name):
-            yield Entry(part.name, f"{part.noun} of {part.package}", extensions.described(part))
+            text = extensions.described(part, load)
+            yield Entry(part.name, f"{part.noun} of {part.package}", text)
     if re.fullmatch(r"[a-z]{2,5}\d{3}", _plain(name)) and not name.upper().startswith("TB"):
         for code, package, text in extensions.codes():
             if _ends(code, name):

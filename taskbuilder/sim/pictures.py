@@ -219,7 +219,17 @@ def _foreign(renderer: str) -> tuple[ForeignPart, ForeignRenderer]:
     part = RENDERERS.part(renderer)
     if part is None:
         raise ValueError(f"{renderer} is no other package's")
-    return part, part.load(_no_renderer)
+    return part, load_renderer(part)
+
+
+def load_renderer(part: ForeignPart) -> ForeignRenderer:
+    """The renderer that another package adds.
+
+    Raises:
+        ExtensionError: It cannot be used.
+    """
+    renderer: ForeignRenderer = part.load(_no_renderer)
+    return renderer
 
 
 def _no_renderer(found: object) -> str | None:

@@ -111,6 +111,15 @@ def test_a_package_that_fails_at_import_is_named(install, door, capfd):
     assert "nowhere_to_be_found" in capfd.readouterr().out
 
 
+@pytest.mark.parametrize("door", DOORS, ids=lambda door: door.noun)
+def test_explain_says_what_a_part_lacks(install, door, capfd):
+    install("lab_parts", {door.group: {"odd": "THING"}}, "THING = 42")
+    assert main(["explain", "odd"]) == 0
+    text = " ".join(capfd.readouterr().out.split())
+    assert f'the {door.noun} "odd" of lab_parts 1.0 (lab_parts:THING)' in text
+    assert text.endswith("update or remove lab_parts.")
+
+
 def test_a_package_that_ends_the_interpreter_at_import_is_named(install):
     install("lab_parts", {"taskbuilder.algorithms": {"odd": "Thing"}}, "raise SystemExit(3)")
     with pytest.raises(ExtensionError, match="cannot be imported: SystemExit: 3"):

@@ -167,10 +167,25 @@ def test_explain_knows_each_part(extras, capfd, name, kind, text):
     assert text in entry["text"]
 
 
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("train", "  --algorithm ridge  taskbuilder-extras 1.0"),
+        ("benchmark", "  --algorithm ridge  taskbuilder-extras 1.0"),
+        ("dataset", "  --format csv  taskbuilder-extras 1.0"),
+        ("validate", "  --format markdown  taskbuilder-extras 1.0"),
+        ("collect", "  --renderer silhouettes  taskbuilder-extras 1.0"),
+    ],
+)
+def test_help_lists_what_packages_add(extras, capfd, words, line):
+    assert main([words, "--help"]) == 0
+    assert line in capfd.readouterr().out.partition("\nadded by installed packages:")[2]
+
+
 def test_nothing_is_looked_for_until_it_is_needed(example_site):
     code = (
         "import sys, taskbuilder, taskbuilder.cli\n"
-        "taskbuilder.cli.main(['validate', '--help'])\n"
+        "taskbuilder.cli.main(['--help'])\n"
         "wanted = ('importlib.metadata', 'taskbuilder_extras')\n"
         "print(*[name for name in wanted if name in sys.modules], file=sys.stderr)"
     )

@@ -15,7 +15,7 @@ from taskbuilder.data.formats.lerobot import write_lerobot
 from taskbuilder.data.formats.robomimic import write_robomimic
 from taskbuilder.data.layout import CARD
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
-from taskbuilder.extensions import DATA_FORMATS
+from taskbuilder.extensions import DATA_FORMATS, ForeignPart
 
 
 @dataclass(frozen=True)
@@ -41,14 +41,17 @@ def _robomimic(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
     write_robomimic(dataset, folder)
 
 
-FORMATS: Mapping[str, Callable[[Dataset, Path, ExportOptions], None]] = {
+DatasetWriter = Callable[[Dataset, Path, ExportOptions], None]
+"""Writes the episodes of one task to an empty folder."""
+
+FORMATS: Mapping[str, DatasetWriter] = {
     "lerobot": _lerobot,
     "robomimic": _robomimic,
 }
-"""What writes the episodes of one task to an empty folder, by the name of the format."""
+"""The library's own formats by name."""
 
 
-def _find(form: str) -> Callable[[Dataset, Path, ExportOptions], None]:
+def _find(form: str) -> DatasetWriter:
     """What writes a format; also one that another package adds.
 
     Raises:
@@ -61,7 +64,7 @@ def _find(form: str) -> Callable[[Dataset, Path, ExportOptions], None]:
         raise UsageError(str(error)) from None
     if part is None:
         return FORMATS[form]
-    write = part.load(lambda writer: None if callable(writer) else "cannot be called")
+    write = load_writer(part)
 
     def write_foreign(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
         with part.at_work():
@@ -70,6 +73,16 @@ def _find(form: str) -> Callable[[Dataset, Path, ExportOptions], None]:
             raise part.error("has written nothing")
 
     return write_foreign
+
+
+def load_writer(part: ForeignPart) -> DatasetWriter:
+    """What writes a format that another package adds.
+
+    Raises:
+        ExtensionError: It cannot be used.
+    """
+    write: DatasetWriter = part.load(lambda found: None if callable(found) else "cannot be called")
+    return write
 
 
 def export_dataset(

@@ -32,9 +32,9 @@ def find_algorithm(name: str) -> Algorithm:
     """
     part = _part(name)
     if part is not None:
-        from taskbuilder.learn.foreign_learner import named_in_errors, problem_of_algorithm
+        from taskbuilder.learn.foreign_learner import load_algorithm
 
-        return named_in_errors(part, part.load(problem_of_algorithm))
+        return load_algorithm(part)
     algorithm: Algorithm = import_module(f"{__name__}.{name}").ALGORITHM
     return algorithm
 

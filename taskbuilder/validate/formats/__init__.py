@@ -38,8 +38,18 @@ def document_writer(form: str) -> Writer | None:
     return write
 
 
+def load_writer(part: ForeignPart) -> Writer:
+    """What writes a format that another package adds.
+
+    Raises:
+        ExtensionError: It cannot be used.
+    """
+    write: Writer = part.load(lambda found: None if callable(found) else "cannot be called")
+    return write
+
+
 def _foreign_writer(part: ForeignPart) -> Writer:
-    write = part.load(lambda found: None if callable(found) else "cannot be called")
+    write = load_writer(part)
 
     def document(reports: Sequence[TaskReport]) -> str:
         with part.at_work():
