@@ -15,6 +15,7 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any, NamedTuple
 
+from taskbuilder.benchmark.demonstrators import demonstrator
 from taskbuilder.benchmark.records import (
     CELL,
     TASKS,
@@ -153,9 +154,11 @@ def _collected(work: Work, task: str, loaded: Task) -> dict[str, Any]:
     if track.cameras:
         options["cameras"] = _cameras(track, loaded)
         options["camera_size"] = track.camera_size
+    expert = demonstrator(loaded, track.demonstrations, about.suite.train[0], work.catalogue)
     dataset = collect(
         loaded,
         folder,
+        policy=expert,
         episodes=track.demonstrations.episodes,
         variations=about.suite.train,
         first_seed=track.demonstrations.first_seed,
@@ -164,7 +167,7 @@ def _collected(work: Work, task: str, loaded: Task) -> dict[str, Any]:
         catalogue=work.catalogue,
         **options,
     )
-    return {"demonstrations": len(dataset), "cpu_s": clock.stop()}
+    return {"demonstrations": len(dataset), "demonstrator": expert, "cpu_s": clock.stop()}
 
 
 def _baselines(work: Work, task: Task) -> dict[str, BaselineRecord]:

@@ -192,7 +192,10 @@ def _protocol(several: Sequence[MethodResults]) -> Iterator[str]:
     if shown:
         yield f"- Demonstrations: {shown.episodes} episodes of the expert of each task, from seed"
         yield f"  {shown.first_seed} on, in variations {train} in turns. All seeds and methods"
-        yield "  learn from the same."
+        yield "  learn from the same. The expert's actions have noise in"
+        yield f"  {shown.noise_share:.0%} of the control steps: the strongest of"
+        yield f"  {', '.join(map(str, shown.noise))} under which it succeeds in"
+        yield f"  {shown.trials_needed} of {shown.trials} trials, or none."
     else:
         yield f"- No demonstrations. Policies act in variation {suite.train[0]}."
     unit = "updates" if shown else "control steps"

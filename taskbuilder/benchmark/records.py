@@ -139,6 +139,7 @@ class TaskRecord(Model):
         track: Label of the track.
         reason: Why the track cannot have this task; "" if it can.
         demonstrations: Number of episodes to learn from.
+        demonstrator: Who played them, such as ``noisy:0.1@0.25``.
         cpu_s: CPU time of collecting them, in seconds.
         baselines: What the expert and random actions achieve, by name.
     """
@@ -147,6 +148,7 @@ class TaskRecord(Model):
     track: Label
     reason: Annotated[str, Field(max_length=20_000)] = ""
     demonstrations: Number = 0
+    demonstrator: Label = ""
     cpu_s: Seconds = 0.0
     baselines: Mapping[str, BaselineRecord] = Field(default_factory=dict)
 

@@ -119,13 +119,14 @@ def baseline_table(results: MethodResults) -> Rows:
 
 def cost_table(results: MethodResults) -> Rows:
     """The CPU minutes of each task, summed over its seeds, below a head."""
-    rows = [["task", "demonstrations", "collecting", "training", "evaluation"]]
+    rows = [["task", "demonstrations", "by", "collecting", "training", "evaluation"]]
     for each in results.tasks:
         shared, cells = each.shared, each.there
         rows.append(
             [
                 each.task,
                 str(shared.demonstrations) if shared else NONE,
+                (shared.demonstrator if shared else "") or NONE,
                 f"{shared.cpu_s / 60.0:.1f}" if shared else NONE,
                 f"{sum(c.train_cpu_s for c in cells) / 60.0:.1f}",
                 f"{sum(c.evaluate_cpu_s for c in cells) / 60.0:.1f}",

@@ -18,12 +18,13 @@ from taskbuilder.schema.values import Model, Name, Text
 from taskbuilder.wording import suggestion
 
 CLAIMS_FROM = 3_000_000
-"""First seed of the evaluations of version 1 of every track."""
+"""First seed of version 1, whose demonstrations had no noise; every version has its own."""
 
 CLAIMS_APART = 100_000
 """Seeds between the evaluations of one version and those of the next."""
 
 Count = Annotated[int, Field(ge=1, le=1_000_000_000)]
+Share = Annotated[float, Field(gt=0.0, le=1.0)]
 
 DEVELOPMENT = ("reach", "press_button", "insert_peg", "double_door", "handover")
 """Tasks on which methods may be tuned; results on others show what was not tuned."""
@@ -32,13 +33,30 @@ DEVELOPMENT = ("reach", "press_button", "insert_peg", "double_door", "handover")
 class DemonstrationSet(Model):
     """Episodes of the task's expert to learn from.
 
+    The expert is disturbed, so that policies see how to come back to its way. How much disturbance
+    an expert bears differs from task to task, so the strongest of several levels is taken under
+    which it mostly succeeds, or none.
+
     Attributes:
         episodes: Number of episodes of each task; the train variations of the suite take turns.
         first_seed: Seed of the first attempt.
+        noise: Standard deviations of the noise on the actions, the strongest first.
+        noise_share: Share of the control steps that have noise.
+        trials: Episodes of each level, with the seeds from the first on.
+        trials_needed: Of these, how many have to succeed.
     """
 
     episodes: Count = 300
     first_seed: int = Field(default=500_000, ge=0)
+    noise: tuple[Share, ...] = (0.1, 0.05, 0.02)
+    noise_share: Share = 0.25
+    trials: Count = 20
+    trials_needed: Count = 16
+
+    @property
+    def experts(self) -> tuple[str, ...]:
+        """The experts with noise, the strongest first, as texts of `parse_policy`."""
+        return tuple(f"noisy:{noise:g}@{self.noise_share:g}" for noise in self.noise)
 
 
 class Training(Model):
@@ -78,7 +96,7 @@ class Track(Model):
     """
 
     name: Name
-    version: int = Field(default=1, ge=1, le=10_000)
+    version: int = Field(default=2, ge=1, le=10_000)
     summary: Text
     cameras: int = Field(default=0, ge=0, le=16)
     camera_size: tuple[int, int] = (84, 84)
@@ -123,7 +141,7 @@ class Track(Model):
     @property
     def options(self) -> EnvOptions:
         """The options of the environments in which a method learns, pictures apart."""
-        return {"observe": "scene", "frame": "base", "rotation": "matrix"}
+        return {"observe": "scene", "frame": "base", "rotation": "matrix", "distances": "log"}
 
 
 TRACKS: Mapping[str, Track] = MappingProxyType(
@@ -189,7 +207,9 @@ def smoke_version(track: Track) -> Track:
     """The short version of a track of the library."""
     pictures = bool(track.cameras)
     shown = track.demonstrations
-    few = shown and shown.model_copy(update={"episodes": 4 if pictures else 30})
+    few = shown and shown.model_copy(
+        update={"episodes": 4 if pictures else 30, "trials": 3, "trials_needed": 2}
+    )
     return track.model_copy(
         update={
             "smoke": True,

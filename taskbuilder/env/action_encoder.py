@@ -22,15 +22,20 @@ class ActionEncoder:
 
     Args:
         env: Any environment whose actions are flat.
+        corrects: Whether an arm without a new command returns to the last one that was encoded, if
+            another action has been carried out in between; otherwise, it stays where it was told to
+            be by that.
 
     Raises:
         UsageError: Its actions are dictionaries.
     """
 
-    def __init__(self, env: TaskEnv) -> None:
+    def __init__(self, env: TaskEnv, *, corrects: bool = False) -> None:
         if not env.options.flat:
             raise UsageError("flat actions are needed; make the environment with flat=True")
         self.env = env
+        self._corrects = corrects
+        self._last: dict[str, Sequence[float]] = {}
 
     def hold(self) -> Actions:
         """Actions that repeat the last commands of all arms and grippers."""
@@ -49,6 +54,9 @@ class ActionEncoder:
             openings: Gripper openings, from 0 (closed) to 1 (open); other grippers stay unchanged.
         """
         joints, openings = joints or {}, openings or {}
+        if self._corrects:
+            self._last |= joints
+            joints = self._last
         actions = {}
         for agent, modes in self.env.episode.actions.items():
             waiting = self.env.episode.waiting(agent)

@@ -4,6 +4,7 @@
 |---|---|
 | ``expert`` | the expert of the task file |
 | ``noisy:0.3`` | the expert with Gaussian noise on the actions of its arms |
+| ``noisy:0.3@0.25`` | the same, in a quarter of the control steps |
 | ``random`` | random actions |
 | ``hold`` or ``nothing`` | all robots hold still |
 | ``zoo:handover/demos`` | a pretrained policy of the package |
@@ -70,12 +71,14 @@ class Word(NamedTuple):
         name: The word, with its noise.
         kind: Its kind.
         noise: Standard deviation of the noise.
+        share: Share of the control steps that have noise.
         task: Name or path of the task that it names, or "".
     """
 
     name: str
     kind: PlayerKind
     noise: float = 0.0
+    share: float = 1.0
     task: str = ""
 
 
@@ -86,13 +89,17 @@ def read_word(text: str) -> Word | None:
         What it stands for; None of any other text.
 
     Raises:
-        UsageError: The noise is no number from 0 to 2, or there is no task behind the colon.
+        UsageError: The noise is no number from 0 to 2, its share of the steps none from 0 to 1, or
+            there is no task behind the colon.
     """
     name, colon, task = text.partition(":")
-    noise = 0.0
+    noise, share = 0.0, 1.0
     if name == NOISY and colon:
-        number, colon, task = task.partition(":")
-        name, noise = f"{NOISY}:{number}", _noise(number)
+        given, colon, task = task.partition(":")
+        number, at, part = given.partition("@")
+        noise = _number(given, number, "the noise", LARGEST_NOISE)
+        share = _number(given, part, "the share of the steps behind @", 1.0) if at else 1.0
+        name = f"{NOISY}:{given}"
         kind: PlayerKind = "noisy"
     elif name in _WORDS:
         kind = _WORDS[name]
@@ -100,19 +107,17 @@ def read_word(text: str) -> Word | None:
         return None
     if colon and not task:
         raise UsageError(f'"{text}": which task? name it after the colon, such as {name}:handover')
-    return Word(name, kind, noise, task)
+    return Word(name, kind, noise, share, task)
 
 
-def _noise(number: str) -> float:
+def _number(given: str, text: str, what: str, most: float) -> float:
     try:
-        noise = float(number)
+        number = float(text)
     except ValueError:
-        noise = math.nan
-    if not 0.0 <= noise <= LARGEST_NOISE:
-        raise UsageError(
-            f'"{NOISY}:{excerpt(number)}": the noise is a number from 0 to {LARGEST_NOISE:g}'
-        )
-    return noise
+        number = math.nan
+    if not 0.0 <= number <= most:
+        raise UsageError(f'"{NOISY}:{excerpt(given)}": {what} is a number from 0 to {most:g}')
+    return number
 
 
 @dataclass(frozen=True)
@@ -273,7 +278,7 @@ def _of_word(word: Word, env: TaskEnv) -> Policy:
         case "expert":
             return Expert(env)
         case "noisy":
-            return NoisyExpert(Expert(env), word.noise)
+            return NoisyExpert(env, word.noise, word.share)
         case "random":
             return RandomActions()
         case _:

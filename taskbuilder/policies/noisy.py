@@ -16,15 +16,19 @@ from taskbuilder.rollout.record import ScriptLog
 class NoisyExpert:
     """The expert with Gaussian noise on the numbers of the arms; grippers have none.
 
-    The expert continues from where the noise has led it, as far as its stages allow.
+    The expert corrects what the noise has done: within a motion at the next control step, and at
+    its end until the goal is reached. So its episodes show how to come back to the way (DART,
+    Laskey et al. 2017).
 
     Args:
-        expert: The expert.
+        env: An environment of the task.
         spread: Standard deviation, where actions are from -1 to 1.
+        share: Share of the control steps that have noise, drawn for each robot.
     """
 
-    def __init__(self, expert: Expert, spread: float) -> None:
-        self._expert, self._spread = expert, spread
+    def __init__(self, env: TaskEnv, spread: float, share: float = 1.0) -> None:
+        self._expert = Expert(env, disturbed=spread * share > 0.0)
+        self._spread, self._share = spread, share
 
     def reset(self, env: TaskEnv, seed: int) -> None:
         """Begin an episode; the seed determines the noise."""
@@ -40,6 +44,8 @@ class NoisyExpert:
         noisy = {}
         for agent, action in actions.items():
             noise = self._rng.normal(0.0, self._spread, len(action))
+            if self._share < 1.0 and self._rng.random() >= self._share:
+                noise[:] = 0.0
             noise[self._expert.env.episode.actions[agent].arm_size :] = 0.0
             noisy[agent] = np.clip(action + noise, -1.0, 1.0).astype(np.float32)
         return noisy

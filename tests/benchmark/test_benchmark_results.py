@@ -89,7 +89,7 @@ def test_a_report_has_a_page_a_picture_and_all_numbers(folder):
     ]
     said = files[0].read_text()
     assert "taskbuilder benchmark made --track imitation --algorithm bc --seeds 11 12 13" in said
-    assert "with\n  seeds from 3000000 on" in said
+    assert "with\n  seeds from 3100000 on" in said
     assert "| a | 20 of 20 | 5.00 | – | – |" in said
     assert files[1].read_bytes().startswith(b"\x89PNG")
     rows = list(csv.DictReader(io.StringIO(files[2].read_text())))
@@ -122,7 +122,7 @@ def test_the_page_says_that_policies_may_have_been_trained_in_any_way(folder):
 def test_different_tracks_are_not_comparable(tmp_path):
     one = write_benchmark(tmp_path / "one", {"a": (9,)})
     two = write_benchmark(tmp_path / "two", {"a": (9,)}, track=find_track("imitation", smoke=True))
-    with pytest.raises(UsageError, match=r"is of made \(imitation, version 1\), and .* smoke"):
+    with pytest.raises(UsageError, match=r"is of made \(imitation, version 2\), and .* smoke"):
         read_several([one, two])
 
 

@@ -63,7 +63,7 @@ def test_every_cell_is_trained_and_evaluated_with_a_certificate(ran, catalogue):
     assert done[0].versions["taskbuilder"] == taskbuilder.__version__
     place = cell_folder(folder, "sideways", 11)
     certificate = json.loads((place / "certificate-1.json").read_text())
-    assert certificate["seeds"] == [*range(3_000_000, 3_000_004)]
+    assert certificate["seeds"] == [*range(3_100_000, 3_100_004)]
     assert certificate["options"]["variation"] == 1
     assert taskbuilder.verify(place / "certificate-1.json", jobs=1, catalogue=catalogue).verified
 
@@ -77,6 +77,8 @@ def test_seeds_differ_and_learn_from_the_same_demonstrations(ran):
     dataset = taskbuilder.load_dataset(folder / "shared" / "sideways")
     assert [episode.variation for episode in dataset] == [0, 0, 0]
     assert dataset[0].seed >= 500_000
+    told = json.loads((folder / "tasks" / "sideways.json").read_text())["demonstrator"]
+    assert {episode.policy for episode in dataset} == {told} == {"noisy:0.1@0.25"}
 
 
 def test_a_task_without_an_expert_is_a_row_with_its_reason(ran):
@@ -105,7 +107,7 @@ def test_what_is_there_is_not_done_again(ran, catalogue):
             {"track": QUICK.model_copy(update={"episodes": 5})},
             "track: its episodes differ",
         ),
-        ({"track": "vision"}, "track: imitation, version 1, changed: not comparable there, vision"),
+        ({"track": "vision"}, "track: imitation, version 2, changed: not comparable there, vision"),
     ],
 )
 def test_a_folder_of_another_benchmark_is_refused(ran, catalogue, changed, said):
@@ -121,7 +123,7 @@ def test_other_files_are_left_alone(folder, catalogue):
 
 
 def test_shared_demonstrations_of_another_track_are_refused(ran, folder, catalogue):
-    with pytest.raises(UsageError, match="is shared by methods on the track imitation, version 1"):
+    with pytest.raises(UsageError, match="is shared by methods on the track imitation, version 2"):
         taskbuilder.benchmark(
             "few",
             folder,

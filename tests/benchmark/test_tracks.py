@@ -31,14 +31,14 @@ def test_a_track_is_read_back_as_it_was_written():
 def test_a_smoke_version_is_short_and_says_so(name):
     track, short = find_track(name), find_track(name, smoke=True)
     assert (track.is_official, short.is_official) == (True, False)
-    assert short.label == f"{name}, version 1, smoke version: not comparable"
+    assert short.label == f"{name}, version 2, smoke version: not comparable"
     assert short.training.steps < track.training.steps / 10
     assert short.episodes < track.episodes
 
 
 def test_a_changed_track_says_so():
     changed = find_track("imitation").model_copy(update={"episodes": 10})
-    assert changed.label == "imitation, version 1, changed: not comparable"
+    assert changed.label == "imitation, version 2, changed: not comparable"
 
 
 def test_an_unknown_track_is_told_with_what_was_meant():

@@ -23,7 +23,7 @@ def test_a_report_is_a_table_of_80_columns(run, tmp_path):
     assert (
         ran.out
         == """
-made · imitation, version 1
+made · imitation, version 2
 
 task                 median seed, %      seed 11 12 13 14 15  safe   CPU min
 handover *           100.0 (72.2–100.0)  100 100 100 90 100   100.0  1.0
@@ -69,7 +69,7 @@ def test_policies_that_exist_are_played_and_told_as_they_end(run, tmp_path):
     ran = run(*words, "--out", "hold", "--task-path", "tasks", "--jobs", "1", "--only", "lonely")
     assert ran.status == 1
     assert ran.out.startswith("lonely, seed 11: ")
-    assert "few · reinforcement, version 1, smoke version: not comparable" in ran.out
+    assert "few · reinforcement, version 2, smoke version: not comparable" in ran.out
     assert "1 cell is missing; the same command without --only goes on" in ran.out
     about = json.loads((tmp_path / "hold" / "benchmark.json").read_text())
     assert about["command"].startswith("taskbuilder benchmark few --track reinforcement --smoke")

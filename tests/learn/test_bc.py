@@ -128,7 +128,7 @@ def test_policies_may_observe_less_than_was_recorded(recorded, tmp_path):
 
 
 def test_episodes_whose_success_is_lost_again_are_not_learned_from(tmp_path):
-    shaky = (read_share("noisy:0.06"),)
+    shaky = (read_share("noisy:0.15"),)
     collect(CollectPlan(("reach",), 6, policies=shaky, keep_failures=True), tmp_path / "data")
     episodes = load_dataset(tmp_path / "data").contents["episodes"]
     lasting = [each["steps"] for each in episodes if each["success_at_end"]]

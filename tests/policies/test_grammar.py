@@ -46,6 +46,8 @@ def still(observations):
         ("expert", "expert", "expert", ""),
         ("noisy:0.3", "noisy", "noisy:0.3", ""),
         ("noisy:0.3:handover", "noisy", "noisy:0.3", "handover"),
+        ("noisy:0.3@0.25", "noisy", "noisy:0.3@0.25", ""),
+        ("noisy:0.3@0.25:handover", "noisy", "noisy:0.3@0.25", "handover"),
         ("random", "random", "random", ""),
         ("hold", "hold", "hold", ""),
         ("nothing", "hold", "nothing", ""),
@@ -103,6 +105,8 @@ def test_what_is_no_policy_is_refused(policy):
         ("noisy:3", UsageError, "the noise is a number from 0 to 2"),
         ("noisy:lots:handover", UsageError, "the noise is a number from 0 to 2"),
         ("noisy:nan", UsageError, "the noise is a number from 0 to 2"),
+        ("noisy:0.3@", UsageError, "the share of the steps behind @ is a number from 0 to 1"),
+        ("noisy:0.3@2", UsageError, "the share of the steps behind @ is a number from 0 to 1"),
         ("noisy", UnknownNameError, "noisy:0.3"),
         ("expert:", UsageError, "which task? name it after the colon, such as expert:handover"),
         ("zoo:handover/demo", UnknownNameError, 'did you mean "zoo:handover/demos"'),
@@ -155,8 +159,22 @@ def test_the_words_play_what_they_say():
         for text, policy in (("random", RandomActions()), ("hold", HoldStill())):
             made = parse_policy(text).prepare(env, stack)
             assert play(env, made, 3).equals(play(env, policy, 3))
-        expert, noisy = (parse_policy(t).prepare(env, stack) for t in ("expert", "noisy:0"))
-        assert play(env, expert, 3).equals(play(env, noisy, 3))
+        texts = ("expert", "noisy:0", "noisy:0.3@0")
+        expert, *noisy = (parse_policy(text).prepare(env, stack) for text in texts)
+        episode = play(env, expert, 3)
+        assert all(episode.equals(play(env, policy, 3)) for policy in noisy)
+
+
+@pytest.mark.parametrize(
+    ("task", "policy"), [("insert_peg", "noisy:0.1@0.25"), ("double_door", "noisy:0.02@0.25")]
+)
+def test_the_expert_corrects_what_noise_has_done(task, policy):
+    """In motions, at their ends, and while grippers close."""
+    env = parallel_env(task)
+    with closing(env), ExitStack() as stack:
+        noisy = parse_policy(policy).prepare(env, stack)
+        episodes = [play(env, noisy, seed) for seed in range(5)]
+    assert sum(episode.success for episode in episodes) >= 4
 
 
 @pytest.mark.parametrize("text", ["expert*0", "expert*x", "noisy:9", "noisy:0.1*1001"])

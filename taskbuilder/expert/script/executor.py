@@ -39,6 +39,9 @@ from taskbuilder.world.world import World
 SETTLE_S = 0.6
 """Time for a motion to arrive after its last command, in seconds."""
 
+DISTURBED_S = 1.5
+"""The same, where actions are disturbed: until one step in four has been carried out as meant."""
+
 GRIP_S = 1.0
 """Time for a gripper to hold or release an object, in seconds."""
 
@@ -73,6 +76,7 @@ class Executor:
         without: Robots that do not take part.
         seed: Seed of the planner.
         steered: Robots that people steer; the executor waits until their orders are done.
+        disturbed: Whether others are carried out than the actions that it yields.
 
     Attributes:
         encoder: Encodes commands as actions.
@@ -86,13 +90,16 @@ class Executor:
         without: frozenset[str],
         seed: int,
         steered: frozenset[str] = frozenset(),
+        *,
+        disturbed: bool = False,
     ) -> None:
-        self.encoder = ActionEncoder(env)
+        self.encoder = ActionEncoder(env, corrects=disturbed)
         self.planning_s = 0.0
         self._env = env
         self._planner = planner
         self._without = without | steered
         self._steered = steered
+        self._disturbed = disturbed
         self._rng = np.random.default_rng([seed, 1])
         self._stopped: set[str] = set()
 
@@ -287,7 +294,7 @@ class Executor:
             self._check_loads(loads, handles, missed, labels)
         # Policies do not observe the delay of an episode, so demonstrations must not depend on it.
         late = self._env.episode.longest_delay
-        for waited in range(late + self._steps(SETTLE_S)):
+        for waited in range(late + self._steps(DISTURBED_S if self._disturbed else SETTLE_S)):
             self._stop(goes)
             if waited >= late and all(self._has_arrived(who, go) for who, go in goes.items()):
                 break

@@ -31,18 +31,21 @@ class Expert:
 
     Args:
         env: An environment of the task, with flat actions and a fixed variation.
+        disturbed: Whether its actions are changed before they are carried out, for example by
+            noise. At the end of a motion, it then commands the goal until it is reached.
 
     Raises:
         UsageError: The environment draws a random variation in each episode.
     """
 
-    def __init__(self, env: TaskEnv) -> None:
+    def __init__(self, env: TaskEnv, *, disturbed: bool = False) -> None:
         if env.options.variation == "random":
             raise UsageError(
                 "an expert plans for one variation; make the environment with a fixed variation"
             )
         self.env = env
         self._planner = Planner(env)
+        self._disturbed = disturbed
         self._script: _Script | None = None
 
     def play(
@@ -102,6 +105,7 @@ class Expert:
             finish=finish,
             until_decided=until_decided,
             after_stage=after_stage,
+            disturbed=self._disturbed,
         )
         return play(
             self.env,
@@ -123,7 +127,9 @@ class Expert:
         """
         if env is not self.env:
             raise UsageError("an expert plays in the environment that it was made for")
-        self._script = _Script(self.env, self._planner, self._stages(None))
+        self._script = _Script(
+            self.env, self._planner, self._stages(None), disturbed=self._disturbed
+        )
         self._script.reset(env, seed)
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:
@@ -188,11 +194,12 @@ class _Script:
         finish: Finish = True,
         until_decided: bool = False,
         after_stage: Callable[[int], None] = lambda _: None,
+        disturbed: bool = False,
     ) -> None:
         self._env, self._planner, self._stages = env, planner, stages
         self._without, self._persist, self._finish = without, persist, finish
         self._until_decided = until_decided
-        self._after_stage = after_stage
+        self._after_stage, self._disturbed = after_stage, disturbed
         self._stage = 0
         self._ends: list[int] = []
         self._trouble: Trouble | None = None
@@ -204,7 +211,14 @@ class _Script:
     def leave_out(self, steered: frozenset[str]) -> None:
         """Play on from the current stage, without robots that people steer."""
         self._trouble, self._steered = None, steered
-        self._executor = Executor(self._env, self._planner, self._without, self._seed, steered)
+        self._executor = Executor(
+            self._env,
+            self._planner,
+            self._without,
+            self._seed,
+            steered,
+            disturbed=self._disturbed,
+        )
         self._actions = self._play(len(self._ends))
 
     def act(self, observations: Mapping[str, Any]) -> Actions | None:

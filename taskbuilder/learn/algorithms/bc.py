@@ -187,6 +187,11 @@ ALGORITHM = Algorithm(
             "from states; steps are updates with a batch",
             plan={"steps": 5_000, "evaluate_every": 1_000, "checkpoint_every": 1_000},
         ),
+        "precise": Preset(
+            "from states of demonstrations with recovery; acts on the newest prediction",
+            settings={"noise": 0.02, "decay": 2.0},
+            plan={"steps": 15_000, "evaluate_every": 3_000, "checkpoint_every": 3_000},
+        ),
         "visuomotor": Preset(
             "from pictures of about 64×64",
             settings={"batch": 64, "lr": 3e-3},
