@@ -103,6 +103,12 @@ def add_mounting(parser: ArgumentParser) -> None:
         metavar="LINK",
         help="import: a link of the arm that is meant, if the robot has several",
     )
+    parser.add_argument(
+        "--all-arms",
+        action="store_true",
+        help="import: each arm of a body as a robot of its own, and lines of a task that has them "
+        "all",
+    )
 
 
 def _pair(text: str) -> tuple[str, str]:

@@ -34,9 +34,10 @@ from taskbuilder.visual.annotations import arm_reach, axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
 from taskbuilder.visual.still import save_image
+from taskbuilder.world.arm_branches import FEW
 from taskbuilder.world.reach import longest_reach
 from taskbuilder.world.robot_file import robot_file
-from taskbuilder.world.robot_proposal import FEW, Proposal, propose
+from taskbuilder.world.robot_proposal import Proposal, propose
 
 _MOST_ROOM_M = 2.0
 

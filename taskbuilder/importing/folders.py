@@ -18,7 +18,7 @@ from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedShape, Link
 from taskbuilder.importing.geometry import Geometry, MeshOptions
-from taskbuilder.importing.limits import held, with_followers, with_limits
+from taskbuilder.importing.limits import held_as_unused, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
 from taskbuilder.importing.mounting import Mount, mounted, with_located_meshes
 from taskbuilder.importing.packages import Packages
@@ -31,6 +31,7 @@ from taskbuilder.schema.robot import MOST_JOINTS
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.trials.proposing import corrected
 from taskbuilder.trials.robot_trial import GripperTrial
+from taskbuilder.wording import quoted, suggestion
 from taskbuilder.world.robot_file import robot_file
 from taskbuilder.world.robot_proposal import Proposal, propose
 
@@ -92,6 +93,28 @@ TryGripper = Callable[[RobotModel], GripperTrial]
 """Tries the gripper of a robot in physics."""
 
 
+@dataclass(frozen=True)
+class ReadRobot:
+    """A robot with all that was found out about it, before it is known what its arm is.
+
+    Attributes:
+        description: It, with what is mounted on it.
+        geometry: Its meshes.
+        changes: What was changed so far.
+    """
+
+    description: ImportedBody
+    geometry: Geometry
+    changes: Changes
+
+    @contextmanager
+    def urdf(self) -> Iterator[Urdf]:
+        """What would be written, as it will be read; in a folder that is removed again."""
+        name = self.description.name
+        with _aside(name, self.description, self.geometry, self.changes) as urdf:
+            yield urdf
+
+
 def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) -> Imported:
     """Read a robot and make the files of a folder of it.
 
@@ -99,6 +122,16 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
         source: What is imported.
         try_gripper: Tries the gripper that is proposed, so that its stroke and force are corrected
             by what is measured; None to leave them as they follow from the shapes.
+
+    Raises:
+        FileError: Something is wrong that cannot be mended without a guess.
+        UsageError: Options are wrong, or the extra is not installed.
+    """
+    return finished(read_robot(source), source, try_gripper)
+
+
+def read_robot(source: ImportSource) -> ReadRobot:
+    """Read a robot, and what is mounted on it.
 
     Raises:
         FileError: Something is wrong that cannot be mended without a guess.
@@ -118,8 +151,33 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_ROBOT_SLACK)
     geometry = Geometry(packages, options, changes)
-    description = _completed(description, geometry, source, changes)
-    home = description.postures.get("home")
+    _require_link(description, source.arm)
+    return ReadRobot(_completed(description, geometry, source, changes), geometry, changes)
+
+
+def finished(
+    read: ReadRobot,
+    source: ImportSource,
+    try_gripper: TryGripper | None,
+    home: Mapping[str, float] | None = None,
+    said: tuple[str, ...] = (),
+) -> Imported:
+    """The files of a folder of a robot that was read.
+
+    Args:
+        read: The robot.
+        source: What is imported.
+        try_gripper: As of `import_robot`.
+        home: Joint -> position in rad or m that it begins in; by default as its file says, or as
+            is found.
+        said: What its robot file says at its beginning.
+
+    Raises:
+        FileError: It cannot be used.
+    """
+    description, geometry, changes = read.description, read.geometry, read.changes
+    name = description.name
+    home = home or description.postures.get("home")
     with _aside(name, description, geometry, changes) as urdf:
         proposal = propose(urdf, end=source.arm, home=home)
     if proposal is not None:
@@ -137,7 +195,8 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
             written = urdf.path.parent / "robot.yaml"
 
             def loaded(proposal: Proposal) -> RobotModel:
-                text = _robot_text(urdf, proposal, source, description, changes)
+                lines = (*_lines(urdf, source, description, changes), *said)
+                text = robot_file(urdf, replace(proposal, remarks=(*lines, *proposal.remarks)))
                 files["robot.yaml"] = text.encode()
                 written.write_text(text, encoding="utf-8")
                 return load_robot(CatalogueEntry(name, written))
@@ -148,6 +207,19 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
                 loaded(proposal)
     shown = urdf_text(_collisions_shown(description), ["collision shapes"])
     return Imported(name, files, changes, proposal, shown, warnings)
+
+
+def _require_link(description: ImportedBody, arm: str | None) -> None:
+    """Refuse a link of an arm that is not there.
+
+    Raises:
+        FileError: It is not.
+    """
+    links = [link.name for link in description.links]
+    if arm is not None and arm not in links:
+        right = suggestion(arm, links, otherwise="name one of its links")
+        message = f"has no link {quoted(arm)} of an arm that is meant; {right}"
+        raise FileError([Finding(codes.STRUCTURE, message, "", Location(description.file))])
 
 
 def _require_arm(description: ImportedBody, proposal: Proposal) -> None:
@@ -243,19 +315,9 @@ def _without_unused(
 ) -> ImportedBody:
     """The description with joints fixed that are neither of the arm nor of the gripper."""
     unused = {joint.name for joint in proposal.unused(urdf)}
-    joints = []
-    for joint in description.joints:
-        if joint.name in unused:
-            low = joint.lower if joint.lower is not None else 0.0
-            high = joint.upper if joint.upper is not None else 0.0
-            position = min(max(0.0, low), high) if joint.lower is not None else 0.0
-            changes.note(
-                f"joint {joint.name}", "type", joint.type, f"fixed at {position:g}",
-                "it is neither of the arm nor of the gripper",
-            )  # fmt: skip
-            joint = held(joint, position)
-        joints.append(joint)
-    return replace(description, joints=tuple(joints))
+    return held_as_unused(
+        description, unused, changes, "it is neither of the arm nor of the gripper"
+    )
 
 
 @contextmanager
@@ -285,13 +347,10 @@ def _text(description: ImportedBody, source: ImportSource, changes: Changes) -> 
     return urdf_text(description, [*comment, "", *changes.lines()])
 
 
-def _robot_text(
-    urdf: Urdf,
-    proposal: Proposal,
-    source: ImportSource,
-    description: ImportedBody,
-    changes: Changes,
-) -> str:
+def _lines(
+    urdf: Urdf, source: ImportSource, description: ImportedBody, changes: Changes
+) -> list[str]:
+    """What a robot file says of where it comes from."""
     others = [name for name in description.postures if name != "home"]
     lines = [f"{MARK} from {source.file.name}; {urdf.path.name} lists the changes"]
     if "home" in description.postures:
@@ -300,7 +359,7 @@ def _robot_text(
         lines.append(f"the file also names the postures {', '.join(others)}")
     if changes.left_out:
         lines.append(f"{urdf.path.name} also lists what was left out")
-    return robot_file(urdf, replace(proposal, remarks=(*lines, *proposal.remarks)))
+    return lines
 
 
 def _collisions_shown(description: ImportedBody) -> ImportedBody:
