@@ -99,6 +99,13 @@ def add_mounting(parser: ArgumentParser) -> None:
         "metres and degrees; one for each --gripper",
     )
     parser.add_argument(
+        "--suction",
+        type=_positive,
+        metavar="NEWTONS",
+        help="import: it ends in a suction cup that lets go at this force (default: found by "
+        "names, with a force from the width of the cup)",
+    )
+    parser.add_argument(
         "--arm",
         metavar="LINK",
         help="import: a link of the arm that is meant, if the robot has several",

@@ -221,6 +221,7 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
         arguments.density,
         _mounts(arguments) if robot else (),
         getattr(arguments, "arm", None),
+        getattr(arguments, "suction", None),
     )
 
 
@@ -366,6 +367,8 @@ def _print_end(outcome: _Outcome) -> None:
 
 def _words(proposal: Proposal) -> str:
     opens = f"the gripper opens {proposal.stroke * 1000:.0f} mm" if proposal.gripper else ""
+    if proposal.cup is not None:
+        opens = f"the suction cup {proposal.cup.link} holds {proposal.cup.force:g} N"
     joints = f"{len(proposal.arm)} joints in the arm"
     return "; ".join(filter(None, (joints, opens)))
 
@@ -380,6 +383,7 @@ def _data(outcome: _Outcome) -> dict[str, Any]:
         "changes": [dict(zip(HEADER, row.cells(), strict=True)) for row in imported.changes.rows],
         "left_out": list(imported.changes.left_out),
         "arm": [joint.name for joint in proposal.arm] if proposal else None,
+        "suction": proposal.cup.force if proposal and proposal.cup else None,
         "stroke": round(proposal.stroke, 4) if proposal and proposal.gripper else None,
         "questions": list(proposal.remarks) if proposal else [],
         "findings": [finding.as_data() for finding in outcome.findings],

@@ -92,7 +92,9 @@ def import_arms(source: ImportSource, try_gripper: TryGripper | None = None) -> 
     for arm in arms:
         alone = _alone(read, arm, arms)
         with alone.urdf() as urdf:
-            proposal = propose(urdf, home=read.description.postures.get("home"))
+            proposal = propose(
+                urdf, home=read.description.postures.get("home"), suction=read.suction
+            )
         if proposal is None:
             message = f"from {arm.joint.child} on, no arm was found"
             raise FileError([Finding(codes.NOT_IMPORTED, message, "", Location(source.file))])
@@ -166,7 +168,8 @@ def _alone(read: ReadRobot, arm: _ArmOfBody, arms: Sequence[_ArmOfBody]) -> Read
                 f"it is the robot {other.robot}",
             )  # fmt: skip
     geometry = replace(read.geometry, changes=changes)
-    return ReadRobot(replace(description, name=arm.robot), geometry, changes)
+    description = replace(description, name=arm.robot)
+    return replace(read, description=description, geometry=geometry, changes=changes)
 
 
 def _without(description: ImportedBody, links: Collection[str], changes: Changes) -> ImportedBody:

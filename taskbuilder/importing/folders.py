@@ -20,7 +20,7 @@ from taskbuilder.importing.description import ImportedBody, ImportedShape, Link
 from taskbuilder.importing.geometry import Geometry, MeshOptions
 from taskbuilder.importing.limits import held_as_unused, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
-from taskbuilder.importing.mounting import Mount, mounted, with_located_meshes
+from taskbuilder.importing.mounting import Mount, is_cup, mounted, with_located_meshes
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.reading import is_mesh, read_description
 from taskbuilder.importing.shells import without_shells
@@ -54,6 +54,8 @@ class ImportSource:
         density: In kg/m³, in place of masses that the file says.
         mounts: What is mounted on a robot, one after the other: adapters, and a gripper.
         arm: A link of the arm that is meant, where there are several.
+        suction: Force in newtons of the suction cup that it ends in; None for none, or for one that
+            its names tell of.
     """
 
     file: Path
@@ -66,6 +68,7 @@ class ImportSource:
     density: float | None = None
     mounts: tuple[Mount, ...] = ()
     arm: str | None = None
+    suction: float | None = None
 
 
 @dataclass(frozen=True)
@@ -101,11 +104,13 @@ class ReadRobot:
         description: It, with what is mounted on it.
         geometry: Its meshes.
         changes: What was changed so far.
+        suction: As of `propose`.
     """
 
     description: ImportedBody
     geometry: Geometry
     changes: Changes
+    suction: float | None = None
 
     @contextmanager
     def urdf(self) -> Iterator[Urdf]:
@@ -146,13 +151,17 @@ def read_robot(source: ImportSource) -> ReadRobot:
         part = with_followers(read_description(other, source.arguments, changes), changes)
         parts.append((with_located_meshes(part, other), mount.flange))
         packages.admit(other.roots)
-    description = mounted(description, parts, changes)
+    suction = source.suction
+    if suction is None and parts and is_cup(parts[-1][0]):
+        suction = 0.0
+    description = mounted(description, parts, changes, suction=suction is not None)
     name = _name(source.name or _proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_ROBOT_SLACK)
     geometry = Geometry(packages, options, changes)
     _require_link(description, source.arm)
-    return ReadRobot(_completed(description, geometry, source, changes), geometry, changes)
+    description = _completed(description, geometry, source, changes)
+    return ReadRobot(description, geometry, changes, suction)
 
 
 def finished(
@@ -178,20 +187,20 @@ def finished(
     description, geometry, changes = read.description, read.geometry, read.changes
     name = description.name
     home = home or description.postures.get("home")
+    cup = read.suction
     with _aside(name, description, geometry, changes) as urdf:
-        proposal = propose(urdf, end=source.arm, home=home)
+        proposal = propose(urdf, end=source.arm, home=home, suction=cup)
     if proposal is not None:
         _require_arm(description, proposal)
         description = _without_unused(description, proposal, urdf, changes)
-        touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
-        description = geometry.refined(description, list(touching))
+        description = geometry.refined(description, proposal.touching)
         description = with_steady_fingers(description, proposal, urdf, changes)
     with _aside(name, description, geometry, changes) as urdf:
         files = geometry.used_files(description)
         files[f"{name}.urdf"] = _text(description, source, changes).encode()
         warnings = urdf.warnings
         if proposal is not None:
-            proposal = _again(proposal, propose(urdf, end=source.arm, home=home))
+            proposal = _again(proposal, propose(urdf, end=source.arm, home=home, suction=cup))
             written = urdf.path.parent / "robot.yaml"
 
             def loaded(proposal: Proposal) -> RobotModel:

@@ -27,6 +27,7 @@ from taskbuilder.world.hands import (
     snapped,
 )
 from taskbuilder.world.home_proposal import ProposedHome, find_home
+from taskbuilder.world.suction_proposal import Cup, find_cup
 
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
 _FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
@@ -52,6 +53,7 @@ class Proposal:
         force: Of each driven joint of the gripper, in N or Nm; 0 without a gripper.
         bounded: Whether the effort of the URDF keeps the force from being what would be right.
         remarks: What its reader is to know or to check.
+        cup: The suction cup, in place of a gripper; the tool's frame is that of its mouth.
     """
 
     arm: tuple[UrdfJoint, ...]
@@ -64,6 +66,13 @@ class Proposal:
     force: float
     bounded: bool
     remarks: tuple[str, ...]
+    cup: Cup | None = None
+
+    @property
+    def touching(self) -> tuple[str, ...]:
+        """The links that touch what is held."""
+        fingers = dict.fromkeys(link for finger in self.fingers for link in finger)
+        return (*fingers, *((self.cup.link,) if self.cup else ()))
 
     @property
     def open(self) -> dict[str, float]:
@@ -78,7 +87,11 @@ class Proposal:
 
 
 def propose(
-    urdf: Urdf, *, end: str | None = None, home: Mapping[str, float] | None = None
+    urdf: Urdf,
+    *,
+    end: str | None = None,
+    home: Mapping[str, float] | None = None,
+    suction: float | None = None,
 ) -> Proposal | None:
     """Propose a robot file for a URDF; None if it has no arm that can be told apart.
 
@@ -86,12 +99,14 @@ def propose(
         urdf: The robot.
         end: A link beyond the arm that is meant, where there are several.
         home: A posture that its maker names, joint -> position in rad or m.
+        suction: Force in newtons of the suction cup that it ends in, 0 for an unknown one; None if
+            links have to be named like a cup to be one.
     """
     remarks: list[str] = []
     arm, hand, found = find_arm(urdf, end, remarks)
     if not arm:
         return None
-    force = MotorForce(0.0)
+    force, cup = MotorForce(0.0), None
     if found is not None:
         remarks += found.remarks
         force = motor_force(urdf, found)
@@ -102,6 +117,9 @@ def propose(
                 f"{len(found.fingers)} fingers were found, and y of the tcp is along the line "
                 "between the first two. Do the others oppose them?"
             )
+    elif (cup := find_cup(urdf, hand, suction)) is not None:
+        remarks += cup.remarks
+        link, tcp = cup.link, cup.tcp
     else:
         remarks.append(
             "no gripper was found: no link has two or more fingers that move, or one jaw beside a "
@@ -126,6 +144,7 @@ def propose(
         force.force,
         force.bounded,
         tuple(remarks),
+        cup,
     )
 
 
