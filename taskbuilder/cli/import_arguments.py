@@ -11,11 +11,6 @@ from taskbuilder.cli.shared_options import add_count
 def add_measures(parser: ArgumentParser) -> None:
     """Options of importing objects alone."""
     parser.add_argument(
-        "--unit",
-        choices=("m", "cm", "mm", "in"),
-        help="import: unit of meshes whose format states none (default: found from their size)",
-    )
-    parser.add_argument(
         "--mass",
         type=_positive,
         metavar="KG",
@@ -69,6 +64,11 @@ def add_import(parser: ArgumentParser) -> None:
         "--up",
         choices=("x", "y", "z"),
         help="import: up axis of the meshes (default: as they state it)",
+    )
+    parser.add_argument(
+        "--unit",
+        choices=("m", "cm", "mm", "in"),
+        help="import: unit of meshes whose format states none (default: found from their size)",
     )
     parser.add_argument(
         "--density",

@@ -30,7 +30,13 @@ from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import FileError, Finding, Location, UsageError, display_path
 from taskbuilder.importing.arms import import_arms
 from taskbuilder.importing.changes import HEADER
-from taskbuilder.importing.folders import Imported, ImportSource, import_object, import_robot
+from taskbuilder.importing.folders import (
+    ROBOT_NAME,
+    Imported,
+    ImportSource,
+    import_object,
+    import_robot,
+)
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
 from taskbuilder.importing.mounting import Mount
@@ -44,7 +50,7 @@ from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
-from taskbuilder.visual.still import save_image
+from taskbuilder.visual.still import Pixels, save_image
 from taskbuilder.world.robot_proposal import Proposal, link_pose
 
 
@@ -161,11 +167,16 @@ def _outcome(
 ) -> _Outcome:
     """Try what was imported."""
     arm = robot and imported.proposal is not None
-    findings, picture, trial = _tried(
+    findings, pixels, trial = _tried(
         imported, fixed=robot, arm=arm, quick=robot and arguments.quick
     )
     others = [finding for finding in findings if finding.code != codes.UNTOUCHING]
     writable = trial is not None or not _has_error(others)
+    picture = None
+    if writable and pixels is not None:
+        picture = Path("renders", f"{imported.name}-import.png")
+        make_folder(picture.parent)
+        save_image(picture, pixels)
     return _Outcome(imported, folder, findings, picture, trial, writable)
 
 
@@ -202,6 +213,13 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
     file = Path(arguments.robot if robot else arguments.file)
     if not file.exists():
         raise UsageError(f"there is no file {display_path(file)}")
+    if arguments.root is not None and not arguments.root.is_dir():
+        raise UsageError(f"--root {display_path(arguments.root)}: there is no such folder")
+    if robot and arguments.out and not ROBOT_NAME.fullmatch(arguments.out.name):
+        raise UsageError(
+            f'--out {display_path(arguments.out)}: "{arguments.out.name}" is no name of a robot; '
+            "write letters, digits and _, beginning with a letter"
+        )
     unit = getattr(arguments, "unit", None)
     meshes = MeshOptions(
         triangles=arguments.triangles,
@@ -268,7 +286,7 @@ def _failed(arguments: argparse.Namespace, error: FileError) -> int:
 
 def _tried(
     imported: Imported, *, fixed: bool, arm: bool, quick: bool
-) -> tuple[list[Finding], Path | None, RobotTrial | None]:
+) -> tuple[list[Finding], Pixels | None, RobotTrial | None]:
     """What the physics engine says of the files, the picture, and the trial of a robot that moves.
 
     The files lie in a folder that is removed again.
@@ -296,7 +314,9 @@ def _in_folder(finding: Finding, name: str) -> Finding:
     return replace(finding, location=replace(where, file=Path(where.file.name)))
 
 
-def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Finding]) -> Path | None:
+def _picture(
+    folder: Path, urdf: Urdf, imported: Imported, findings: list[Finding]
+) -> Pixels | None:
     """Take the picture: the looks, with the axes of the tcp, beside the collision shapes."""
     proposal = imported.proposal
     joints = proposal.open if proposal else {}
@@ -318,10 +338,7 @@ def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Findin
     except AssetError as error:
         findings.append(error.finding(location=Location(urdf.path)))
         return None
-    file = Path("renders", f"{imported.name}-import.png")
-    make_folder(file.parent)
-    save_image(file, np.concatenate([looks, shapes], axis=1))
-    return file
+    return np.concatenate([looks, shapes], axis=1)
 
 
 def _print(outcome: _Outcome, figures: ObjectFigures | None, *, robot: bool) -> None:

@@ -35,7 +35,8 @@ from taskbuilder.wording import quoted, suggestion
 from taskbuilder.world.robot_file import robot_file
 from taskbuilder.world.robot_proposal import Proposal, propose
 
-_NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
+ROBOT_NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
+"""What a folder of a robot or an object may be called."""
 _ROBOT_SLACK, _OBJECT_SLACK = math.inf, 1.0
 
 
@@ -232,20 +233,16 @@ def _require_link(description: ImportedBody, arm: str | None) -> None:
 
 
 def _require_arm(description: ImportedBody, proposal: Proposal) -> None:
-    """Refuse a chain of joints that is longer than an arm may be, such as a snake's.
+    """Refuse a chain of joints that is longer than an arm may be.
 
     Raises:
         FileError: It is.
     """
-    joints = [joint.name for joint in proposal.arm]
-    if len(joints) > MOST_JOINTS:
-        first = joints[MOST_JOINTS]
+    if proposal.too_long:
+        first = proposal.arm[MOST_JOINTS].name
         place = next(joint.place for joint in description.joints if joint.name == first)
-        message = (
-            f"{len(joints)} joints move one after the other, and an arm has at most {MOST_JOINTS}; "
-            "make some of them fixed, or import the part of the robot that is an arm"
-        )
-        raise FileError([Finding(codes.NOT_IMPORTED, message, f"joint {first}", place)])
+        finding = Finding(codes.NOT_IMPORTED, proposal.too_long, f"joint {first}", place)
+        raise FileError([finding])
 
 
 def import_object(source: ImportSource) -> Imported:
@@ -347,7 +344,19 @@ def _aside(
         folder.mkdir(exist_ok=True)
         file = folder / f"{name}.urdf"
         file.write_text(urdf_text(description, changes.lines()), encoding="utf-8")
-        yield read_urdf(file, (folder,), fixed=fixed)
+        try:
+            urdf = read_urdf(file, (folder,), fixed=fixed)
+        except FileError as error:
+            raise FileError([_at_source(one, description) for one in error.findings]) from error
+        yield urdf
+
+
+def _at_source(finding: Finding, description: ImportedBody) -> Finding:
+    """A finding about what would be written, at the part of the source that it comes from."""
+    kind, _, name = finding.path.partition(" ")
+    parts = description.links if kind == "link" else description.joints
+    place = next((part.place for part in parts if part.name == name), Location(description.file))
+    return replace(finding, location=place)
 
 
 def _text(description: ImportedBody, source: ImportSource, changes: Changes) -> str:
@@ -419,6 +428,6 @@ def _name(text: str) -> str:
     if not name or not name[0].isalpha():
         name = f"robot_{name}".rstrip("_")
     name = name[:40]
-    if not _NAME.fullmatch(name):
+    if not ROBOT_NAME.fullmatch(name):
         raise UsageError(f'"{text}" is no name; give one with --name')
     return name

@@ -13,6 +13,7 @@ import numpy as np
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.geometry import Pose, Vec3, from_axes
+from taskbuilder.schema.robot import MOST_JOINTS
 from taskbuilder.world.arm_branches import find_arm
 from taskbuilder.world.grip_force import MotorForce, motor_force
 from taskbuilder.world.hands import (
@@ -67,6 +68,17 @@ class Proposal:
     bounded: bool
     remarks: tuple[str, ...]
     cup: Cup | None = None
+
+    @property
+    def too_long(self) -> str:
+        """What is wrong with a chain of more joints than an arm may have, such as a snake's."""
+        if len(self.arm) <= MOST_JOINTS:
+            return ""
+        return (
+            f"{len(self.arm)} joints move one after the other, and an arm has at most "
+            f"{MOST_JOINTS}; make some of them fixed, or import the part of the robot that is an "
+            "arm"
+        )
 
     @property
     def touching(self) -> tuple[str, ...]:
