@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
+import resource
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +20,7 @@ from typing import Any
 from taskbuilder.assets.paths import AssetError, pybullet_data_folder
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, TaskbuilderError
+from taskbuilder.importing.arms import import_arms
 from taskbuilder.importing.folders import ImportSource, import_robot
 from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.writing import write_folder
@@ -44,6 +47,7 @@ class Case:
     packages: dict[str, str] = field(default_factory=dict)
     gripper: str = ""
     at: str = ""
+    all_arms: bool = False
 
 
 CASES = (
@@ -110,6 +114,21 @@ CASES = (
     Case("xArm7 (example-robot-data)", f"{ROBOTS}/xarm_description/urdf/xarm7.urdf"),
     Case("Z1 (example-robot-data)", f"{ROBOTS}/z1_description/urdf/z1.urdf"),
     Case("Baxter (example-robot-data)", f"{ROBOTS}/baxter_description/urdf/baxter.urdf"),
+    Case(
+        "Baxter, all arms (example-robot-data)",
+        f"{ROBOTS}/baxter_description/urdf/baxter.urdf",
+        all_arms=True,
+    ),
+    Case(
+        "Tiago dual, all arms (example-robot-data)",
+        f"{ROBOTS}/tiago_description/robots/tiago_dual.urdf",
+        all_arms=True,
+    ),
+    Case(
+        "PR2, all arms (example-robot-data)",
+        f"{ROBOTS}/pr2_description/urdf/pr2.urdf",
+        all_arms=True,
+    ),
     Case("Tiago (example-robot-data)", f"{ROBOTS}/tiago_description/robots/tiago.urdf"),
     Case("UR5e (airo-models)", f"{AIRO}/arms/ur5e/ur5e.urdf"),
     Case("UR3e (airo-models)", f"{AIRO}/arms/ur3e/ur3e.urdf"),
@@ -140,22 +159,23 @@ def imported(case: Case, base: Path, scratch: Path) -> dict[str, Any]:
     if not file.exists():
         return {**row, "result": "not there"}
     row["before"] = before(file)
-    began, used = time.perf_counter(), time.process_time()
+    source = ImportSource(
+        file,
+        {name: base / folder for name, folder in case.packages.items()},
+        case.arguments,
+        mounts=(Mount(located(case.gripper, base), case.at),) if case.gripper else (),
+    )
+    began, used = time.perf_counter(), cpu_seconds()
     try:
-        result = import_robot(
-            ImportSource(
-                file,
-                {name: base / folder for name, folder in case.packages.items()},
-                case.arguments,
-                mounts=(Mount(located(case.gripper, base), case.at),) if case.gripper else (),
-            )
-        )
+        results = list(import_arms(source).robots.values()) if case.all_arms else []
+        results = results or [import_robot(source)]
         row["seconds"] = round(time.perf_counter() - began, 1)
-        row["cpu_seconds"] = round(time.process_time() - used, 1)
-        folder = scratch / case.name.replace(" ", "_") / result.name
-        write_folder(folder, result.files, overwrite=True)
-        urdf = read_urdf(folder / f"{result.name}.urdf", (folder,), fixed=True)
-        take_robot_picture(urdf, result.proposal.open if result.proposal else {}, trusted=True)
+        row["cpu_seconds"] = round(cpu_seconds() - used, 1)
+        for result in results:
+            folder = scratch / case.name.replace(" ", "_") / result.name
+            write_folder(folder, result.files, overwrite=True)
+            urdf = read_urdf(folder / f"{result.name}.urdf", (folder,), fixed=True)
+            take_robot_picture(urdf, result.proposal.open if result.proposal else {}, trusted=True)
     except (TaskbuilderError, AssetError) as error:
         findings = getattr(error, "findings", ())
         said = f"{findings[0].code} {findings[0].message}" if findings else str(error)
@@ -164,8 +184,10 @@ def imported(case: Case, base: Path, scratch: Path) -> dict[str, Any]:
             "result": f"refused: {said.partition(';')[0]}"[:160],
             "findings": len(findings),
         }
+    result = results[0]
     proposal = result.proposal
     row |= {
+        "arms": len(results),
         "result": "ok",
         "arm": len(proposal.arm) if proposal else 0,
         "fingers": len(proposal.fingers) if proposal else 0,
@@ -175,6 +197,15 @@ def imported(case: Case, base: Path, scratch: Path) -> dict[str, Any]:
         "questions": list(proposal.remarks) if proposal else ["no arm"],
     }
     return row
+
+
+def cpu_seconds() -> float:
+    """Seconds of the processor of this process and of the children that it has waited for."""
+    mine, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, _CHILDREN))
+    return mine.ru_utime + mine.ru_stime + children.ru_utime + children.ru_stime
+
+
+_CHILDREN = resource.RUSAGE_CHILDREN
 
 
 def located(reference: str, base: Path) -> Path:
@@ -187,6 +218,12 @@ def located(reference: str, base: Path) -> Path:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
+    parser.add_argument(
+        "--minutes", type=float, default=math.inf, help="of the processor, after which it stops"
+    )
+    parser.add_argument(
+        "--missing", action="store_true", help="only those that the results do not have yet"
+    )
     parser.add_argument("--only", default="", help="parts of names, with commas")
     parser.add_argument("--scratch", type=Path, default=Path("/tmp/imports"))
     parser.add_argument("--out", type=Path, default=Path("benchmarks/results/imports.json"))
@@ -196,6 +233,11 @@ def main() -> None:
     for case in CASES:
         if given.only and not any(word in case.name for word in given.only.split(",")):
             continue
+        if given.missing and case.name in rows:
+            continue
+        if cpu_seconds() / 60.0 > given.minutes:
+            print(f"stopped after {given.minutes:g} minutes of the processor; go on with --missing")
+            break
         try:
             rows[case.name] = imported(case, given.folder.resolve(), given.scratch)
         except Exception as error:  # a defect is a result, too

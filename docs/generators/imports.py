@@ -27,10 +27,15 @@ def _row(row: dict[str, Any]) -> list[str]:
         row["name"],
         _plain(row["before"]) or "–",
         "ok" if good else _plain(row["result"]),
-        f"{row['arm']} joints" if row.get("arm") else "–",
+        _arms(row) if row.get("arm") else "–",
         f"{row['fingers']} fingers, {stroke} mm" if stroke else "–",
         f"{row['cpu_seconds']:g}" if "cpu_seconds" in row else "–",
     ]
+
+
+def _arms(row: dict[str, Any]) -> str:
+    several = f"{row['arms']} × " if row.get("arms", 1) > 1 else ""
+    return f"{several}{row['arm']} joints"
 
 
 def _plain(text: str) -> str:

@@ -199,7 +199,8 @@ CODES: dict[str, tuple[str, str]] = {
         "Gripper does not hold",
         "`robots check` closes the gripper on blocks of 100 g and of three widths, 20, 50 and 85 % "
         "of its stroke, shakes the arm, and pulls. A block fell, or slips at a small load. Raise "
-        "`force` of the gripper to the value in the message, or correct `closed`.",
+        "`force` of the gripper to the value in the message, or correct `closed`. A suction cup "
+        "takes plates of 100 g, of one, two and four times its width.",
     ),
     UNTOUCHING: (
         "Finger without collision shape",
@@ -232,7 +233,8 @@ CODES: dict[str, tuple[str, str]] = {
     TOOL_POINT: (
         "Tool centre point not between the fingers",
         "From the `tcp`, along its y axis, there must be a finger on both sides, and some room "
-        "between them when the gripper is open. Otherwise grasps miss.",
+        "between them when the gripper is open. Otherwise grasps miss. That of a suction cup is "
+        "2 mm before the end of its collision shape.",
     ),
     SAGGING: (
         "Arm cannot bear itself",

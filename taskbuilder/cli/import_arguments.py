@@ -11,11 +11,6 @@ from taskbuilder.cli.shared_options import add_count
 def add_measures(parser: ArgumentParser) -> None:
     """Options of importing objects alone."""
     parser.add_argument(
-        "--unit",
-        choices=("m", "cm", "mm", "in"),
-        help="import: unit of meshes whose format states none (default: found from their size)",
-    )
-    parser.add_argument(
         "--mass",
         type=_positive,
         metavar="KG",
@@ -71,6 +66,11 @@ def add_import(parser: ArgumentParser) -> None:
         help="import: up axis of the meshes (default: as they state it)",
     )
     parser.add_argument(
+        "--unit",
+        choices=("m", "cm", "mm", "in"),
+        help="import: unit of meshes whose format states none (default: found from their size)",
+    )
+    parser.add_argument(
         "--density",
         type=_positive,
         metavar="KG_M3",
@@ -99,9 +99,22 @@ def add_mounting(parser: ArgumentParser) -> None:
         "metres and degrees; one for each --gripper",
     )
     parser.add_argument(
+        "--suction",
+        type=_positive,
+        metavar="NEWTONS",
+        help="import: it ends in a suction cup that lets go at this force (default: found by "
+        "names, with a force from the width of the cup)",
+    )
+    parser.add_argument(
         "--arm",
         metavar="LINK",
         help="import: a link of the arm that is meant, if the robot has several",
+    )
+    parser.add_argument(
+        "--all-arms",
+        action="store_true",
+        help="import: each arm of a body as a robot of its own, and lines of a task that has them "
+        "all",
     )
 
 

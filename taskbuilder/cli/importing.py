@@ -7,7 +7,7 @@ import math
 import tempfile
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import starmap
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,15 @@ from taskbuilder.cli.output import paint, print_json, print_table, show_finding
 from taskbuilder.cli.robot_trials import print_trial, tried, tried_gripper
 from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import FileError, Finding, Location, UsageError, display_path
+from taskbuilder.importing.arms import import_arms
 from taskbuilder.importing.changes import HEADER
-from taskbuilder.importing.folders import Imported, ImportSource, import_object, import_robot
+from taskbuilder.importing.folders import (
+    ROBOT_NAME,
+    Imported,
+    ImportSource,
+    import_object,
+    import_robot,
+)
 from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
 from taskbuilder.importing.mounting import Mount
@@ -43,8 +50,35 @@ from taskbuilder.trials.robot_trial import RobotTrial
 from taskbuilder.visual.annotations import axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
-from taskbuilder.visual.still import save_image
+from taskbuilder.visual.still import Pixels, save_image
 from taskbuilder.world.robot_proposal import Proposal, link_pose
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """What an import came to, and what was found out about it.
+
+    Attributes:
+        imported: The files.
+        folder: Where they are written.
+        findings: What is wrong with them.
+        picture: A picture of them.
+        trial: What a robot did in physics.
+        writable: Whether they are written: what only a trial finds, or is said of fingers, is
+            corrected in the files.
+    """
+
+    imported: Imported
+    folder: Path
+    findings: Sequence[Finding]
+    picture: Path | None
+    trial: RobotTrial | None
+    writable: bool
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
+        return not _has_error(self.findings)
 
 
 def run_import(
@@ -58,6 +92,8 @@ def run_import(
         catalogue: Where the robots are whose grippers an object is compared with.
     """
     source = _source(arguments, robot=robot)
+    if robot and arguments.all_arms:
+        return _run_arms(arguments, source)
     try:
         imported = _imported(source, arguments) if robot else import_object(source)
     except FileError as error:
@@ -67,35 +103,81 @@ def run_import(
     if robot and folder.name != imported.name:
         imported = _imported(_named(source, folder.name), arguments)
     require_replaceable(folder, overwrite=arguments.overwrite)
-    arm = robot and imported.proposal is not None
-    findings, picture, trial = _tried(
-        imported, fixed=robot, arm=arm, quick=robot and arguments.quick
-    )
-    # What only a trial finds, or is said of fingers, is corrected in the files that are written.
-    others = [finding for finding in findings if finding.code != codes.UNTOUCHING]
-    writable = trial is not None or not _has_error(others)
-    ok = not _has_error(findings)
-    if writable:
+    outcome = _outcome(imported, folder, arguments, robot=robot)
+    if outcome.writable:
         write_folder(folder, imported.files, overwrite=arguments.overwrite)
     figures = None
-    if writable and not robot:
+    if outcome.writable and not robot:
         model = bare_object(folder / f"{imported.name}.urdf")
         figures = measured(model, catalogue or Catalogue())
     if arguments.json:
-        data = _data(folder, imported, findings, picture, ok)
-        data |= figures.as_data() if figures else {}
-        print_json({**data, "trial": trial.as_data() if trial else None})
+        print_json(_data(outcome) | (figures.as_data() if figures else {}))
+    else:
+        _print(outcome, figures, robot=robot)
+        _print_end(outcome)
+    return 0 if outcome.ok else 1
+
+
+def _run_arms(arguments: argparse.Namespace, source: ImportSource) -> int:
+    """Import every arm of a body as a robot of its own."""
+    if arguments.arm:
+        raise UsageError("--arm names one arm, and --all-arms means all of them; give one of them")
+    try:
+        arms = import_arms(source, None if arguments.quick else tried_gripper)
+    except FileError as error:
+        return _failed(arguments, error)
+    inside: Path = arguments.out.parent if arguments.out else Path("robots")
+    folders = {agent: inside / imported.name for agent, imported in arms.robots.items()}
+    for folder in folders.values():
+        require_replaceable(folder, overwrite=arguments.overwrite)
+    outcomes = {
+        agent: _outcome(imported, folders[agent], arguments, robot=True)
+        for agent, imported in arms.robots.items()
+    }
+    writable = all(outcome.writable for outcome in outcomes.values())
+    for outcome in outcomes.values() if writable else ():
+        write_folder(outcome.folder, outcome.imported.files, overwrite=arguments.overwrite)
+    ok = all(outcome.ok for outcome in outcomes.values())
+    entries = {
+        agent: {
+            "model": display_path(folder / "robot.yaml"),
+            "base": {"position": [0.0, 0.0, arms.height]},
+        }
+        for agent, folder in folders.items()
+    }
+    if arguments.json:
+        robots = {agent: _data(outcome) for agent, outcome in outcomes.items()}
+        print_json({"ok": ok, "robots": robots, "scene": {"robots": entries}})
         return 0 if ok else 1
-    _print(folder, imported, findings, trial, figures, robot=robot)
-    if not writable:
-        print(paint("failed", "red") + "; nothing was written")
-        return 1
-    print(paint("ok", "green") if ok else paint("failed", "red") + "; what was written is:")
-    written = "robot.yaml" if imported.proposal else f"{imported.name}.urdf"
-    for path in (folder / written, picture):
-        if path is not None:
-            print(display_path(path))
+    for outcome in outcomes.values():
+        _print(outcome, None, robot=True)
+        _print_end(replace(outcome, writable=writable))
+        print()
+    if writable:
+        print("  in a task file, they form the body where their bases are the same:\n")
+        print("    robots:")
+        for agent, entry in entries.items():
+            base = f"{{position: [0, 0, {arms.height:g}]}}"
+            print(f"      {agent}: {{model: {entry['model']}, base: {base}}}")
     return 0 if ok else 1
+
+
+def _outcome(
+    imported: Imported, folder: Path, arguments: argparse.Namespace, *, robot: bool
+) -> _Outcome:
+    """Try what was imported."""
+    arm = robot and imported.proposal is not None
+    findings, pixels, trial = _tried(
+        imported, fixed=robot, arm=arm, quick=robot and arguments.quick
+    )
+    others = [finding for finding in findings if finding.code != codes.UNTOUCHING]
+    writable = trial is not None or not _has_error(others)
+    picture = None
+    if writable and pixels is not None:
+        picture = Path("renders", f"{imported.name}-import.png")
+        make_folder(picture.parent)
+        save_image(picture, pixels)
+    return _Outcome(imported, folder, findings, picture, trial, writable)
 
 
 def _imported(source: ImportSource, arguments: argparse.Namespace) -> Imported:
@@ -131,6 +213,13 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
     file = Path(arguments.robot if robot else arguments.file)
     if not file.exists():
         raise UsageError(f"there is no file {display_path(file)}")
+    if arguments.root is not None and not arguments.root.is_dir():
+        raise UsageError(f"--root {display_path(arguments.root)}: there is no such folder")
+    if robot and arguments.out and not ROBOT_NAME.fullmatch(arguments.out.name):
+        raise UsageError(
+            f'--out {display_path(arguments.out)}: "{arguments.out.name}" is no name of a robot; '
+            "write letters, digits and _, beginning with a letter"
+        )
     unit = getattr(arguments, "unit", None)
     meshes = MeshOptions(
         triangles=arguments.triangles,
@@ -150,6 +239,7 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
         arguments.density,
         _mounts(arguments) if robot else (),
         getattr(arguments, "arm", None),
+        getattr(arguments, "suction", None),
     )
 
 
@@ -196,7 +286,7 @@ def _failed(arguments: argparse.Namespace, error: FileError) -> int:
 
 def _tried(
     imported: Imported, *, fixed: bool, arm: bool, quick: bool
-) -> tuple[list[Finding], Path | None, RobotTrial | None]:
+) -> tuple[list[Finding], Pixels | None, RobotTrial | None]:
     """What the physics engine says of the files, the picture, and the trial of a robot that moves.
 
     The files lie in a folder that is removed again.
@@ -224,7 +314,9 @@ def _in_folder(finding: Finding, name: str) -> Finding:
     return replace(finding, location=replace(where, file=Path(where.file.name)))
 
 
-def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Finding]) -> Path | None:
+def _picture(
+    folder: Path, urdf: Urdf, imported: Imported, findings: list[Finding]
+) -> Pixels | None:
     """Take the picture: the looks, with the axes of the tcp, beside the collision shapes."""
     proposal = imported.proposal
     joints = proposal.open if proposal else {}
@@ -246,21 +338,11 @@ def _picture(folder: Path, urdf: Urdf, imported: Imported, findings: list[Findin
     except AssetError as error:
         findings.append(error.finding(location=Location(urdf.path)))
         return None
-    file = Path("renders", f"{imported.name}-import.png")
-    make_folder(file.parent)
-    save_image(file, np.concatenate([looks, shapes], axis=1))
-    return file
+    return np.concatenate([looks, shapes], axis=1)
 
 
-def _print(
-    folder: Path,
-    imported: Imported,
-    findings: list[Finding],
-    trial: RobotTrial | None,
-    figures: ObjectFigures | None,
-    *,
-    robot: bool,
-) -> None:
+def _print(outcome: _Outcome, figures: ObjectFigures | None, *, robot: bool) -> None:
+    imported, folder, trial = outcome.imported, outcome.folder, outcome.trial
     changes = imported.changes
     print(paint(f"{imported.name} · {display_path(folder)}", "bold"))
     print()
@@ -282,29 +364,46 @@ def _print(
         urdf = read_urdf(folder / f"{imported.name}.urdf", (folder,))
         print_figures(figures, sum(link.mass or 0.0 for link in urdf.links))
         print_lines_of_task(imported.name, folder / f"{imported.name}.urdf", figures)
-    for finding in findings:
+    for finding in outcome.findings:
         print(show_finding(finding))
+
+
+def _print_end(outcome: _Outcome) -> None:
+    """Whether all is well, and what was written."""
+    if not outcome.writable:
+        print(paint("failed", "red") + "; nothing was written")
+        return
+    said = paint("ok", "green") if outcome.ok else paint("failed", "red") + "; what was written is:"
+    print(said)
+    imported = outcome.imported
+    written = "robot.yaml" if imported.proposal else f"{imported.name}.urdf"
+    for path in (outcome.folder / written, outcome.picture):
+        if path is not None:
+            print(display_path(path))
 
 
 def _words(proposal: Proposal) -> str:
     opens = f"the gripper opens {proposal.stroke * 1000:.0f} mm" if proposal.gripper else ""
+    if proposal.cup is not None:
+        opens = f"the suction cup {proposal.cup.link} holds {proposal.cup.force:g} N"
     joints = f"{len(proposal.arm)} joints in the arm"
     return "; ".join(filter(None, (joints, opens)))
 
 
-def _data(
-    folder: Path, imported: Imported, findings: list[Finding], picture: Path | None, ok: bool
-) -> dict[str, Any]:
+def _data(outcome: _Outcome) -> dict[str, Any]:
+    imported, picture = outcome.imported, outcome.picture
     proposal = imported.proposal
     return {
         "name": imported.name,
-        "folder": display_path(folder),
-        "ok": ok,
+        "folder": display_path(outcome.folder),
+        "ok": outcome.ok,
         "changes": [dict(zip(HEADER, row.cells(), strict=True)) for row in imported.changes.rows],
         "left_out": list(imported.changes.left_out),
         "arm": [joint.name for joint in proposal.arm] if proposal else None,
+        "suction": proposal.cup.force if proposal and proposal.cup else None,
         "stroke": round(proposal.stroke, 4) if proposal and proposal.gripper else None,
         "questions": list(proposal.remarks) if proposal else [],
-        "findings": [finding.as_data() for finding in findings],
+        "findings": [finding.as_data() for finding in outcome.findings],
         "picture": display_path(picture) if picture else None,
+        "trial": outcome.trial.as_data() if outcome.trial else None,
     }

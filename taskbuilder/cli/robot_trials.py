@@ -71,6 +71,11 @@ def print_trial(trial: RobotTrial) -> None:
     rows += [_joint_row(joint) for joint in trial.arm]
     print_table(rows, indent="  ")
     print()
+    if trial.suction is not None:
+        rows = [["suction", "held", "slip", "load"]]
+        rows += [_cup_row(grip) for grip in trial.suction.grips]
+        print_table(rows, indent="  ")
+        print()
     if trial.gripper is None:
         return
     if trial.gripper.grips:
@@ -94,6 +99,14 @@ def _joint_row(joint: JointTrial) -> list[str]:
     needed = f"{joint.needed:.1f}" if joint.needed < 100 else f"{joint.needed:.0f}"
     effort = f"{joint.effort:.3g} {unit}"
     return [joint.joint, f"{needed} {unit}", effort, way(joint.sag), way(joint.lag)]
+
+
+def _cup_row(grip: BlockGrip) -> list[str]:
+    name = f"plate of {_mm(grip.width)}"
+    if not grip.held:
+        return [name, "falls" if grip.fits else "is in the cup", "", ""]
+    load = f"{grip.load:.0f} N" if math.isfinite(grip.load) else "not pulled off"
+    return [name, "yes", f"{grip.slip * 1000:.1f} mm", load]
 
 
 def _grip_row(grip: BlockGrip) -> list[str]:

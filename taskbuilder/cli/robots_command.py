@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from taskbuilder.assets import codes
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import PACKAGE, AssetError, packages_named_in, resolve
 from taskbuilder.assets.urdf import read_urdf
@@ -26,6 +27,7 @@ from taskbuilder.errors import (
 )
 from taskbuilder.kinematics.chain import Chain
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, similar
+from taskbuilder.schema.robot import MOST_JOINTS
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.trials.findings import untouching_fingers
 from taskbuilder.trials.proposing import corrected, proposed_model
@@ -34,9 +36,10 @@ from taskbuilder.visual.annotations import arm_reach, axes
 from taskbuilder.visual.ink import Marks
 from taskbuilder.visual.robot_picture import take_robot_picture
 from taskbuilder.visual.still import save_image
+from taskbuilder.world.arm_branches import FEW
 from taskbuilder.world.reach import longest_reach
 from taskbuilder.world.robot_file import robot_file
-from taskbuilder.world.robot_proposal import FEW, Proposal, propose
+from taskbuilder.world.robot_proposal import Proposal, propose
 
 _MOST_ROOM_M = 2.0
 
@@ -106,11 +109,15 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         joints = dict(zip(robot.spec.arm, robot.home, strict=True)) if robot else {}
         joints |= _open_gripper(robot) if robot else {}
         proposal = None if robot else propose(urdf)
+        if proposal is not None and proposal.too_long:
+            findings.append(_too_long(urdf, proposal))
         joints |= proposal.open if proposal else {}
         arm = _arm(urdf, robot, proposal)
         file = arguments.out or Path("renders", f"{robot.entry.name if robot else urdf.name}.png")
         pictures = _pictures(file, urdf, joints, findings, arm, trusted=trusted)
-        if arguments.quick:
+        if proposal is not None and proposal.too_long:
+            pass  # no robot file can say what it is, so there is none to try
+        elif arguments.quick:
             findings += _untouching(urdf, robot, proposal)
         elif not _failed(findings):
             trial, proposal = _trial(urdf, robot, proposal, findings)
@@ -123,7 +130,7 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
         _print_robot(urdf, robot)
         if trial is not None:
             print_trial(trial)
-        if robot is None:
+        if robot is None and not (proposal and proposal.too_long):
             _print_proposal(urdf, proposal)
     for finding in in_reading_order(findings):
         print(show_finding(finding))
@@ -131,6 +138,14 @@ def _check(arguments: argparse.Namespace, catalogue: Catalogue) -> int:
     for picture in pictures:
         print(display_path(picture))
     return 0 if ok else 1
+
+
+def _too_long(urdf: Urdf, proposal: Proposal) -> Finding:
+    """What is said of a chain of joints that no robot file may list."""
+    first = proposal.arm[MOST_JOINTS].name
+    element = next(each for each in urdf.tree.all("joint") if each.get("name") == first)
+    place = Location(urdf.path, element.line, element.column)
+    return Finding(codes.NOT_IMPORTED, proposal.too_long, f"joint {first}", place)
 
 
 def _failed(findings: Sequence[Finding]) -> bool:

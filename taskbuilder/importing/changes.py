@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 MOST_ROWS = 400
@@ -40,6 +40,14 @@ class Changes:
 
     rows: list[Change] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
+
+    def copy(self) -> Changes:
+        """The same so far, of which more rows are made."""
+        return Changes(list(self.rows), list(self.left_out))
+
+    def drop(self, subjects: Collection[str]) -> None:
+        """Drop all rows about parts that are not there."""
+        self.rows = [row for row in self.rows if row.subject not in subjects]
 
     def note(self, subject: str, what: str, before: str, after: str, reason: str) -> None:
         """Add a row."""

@@ -35,6 +35,8 @@ _SHARE = 0.95
 """The error of a candidate is the distance that so many of its points keep."""
 FINE_M, FINE_SHARE = 0.002, 0.04
 """A box or cylinder may be so far off: metres, or a share of the diagonal if that is more."""
+THINNEST_M = 1e-3
+"""What is flat, such as a sheet of triangles, collides as if it were so thick."""
 COARSE_M, COARSE_SHARE = 0.003, 0.04
 """A hull may be so far off before it is cut into pieces."""
 _HULL_POINTS = 96
@@ -132,7 +134,9 @@ def convex_pieces(points: Floats, faces: Integers) -> tuple[Part, ...]:
         hulls = [hull_of(group) for group in groups if len(group) > 3]
         noise = math.sqrt(_area(points, faces) / _SAMPLES) * 0.6
         surface = sampled(points, faces, _SAMPLES)
-        error = max(_error(sampled(*hull, 200), surface, noise) for hull in hulls)
+        error = max(
+            (_error(sampled(*hull, 200), surface, noise) for hull in hulls), default=math.inf
+        )
         if error <= COARSE_M:
             return tuple(hulls)
     parts: list[Part] = []
@@ -212,7 +216,7 @@ def _primitives(
     for axes in _frames(points):
         turned = points @ axes
         low, high = turned.min(axis=0), turned.max(axis=0)
-        size, middle = high - low, axes @ ((low + high) / 2.0)
+        size, middle = np.maximum(high - low, THINNEST_M), axes @ ((low + high) / 2.0)
         pose = Pose(_vec(middle), from_axes(*(_vec(axes[:, n]) for n in range(3))))
         yield "box", tuple(size.tolist()), pose, _box_samples(size) @ axes.T + middle
         for axis in range(3):

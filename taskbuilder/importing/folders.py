@@ -18,9 +18,9 @@ from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedShape, Link
 from taskbuilder.importing.geometry import Geometry, MeshOptions
-from taskbuilder.importing.limits import held, with_followers, with_limits
+from taskbuilder.importing.limits import held_as_unused, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
-from taskbuilder.importing.mounting import Mount, mounted, with_located_meshes
+from taskbuilder.importing.mounting import Mount, is_cup, mounted, with_located_meshes
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.reading import is_mesh, read_description
 from taskbuilder.importing.shells import without_shells
@@ -31,10 +31,12 @@ from taskbuilder.schema.robot import MOST_JOINTS
 from taskbuilder.schema.robots import RobotModel, load_robot
 from taskbuilder.trials.proposing import corrected
 from taskbuilder.trials.robot_trial import GripperTrial
+from taskbuilder.wording import quoted, suggestion
 from taskbuilder.world.robot_file import robot_file
 from taskbuilder.world.robot_proposal import Proposal, propose
 
-_NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
+ROBOT_NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
+"""What a folder of a robot or an object may be called."""
 _ROBOT_SLACK, _OBJECT_SLACK = math.inf, 1.0
 
 
@@ -53,6 +55,8 @@ class ImportSource:
         density: In kg/m³, in place of masses that the file says.
         mounts: What is mounted on a robot, one after the other: adapters, and a gripper.
         arm: A link of the arm that is meant, where there are several.
+        suction: Force in newtons of the suction cup that it ends in; None for none, or for one that
+            its names tell of.
     """
 
     file: Path
@@ -65,6 +69,7 @@ class ImportSource:
     density: float | None = None
     mounts: tuple[Mount, ...] = ()
     arm: str | None = None
+    suction: float | None = None
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,30 @@ TryGripper = Callable[[RobotModel], GripperTrial]
 """Tries the gripper of a robot in physics."""
 
 
+@dataclass(frozen=True)
+class ReadRobot:
+    """A robot with all that was found out about it, before it is known what its arm is.
+
+    Attributes:
+        description: It, with what is mounted on it.
+        geometry: Its meshes.
+        changes: What was changed so far.
+        suction: As of `propose`.
+    """
+
+    description: ImportedBody
+    geometry: Geometry
+    changes: Changes
+    suction: float | None = None
+
+    @contextmanager
+    def urdf(self) -> Iterator[Urdf]:
+        """What would be written, as it will be read; in a folder that is removed again."""
+        name = self.description.name
+        with _aside(name, self.description, self.geometry, self.changes) as urdf:
+            yield urdf
+
+
 def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) -> Imported:
     """Read a robot and make the files of a folder of it.
 
@@ -99,6 +128,16 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
         source: What is imported.
         try_gripper: Tries the gripper that is proposed, so that its stroke and force are corrected
             by what is measured; None to leave them as they follow from the shapes.
+
+    Raises:
+        FileError: Something is wrong that cannot be mended without a guess.
+        UsageError: Options are wrong, or the extra is not installed.
+    """
+    return finished(read_robot(source), source, try_gripper)
+
+
+def read_robot(source: ImportSource) -> ReadRobot:
+    """Read a robot, and what is mounted on it.
 
     Raises:
         FileError: Something is wrong that cannot be mended without a guess.
@@ -113,31 +152,61 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
         part = with_followers(read_description(other, source.arguments, changes), changes)
         parts.append((with_located_meshes(part, other), mount.flange))
         packages.admit(other.roots)
-    description = mounted(description, parts, changes)
+    suction = source.suction
+    if suction is None and parts and is_cup(parts[-1][0]):
+        suction = 0.0
+    description = mounted(description, parts, changes, suction=suction is not None)
     name = _name(source.name or _proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_ROBOT_SLACK)
     geometry = Geometry(packages, options, changes)
+    _require_link(description, source.arm)
     description = _completed(description, geometry, source, changes)
-    home = description.postures.get("home")
+    return ReadRobot(description, geometry, changes, suction)
+
+
+def finished(
+    read: ReadRobot,
+    source: ImportSource,
+    try_gripper: TryGripper | None,
+    home: Mapping[str, float] | None = None,
+    said: tuple[str, ...] = (),
+) -> Imported:
+    """The files of a folder of a robot that was read.
+
+    Args:
+        read: The robot.
+        source: What is imported.
+        try_gripper: As of `import_robot`.
+        home: Joint -> position in rad or m that it begins in; by default as its file says, or as
+            is found.
+        said: What its robot file says at its beginning.
+
+    Raises:
+        FileError: It cannot be used.
+    """
+    description, geometry, changes = read.description, read.geometry, read.changes
+    name = description.name
+    home = home or description.postures.get("home")
+    cup = read.suction
     with _aside(name, description, geometry, changes) as urdf:
-        proposal = propose(urdf, end=source.arm, home=home)
+        proposal = propose(urdf, end=source.arm, home=home, suction=cup)
     if proposal is not None:
         _require_arm(description, proposal)
         description = _without_unused(description, proposal, urdf, changes)
-        touching = dict.fromkeys(link for finger in proposal.fingers for link in finger)
-        description = geometry.refined(description, list(touching))
+        description = geometry.refined(description, proposal.touching)
         description = with_steady_fingers(description, proposal, urdf, changes)
     with _aside(name, description, geometry, changes) as urdf:
         files = geometry.used_files(description)
         files[f"{name}.urdf"] = _text(description, source, changes).encode()
         warnings = urdf.warnings
         if proposal is not None:
-            proposal = _again(proposal, propose(urdf, end=source.arm, home=home))
+            proposal = _again(proposal, propose(urdf, end=source.arm, home=home, suction=cup))
             written = urdf.path.parent / "robot.yaml"
 
             def loaded(proposal: Proposal) -> RobotModel:
-                text = _robot_text(urdf, proposal, source, description, changes)
+                lines = (*_lines(urdf, source, description, changes), *said)
+                text = robot_file(urdf, replace(proposal, remarks=(*lines, *proposal.remarks)))
                 files["robot.yaml"] = text.encode()
                 written.write_text(text, encoding="utf-8")
                 return load_robot(CatalogueEntry(name, written))
@@ -150,21 +219,30 @@ def import_robot(source: ImportSource, try_gripper: TryGripper | None = None) ->
     return Imported(name, files, changes, proposal, shown, warnings)
 
 
+def _require_link(description: ImportedBody, arm: str | None) -> None:
+    """Refuse a link of an arm that is not there.
+
+    Raises:
+        FileError: It is not.
+    """
+    links = [link.name for link in description.links]
+    if arm is not None and arm not in links:
+        right = suggestion(arm, links, otherwise="name one of its links")
+        message = f"has no link {quoted(arm)} of an arm that is meant; {right}"
+        raise FileError([Finding(codes.STRUCTURE, message, "", Location(description.file))])
+
+
 def _require_arm(description: ImportedBody, proposal: Proposal) -> None:
-    """Refuse a chain of joints that is longer than an arm may be, such as a snake's.
+    """Refuse a chain of joints that is longer than an arm may be.
 
     Raises:
         FileError: It is.
     """
-    joints = [joint.name for joint in proposal.arm]
-    if len(joints) > MOST_JOINTS:
-        first = joints[MOST_JOINTS]
+    if proposal.too_long:
+        first = proposal.arm[MOST_JOINTS].name
         place = next(joint.place for joint in description.joints if joint.name == first)
-        message = (
-            f"{len(joints)} joints move one after the other, and an arm has at most {MOST_JOINTS}; "
-            "make some of them fixed, or import the part of the robot that is an arm"
-        )
-        raise FileError([Finding(codes.NOT_IMPORTED, message, f"joint {first}", place)])
+        finding = Finding(codes.NOT_IMPORTED, proposal.too_long, f"joint {first}", place)
+        raise FileError([finding])
 
 
 def import_object(source: ImportSource) -> Imported:
@@ -243,19 +321,9 @@ def _without_unused(
 ) -> ImportedBody:
     """The description with joints fixed that are neither of the arm nor of the gripper."""
     unused = {joint.name for joint in proposal.unused(urdf)}
-    joints = []
-    for joint in description.joints:
-        if joint.name in unused:
-            low = joint.lower if joint.lower is not None else 0.0
-            high = joint.upper if joint.upper is not None else 0.0
-            position = min(max(0.0, low), high) if joint.lower is not None else 0.0
-            changes.note(
-                f"joint {joint.name}", "type", joint.type, f"fixed at {position:g}",
-                "it is neither of the arm nor of the gripper",
-            )  # fmt: skip
-            joint = held(joint, position)
-        joints.append(joint)
-    return replace(description, joints=tuple(joints))
+    return held_as_unused(
+        description, unused, changes, "it is neither of the arm nor of the gripper"
+    )
 
 
 @contextmanager
@@ -276,7 +344,19 @@ def _aside(
         folder.mkdir(exist_ok=True)
         file = folder / f"{name}.urdf"
         file.write_text(urdf_text(description, changes.lines()), encoding="utf-8")
-        yield read_urdf(file, (folder,), fixed=fixed)
+        try:
+            urdf = read_urdf(file, (folder,), fixed=fixed)
+        except FileError as error:
+            raise FileError([_at_source(one, description) for one in error.findings]) from error
+        yield urdf
+
+
+def _at_source(finding: Finding, description: ImportedBody) -> Finding:
+    """A finding about what would be written, at the part of the source that it comes from."""
+    kind, _, name = finding.path.partition(" ")
+    parts = description.links if kind == "link" else description.joints
+    place = next((part.place for part in parts if part.name == name), Location(description.file))
+    return replace(finding, location=place)
 
 
 def _text(description: ImportedBody, source: ImportSource, changes: Changes) -> str:
@@ -285,13 +365,10 @@ def _text(description: ImportedBody, source: ImportSource, changes: Changes) -> 
     return urdf_text(description, [*comment, "", *changes.lines()])
 
 
-def _robot_text(
-    urdf: Urdf,
-    proposal: Proposal,
-    source: ImportSource,
-    description: ImportedBody,
-    changes: Changes,
-) -> str:
+def _lines(
+    urdf: Urdf, source: ImportSource, description: ImportedBody, changes: Changes
+) -> list[str]:
+    """What a robot file says of where it comes from."""
     others = [name for name in description.postures if name != "home"]
     lines = [f"{MARK} from {source.file.name}; {urdf.path.name} lists the changes"]
     if "home" in description.postures:
@@ -300,7 +377,7 @@ def _robot_text(
         lines.append(f"the file also names the postures {', '.join(others)}")
     if changes.left_out:
         lines.append(f"{urdf.path.name} also lists what was left out")
-    return robot_file(urdf, replace(proposal, remarks=(*lines, *proposal.remarks)))
+    return lines
 
 
 def _collisions_shown(description: ImportedBody) -> ImportedBody:
@@ -351,6 +428,6 @@ def _name(text: str) -> str:
     if not name or not name[0].isalpha():
         name = f"robot_{name}".rstrip("_")
     name = name[:40]
-    if not _NAME.fullmatch(name):
+    if not ROBOT_NAME.fullmatch(name):
         raise UsageError(f'"{text}" is no name; give one with --name')
     return name

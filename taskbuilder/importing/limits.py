@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 from taskbuilder.geometry import ORIGIN, Pose, norm
@@ -70,6 +71,31 @@ def _limited(joint: ImportedJoint, description: ImportedBody, changes: Changes) 
         )  # fmt: skip
         joint = replace(joint, effort=effort)
     return joint
+
+
+def held_as_unused(
+    description: ImportedBody, joints: Collection[str], changes: Changes, reason: str
+) -> ImportedBody:
+    """The description with some joints fixed, at zero or as near to it as they get.
+
+    Args:
+        description: It.
+        joints: Names of the joints; those that do not move are left as they are.
+        changes: Where changes are noted.
+        reason: Why they are fixed.
+    """
+    kept = []
+    for joint in description.joints:
+        if joint.name in joints and joint.moves:
+            position = 0.0
+            if joint.lower is not None and joint.upper is not None:
+                position = min(max(0.0, joint.lower), joint.upper)
+            changes.note(
+                f"joint {joint.name}", "type", joint.type, f"fixed at {position:g}", reason
+            )
+            joint = held(joint, position)
+        kept.append(joint)
+    return replace(description, joints=tuple(kept))
 
 
 def held(joint: ImportedJoint, position: float) -> ImportedJoint:

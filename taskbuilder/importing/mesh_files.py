@@ -25,6 +25,7 @@ FORMATS = (".dae", ".glb", ".gltf", ".ply", ".obj", ".stl", ".off")
 MOST_SOURCE_TRIANGLES = 3_000_000
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _ARCHIVES = (".zip", ".gz", ".tar", ".tgz", ".7z", ".rar", ".zae", ".bz2", ".xz")
+_FARTHEST = 1e12  # beyond which a coordinate is no measure, whatever its unit
 _LEAST_DETERMINANT = 1e-12
 
 
@@ -134,8 +135,7 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
             codes.NOT_READABLE,
             f"{path.name} is a pointer of Git LFS, not the file; run git lfs pull",
         )
-    if suffix == ".stl" and len(data) == 84 + 50 * _stated_count(data):
-        _require_few(path, _stated_count(data))  # before minutes are spent on reading it
+    _require_few(path, _stated_count(suffix, data))  # before minutes are spent on reading it
     resolver: Any = _Resolver(path, packages)
     try:
         with np.errstate(all="ignore"), extra_needed("import", f"reading {suffix} files"):
@@ -165,9 +165,18 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
     return MeshFile(path, pieces, unit, up, tuple(oddities))
 
 
-def _stated_count(stl: bytes) -> int:
-    """The number of triangles that a binary STL file states."""
-    return int.from_bytes(stl[80:84], "little")
+def _stated_count(suffix: str, data: bytes) -> int:
+    """About how many triangles a file says that it has; 0 where that takes reading it."""
+    if suffix == ".stl":
+        stated = int.from_bytes(data[80:84], "little")
+        return stated if len(data) == 84 + 50 * stated else data.count(b"endfacet")
+    if suffix == ".obj":
+        return data.count(b"\nf ")
+    if suffix == ".dae":
+        lists = re.findall(rb"<(?:triangles|polylist)\b[^>]*\bcount=\"(\d{1,12})\"", data)
+        return sum(int(count) for count in lists)
+    stated_faces = re.search(rb"element face (\d{1,12})", data[:4000])
+    return int(stated_faces[1]) if suffix == ".ply" and stated_faces else 0
 
 
 def _require_few(path: Path, count: int) -> None:
@@ -223,7 +232,8 @@ def _pieces(scene: Any, oddities: list[str]) -> Iterator[Piece]:
         faces = np.asarray(geometry.faces, np.int64)
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             faces = faces[:, ::-1]
-        whole = np.asarray(np.isfinite(points).all(axis=1))[faces].all(axis=1)
+        finite = np.isfinite(points) & (np.abs(points) < _FARTHEST)
+        whole = np.asarray(finite.all(axis=1))[faces].all(axis=1)
         a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
         with np.errstate(all="ignore"):
             flat = ~(np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0.0)

@@ -109,7 +109,10 @@ class _MjcfReader:
             body.all("freejoint")
         )
         if free and parent is None:
-            self._changes.leave_out(f"the free joint of {name}: a task says how its base stands")
+            self._changes.leave_out(
+                f"the {free[0].get('type') or 'free'} joint of {name}: a task says how its base "
+                "stands"
+            )
             joints = [one for one in joints if one not in free]
         elif free:
             self._refuse(

@@ -17,6 +17,7 @@ from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedJoint, ImportedShape, Link
 from taskbuilder.importing.packages import Packages
 from taskbuilder.wording import quoted, suggestion
+from taskbuilder.world.suction_proposal import names_cup
 
 
 def parse_flange(text: str) -> tuple[str, Pose]:
@@ -52,8 +53,18 @@ class Mount:
     flange: str
 
 
+def is_cup(part: ImportedBody) -> bool:
+    """Whether a part without joints is a suction cup, by the names of it and of its links."""
+    texts = [part.name, part.file.stem, *(link.name for link in part.links)]
+    return names_cup(texts) and not any(joint.moves for joint in part.joints)
+
+
 def mounted(
-    arm: ImportedBody, parts: Sequence[tuple[ImportedBody, str]], changes: Changes
+    arm: ImportedBody,
+    parts: Sequence[tuple[ImportedBody, str]],
+    changes: Changes,
+    *,
+    suction: bool = False,
 ) -> ImportedBody:
     """An arm with a gripper on one of its links, or with adapters and a gripper on one another.
 
@@ -61,16 +72,18 @@ def mounted(
         arm: The arm.
         parts: The parts with absolute references, and where the root of each is put.
         changes: Where changes are noted.
+        suction: Whether the last part is a suction cup, of which nothing has to move.
 
     Raises:
         FileError: There is no such link, or nothing moves that could be a gripper.
         UsageError: A place has another form.
     """
-    if parts and not any(joint.moves for part, _ in parts for joint in part.joints):
+    if parts and not suction and not any(joint.moves for part, _ in parts for joint in part.joints):
         last = parts[-1][0]
         message = (
             "has no joint that moves, so it is no gripper; mount another file, or mount the "
-            "gripper on it with another --gripper and --at"
+            "gripper on it with another --gripper and --at. If it is a suction cup, say what it "
+            "holds with --suction NEWTONS"
         )
         raise FileError([Finding(codes.STRUCTURE, message, "", Location(last.file))])
     called: dict[str, str] = {}

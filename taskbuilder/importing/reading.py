@@ -19,6 +19,8 @@ from taskbuilder.importing.urdf import read_urdf_text
 from taskbuilder.importing.xacro import expand
 
 MAX_BYTES = 16 * 2**20
+_MAGIC = (b"PK\x03\x04", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"7z\xbc\xaf", b"Rar!")
+_TAR = 257  # where a tar file says that it is one
 _ARCHIVES = (".zip", ".gz", ".tar", ".tgz", ".7z", ".rar", ".bz2", ".xz", ".whl")
 _OTHERS = (".usd", ".usda", ".usdc", ".usdz", ".step", ".stp", ".iges", ".igs", ".fbx", ".blend")
 
@@ -78,10 +80,15 @@ def _content(file: Path) -> bytes:
         problem = known or AssetError(codes.NOT_READABLE, f"{file.name} cannot be read: {error}")
         raise FileError([problem.finding(location=Location(file))]) from error
     message = ""
-    if suffix in _ARCHIVES or data[:4] == b"PK\x03\x04" or data[:2] == b"\x1f\x8b":
+    if suffix in _ARCHIVES or data.startswith(_MAGIC) or data[_TAR : _TAR + 5] == b"ustar":
         message = f"{file.name} is an archive; unpack it, and import the description inside"
     elif suffix in _OTHERS:
         message = f"{suffix[1:].upper()} files are not read; export URDF, MJCF or a mesh from it"
+    elif is_mesh(file):
+        message = (
+            f"{file.name} is a mesh, which has no joints; import it by taskbuilder objects import, "
+            "or import the description that names it"
+        )
     if message:
         raise FileError([Finding(codes.NOT_IMPORTED, message, "", Location(file))])
     return data

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from taskbuilder.errors import FileError, Finding, Location
 from taskbuilder.extras import extra_needed
 from taskbuilder.importing.packages import Packages
 from taskbuilder.interpreters import interpreter
-from taskbuilder.wording import excerpt
+from taskbuilder.wording import excerpt, quoted, suggestion
 
 TIMEOUT_S = 60.0
 _MOST_MEMORY = 2 * 2**30
@@ -135,7 +136,26 @@ def _expanded(packages: Packages, arguments: Mapping[str, str]) -> dict[str, Any
         return _said(*_explained(error, arguments), guard)
     finally:
         guard.on = False
+    unknown = _unknown(arguments, guard.files)
+    if unknown:
+        return _said(codes.XACRO, unknown, guard) | {"file": str(packages.file)}
     return {"text": text, "packages": found}
+
+
+def _unknown(arguments: Mapping[str, str], files: Collection[str]) -> str:
+    """What is wrong with arguments that no file names, which xacro itself ignores."""
+    texts = [Path(file).read_text(encoding="utf-8", errors="replace") for file in files]
+    for name in arguments:
+        known = dict.fromkeys(found for text in texts for found in _ARGUMENT.findall(text))
+        word = re.escape(name)
+        used = re.compile(rf"\$\(arg\s+{word}\s*\)|\barg\(\s*[\"']{word}[\"']")
+        if name not in known and not any(used.search(text) for text in texts):
+            right = suggestion(name, known, what="its arguments")
+            return f"has no argument {quoted(name)}; {right}"
+    return ""
+
+
+_ARGUMENT = re.compile(r"<xacro:arg\s[^>]*?name\s*=\s*[\"']([^\"']+)")
 
 
 def _said(code: str, message: str, guard: _Guard) -> dict[str, Any]:
@@ -170,6 +190,7 @@ class _Guard:
     def __init__(self, packages: Packages, libraries: Sequence[str]) -> None:
         self.on = False
         self.last = str(packages.file)
+        self.files = {self.last}
         self._packages = packages
         self._libraries = [Path(folder).resolve() for folder in libraries if folder]
 
@@ -207,6 +228,7 @@ class _Guard:
             )
         if allowed and path.endswith((".xacro", ".urdf", ".xml")):
             self.last = str(actual)
+            self.files.add(self.last)
 
 
 def _limit_memory() -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from taskbuilder.assets import codes
 from taskbuilder.errors import Finding, Location, Severity
 from taskbuilder.geometry import total
-from taskbuilder.schema.robot import GripperSpec
+from taskbuilder.schema.robot import GripperSpec, SuctionSpec
 from taskbuilder.schema.robots import RobotModel
 from taskbuilder.schema.source import Path_, Source, dotted, read_source
 from taskbuilder.sim.divergence import JOINT_SPEED_LIMIT
@@ -17,6 +17,7 @@ from taskbuilder.trials.arm import JointTrial
 from taskbuilder.trials.gripping import BlockGrip
 from taskbuilder.trials.robot_trial import GripperTrial, RobotTrial
 from taskbuilder.trials.stand import BLOCK_KG, PHYSICS_HZ
+from taskbuilder.trials.sucking import SuctionTrial
 from taskbuilder.world.grip_force import (
     FINGERTIP_N,
     LIGHT_KG,
@@ -32,6 +33,7 @@ _NEARLY = 0.9  # share of its force with which a finger presses on wide blocks, 
 _HEAVY_KG, _MORE, _LEAST_N = 0.02, 1.3, 0.1
 _ARRIVES = 0.5  # least share of its force with which a finger presses
 _LEFT, _STILL = 0.05, 0.5  # of the way of a free gripper: not arrived, and still moving
+_MOST_GAP_M = 8e-3  # from the end of a cup to the tcp
 _SAG_RAD, _SAG_M = math.radians(1.0), 3e-3
 _FALLS_RAD, _FALLS_M = math.radians(6.0), 0.02
 _LAG_RAD, _LAG_M = math.radians(12.0), 0.05
@@ -72,6 +74,8 @@ def judge(trial: RobotTrial, model: RobotModel) -> tuple[Finding, ...]:
     findings: list[Finding] = []
     if trial.gripper is not None and model.spec.gripper is not None:
         findings += _of_gripper(trial.gripper, model.spec.gripper, places)
+    if trial.suction is not None and model.spec.suction is not None:
+        findings += _of_suction(trial.suction, model.spec.suction, places)
     for joint in trial.arm:
         findings += _of_joint(joint, places)
     return tuple(findings)
@@ -97,6 +101,31 @@ def _of_gripper(trial: GripperTrial, spec: GripperSpec, places: _Places) -> Iter
     yield from _stroke(trial, spec, places)
     if flying is None:
         yield from _holding(trial, spec, places)
+
+
+def _of_suction(trial: SuctionTrial, spec: SuctionSpec, places: _Places) -> Iterator[Finding]:
+    if not any(grip.fits for grip in trial.grips):
+        message = (
+            f"{spec.cup} reaches {-trial.gap * 1000:.0f} mm beyond it, so no surface gets near "
+            "enough; move the tcp to 2 mm before the end of the cup, with z out of it"
+        )
+        yield places.finding(codes.TOOL_POINT, message, ("tcp",))
+        return
+    if trial.gap > _MOST_GAP_M:
+        message = (
+            f"{spec.cup} ends {trial.gap * 1000:.0f} mm before it, so what it holds hangs in the "
+            "air; move the tcp to 2 mm before the end of the cup"
+        )
+        yield places.finding(codes.TOOL_POINT, message, ("tcp",), "warning")
+    lost = [grip for grip in trial.grips if grip.fits and not grip.held]
+    if not lost:
+        return
+    message = (
+        f"a plate of {_mm(lost)} and {_weight(BLOCK_KG)} is not taken, or falls when the arm "
+        f"moves; raise force from {spec.force:g}, or correct the tcp: z points out of the cup, "
+        "2 mm before its end"
+    )
+    yield places.finding(codes.NOT_HELD, message, ("suction", "force"))
 
 
 def untouching_fingers(model: RobotModel) -> tuple[Finding, ...]:

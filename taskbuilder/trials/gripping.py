@@ -82,7 +82,7 @@ def free_motion(stand: Stand) -> Motion:
     left = still = 0.0
     for goal in (0.0, 1.0):
         robot.move_gripper(goal)
-        for step in range(_steps(stand, _MOVE_S)):
+        for step in range(stand.steps(_MOVE_S)):
             stand.client.step(1)
             speeds = [_finite(speed) for speed in robot.body.joint_speeds(joints)]
             top = int(np.argmax(speeds))
@@ -135,28 +135,28 @@ def _grip(stand: Stand, width: float, opened: Opening) -> BlockGrip:
 def _shaken(stand: Stand, block: TrialBlock, width: float) -> BlockGrip:
     robot, client = stand.robot, stand.client
     robot.move_gripper(0.0)
-    client.step(_steps(stand, _CLOSE_S))
+    client.step(stand.steps(_CLOSE_S))
     forces = block.forces()
     force = sum(forces) / max(1, sum(one > 0.0 for one in forces))
     client.set_gravity(GRAVITY)
     before = block.in_hand()
-    client.step(_steps(stand, _LIFT_S))
-    for targets in _swing(stand):
+    client.step(stand.steps(_LIFT_S))
+    for targets in swing(stand):
         robot.arm.pass_by(targets)
         client.step(1)
-    slip = _moved(block, before)
+    slip = displacement(block, before)
     held = block.held() and slip < width + 0.02
     load = _pulled(stand, block) if held else 0.0
     return BlockGrip(width, True, held, force, slip, load)
 
 
-def _swing(stand: Stand) -> Iterator[list[float]]:
-    """Targets of the arm's joints that swing about home, within the limits."""
+def swing(stand: Stand) -> Iterator[list[float]]:
+    """Targets of the arm's joints that swing about home, within the limits, step by step."""
     chain, home = stand.robot.chain, np.array(stand.robot.home)
     wide = np.where(chain.revolute, _SHAKE_RAD, _SHAKE_M)
     center = np.clip(home, chain.lower + wide, chain.upper - wide)
     ways = np.minimum(wide, np.maximum(0.0, (chain.upper - chain.lower) / 2.0))
-    count = _steps(stand, _SHAKE_S)
+    count = stand.steps(_SHAKE_S)
     for step in range(1, count + 1):
         begun = min(1.0, 4.0 * step / count)  # without a jolt
         angle = 2.0 * math.pi * _SHAKE_HZ * step * stand.client.dt
@@ -166,22 +166,19 @@ def _swing(stand: Stand) -> Iterator[list[float]]:
 def _pulled(stand: Stand, block: TrialBlock) -> float:
     """The load, with its weight, at which a block slips when it is pulled down."""
     before, weight = block.in_hand(), BLOCK_KG * norm(GRAVITY)
-    count = _steps(stand, _PULL_S)
+    count = stand.steps(_PULL_S)
     for step in range(1, count + 1):
         pull = MOST_PULL_N * step / count
         block.body.push((0.0, 0.0, -pull))
         stand.client.step(1)
-        if _moved(block, before) > _SLIPPED_M:
+        if displacement(block, before) > _SLIPPED_M:
             return pull + weight
     return math.inf
 
 
-def _moved(block: TrialBlock, before: Pose) -> float:
+def displacement(block: TrialBlock, before: Pose) -> float:
+    """How far a block has moved in the hand, in metres; infinity for what is no number."""
     return _finite(norm(subtract(block.in_hand().position, before.position)))
-
-
-def _steps(stand: Stand, seconds: float) -> int:
-    return round(seconds * stand.client.physics_hz)
 
 
 def _finite(value: float) -> float:

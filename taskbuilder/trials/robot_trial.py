@@ -11,6 +11,7 @@ from taskbuilder.trials.arm import JointTrial, try_arm
 from taskbuilder.trials.gripping import BlockGrip, Motion, free_motion, grips
 from taskbuilder.trials.opening import Opening, measure, widest
 from taskbuilder.trials.stand import Stand, stand
+from taskbuilder.trials.sucking import SuctionTrial, try_cup
 from taskbuilder.world.fingers import Fingers
 
 
@@ -40,15 +41,18 @@ class RobotTrial:
     Attributes:
         gripper: About its fingers; None without.
         arm: About each joint of its arm.
+        suction: About its suction cup; None without.
     """
 
     gripper: GripperTrial | None
     arm: tuple[JointTrial, ...]
+    suction: SuctionTrial | None = None
 
     def as_data(self) -> dict[str, Any]:
         """The figures as JSON has them, in SI units; null for what is infinite."""
         return {
             "gripper": None if self.gripper is None else _gripper_data(self.gripper),
+            "suction": None if self.suction is None else _suction_data(self.suction),
             "arm": [
                 {
                     "joint": joint.joint,
@@ -71,8 +75,12 @@ def try_robot(model: RobotModel, gripper: GripperTrial | None = None) -> RobotTr
     """
     if gripper is None and model.spec.gripper is not None:
         gripper = try_gripper(model)
+    suction = None
+    if model.spec.suction is not None:
+        with stand(model, rigid=True) as rigid:
+            suction = try_cup(rigid, model.spec.suction)
     with stand(model) as own:
-        return RobotTrial(gripper, try_arm(own))
+        return RobotTrial(gripper, try_arm(own), suction)
 
 
 def try_gripper(model: RobotModel) -> GripperTrial:
@@ -115,16 +123,24 @@ def _gripper_data(trial: GripperTrial) -> dict[str, Any]:
         "closes_in_s": _number(trial.motion.seconds),
         "fastest": _number(trial.motion.fastest),
         "expected_force": _number(trial.expected),
-        "grips": [
-            {
-                "width": _number(grip.width),
-                "held": grip.held,
-                "force": _number(grip.force),
-                "slip": _number(grip.slip),
-                "load": _number(grip.load),
-            }
-            for grip in trial.grips
-        ],
+        "grips": [_grip_data(grip) | {"force": _number(grip.force)} for grip in trial.grips],
+    }
+
+
+def _suction_data(trial: SuctionTrial) -> dict[str, Any]:
+    return {
+        "cup": _number(trial.width),
+        "gap": _number(trial.gap),
+        "grips": [_grip_data(grip) for grip in trial.grips],
+    }
+
+
+def _grip_data(grip: BlockGrip) -> dict[str, Any]:
+    return {
+        "width": _number(grip.width),
+        "held": grip.held,
+        "slip": _number(grip.slip),
+        "load": _number(grip.load),
     }
 
 

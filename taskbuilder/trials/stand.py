@@ -45,6 +45,10 @@ class Stand:
     client: Client
     robot: Robot
 
+    def steps(self, seconds: float) -> int:
+        """How many physics steps some time takes."""
+        return round(seconds * self.client.physics_hz)
+
     def at_home(self) -> None:
         """Put the robot home, at rest, without gravity."""
         self.client.set_gravity(ORIGIN)

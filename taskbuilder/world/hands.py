@@ -77,7 +77,7 @@ def is_finger(urdf: Urdf, branch: UrdfJoint) -> bool:
     if len(joints_below(urdf, branch)) > _FINGER_JOINTS or len(chain) > _FINGER_DEPTH:
         return False
     reach = max(
-        (float(np.linalg.norm(points, axis=1).max()) for points in _all_points(urdf, branch)),
+        (float(np.linalg.norm(points, axis=1).max()) for points in branch_points(urdf, branch)),
         default=0.0,
     )
     return reach < _FINGER_M
@@ -283,7 +283,7 @@ def frames_on(urdf: Urdf, hand: str) -> Iterator[str]:
             yield from frames_on(urdf, joint.child)
 
 
-def _all_points(urdf: Urdf, branch: UrdfJoint) -> Iterator[Points]:
+def branch_points(urdf: Urdf, branch: UrdfJoint) -> Iterator[Points]:
     """The points of everything beyond a joint, in its frame, as it is at 0."""
     pending = [branch.child]
     while pending:

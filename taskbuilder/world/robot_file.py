@@ -44,6 +44,8 @@ def robot_file(urdf: Urdf, proposal: Proposal, *, summary: str = "") -> str:
             f"  stroke: {proposal.stroke:.4g}",
             f"  force: {proposal.force:g}",
         ]
+    if proposal.cup is not None:
+        lines.append(f"suction: {{cup: {proposal.cup.link}, force: {proposal.cup.force:g}}}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,8 +1,6 @@
 """A robot file for a bare URDF: which joints are the arm, which the gripper, and where the tool is.
 
-From the root, the joints that move are followed as long as there is one long way to go; these are
-the arm. Short branches on the way, such as a head, are none of it. Where only fingers go on, there
-is the hand.
+The arm and its hand are found in the tree of joints; the tool's frame is measured on the fingers.
 """
 
 from __future__ import annotations
@@ -15,24 +13,22 @@ import numpy as np
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.geometry import Pose, Vec3, from_axes
+from taskbuilder.schema.robot import MOST_JOINTS
+from taskbuilder.world.arm_branches import find_arm
 from taskbuilder.world.grip_force import MotorForce, motor_force
 from taskbuilder.world.hands import (
     ALIGNED,
     Hand,
     Points,
-    find_hand,
-    find_jaw,
     finger_points,
     frames_on,
-    is_finger,
-    is_rotor,
-    joints_below,
     link_corners,
     link_pose,
     pads,
     snapped,
 )
 from taskbuilder.world.home_proposal import ProposedHome, find_home
+from taskbuilder.world.suction_proposal import Cup, find_cup
 
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
 _FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
@@ -58,6 +54,7 @@ class Proposal:
         force: Of each driven joint of the gripper, in N or Nm; 0 without a gripper.
         bounded: Whether the effort of the URDF keeps the force from being what would be right.
         remarks: What its reader is to know or to check.
+        cup: The suction cup, in place of a gripper; the tool's frame is that of its mouth.
     """
 
     arm: tuple[UrdfJoint, ...]
@@ -70,6 +67,24 @@ class Proposal:
     force: float
     bounded: bool
     remarks: tuple[str, ...]
+    cup: Cup | None = None
+
+    @property
+    def too_long(self) -> str:
+        """What is wrong with a chain of more joints than an arm may have, such as a snake's."""
+        if len(self.arm) <= MOST_JOINTS:
+            return ""
+        return (
+            f"{len(self.arm)} joints move one after the other, and an arm has at most "
+            f"{MOST_JOINTS}; make some of them fixed, or import the part of the robot that is an "
+            "arm"
+        )
+
+    @property
+    def touching(self) -> tuple[str, ...]:
+        """The links that touch what is held."""
+        fingers = dict.fromkeys(link for finger in self.fingers for link in finger)
+        return (*fingers, *((self.cup.link,) if self.cup else ()))
 
     @property
     def open(self) -> dict[str, float]:
@@ -84,7 +99,11 @@ class Proposal:
 
 
 def propose(
-    urdf: Urdf, *, end: str | None = None, home: Mapping[str, float] | None = None
+    urdf: Urdf,
+    *,
+    end: str | None = None,
+    home: Mapping[str, float] | None = None,
+    suction: float | None = None,
 ) -> Proposal | None:
     """Propose a robot file for a URDF; None if it has no arm that can be told apart.
 
@@ -92,12 +111,14 @@ def propose(
         urdf: The robot.
         end: A link beyond the arm that is meant, where there are several.
         home: A posture that its maker names, joint -> position in rad or m.
+        suction: Force in newtons of the suction cup that it ends in, 0 for an unknown one; None if
+            links have to be named like a cup to be one.
     """
     remarks: list[str] = []
-    arm, hand, found = _arm_and_hand(urdf, end, remarks)
+    arm, hand, found = find_arm(urdf, end, remarks)
     if not arm:
         return None
-    force = MotorForce(0.0)
+    force, cup = MotorForce(0.0), None
     if found is not None:
         remarks += found.remarks
         force = motor_force(urdf, found)
@@ -108,6 +129,9 @@ def propose(
                 f"{len(found.fingers)} fingers were found, and y of the tcp is along the line "
                 "between the first two. Do the others oppose them?"
             )
+    elif (cup := find_cup(urdf, hand, suction)) is not None:
+        remarks += cup.remarks
+        link, tcp = cup.link, cup.tcp
     else:
         remarks.append(
             "no gripper was found: no link has two or more fingers that move, or one jaw beside a "
@@ -132,76 +156,8 @@ def propose(
         force.force,
         force.bounded,
         tuple(remarks),
+        cup,
     )
-
-
-def _arm_and_hand(
-    urdf: Urdf, end: str | None, remarks: list[str]
-) -> tuple[tuple[UrdfJoint, ...], str, Hand | None]:
-    """The arm, the link that it ends in, and the hand there."""
-    arm: list[UrdfJoint] = []
-    link = urdf.root
-    while True:
-        on = [j for j in urdf.joints if j.parent == link and joints_below(urdf, j)]
-        if not on:
-            return tuple(arm), link, None
-        if len(on) > 1:
-            on = [joint for joint in on if not is_rotor(urdf, joint)] or on
-        if len(on) > 1:
-            long = [joint for joint in on if not is_finger(urdf, joint)]
-            if not long:
-                hand = find_hand(urdf, link, on)
-                if hand is not None or len(arm) >= FEW:  # a hand alone has no arm
-                    return tuple(arm), link, hand
-                long = [max(on, key=lambda joint: len(joints_below(urdf, joint)))]
-            chosen = _chosen(urdf, long, end, remarks)
-            others = [j.child for j in on if j not in long]
-            if others:
-                remarks.append(
-                    f"{', '.join(others)} on {link} {'is' if len(others) == 1 else 'are'} taken "
-                    "for no part of the arm, being short. Or is it a gripper?"
-                )
-            on = [chosen]
-        joint = on[0]
-        if joint.moves and len(joints_below(urdf, joint)) == 1 and arm:
-            hand = find_jaw(urdf, link, joint)
-            if hand is not None:
-                return tuple(arm), link, hand
-        if joint.moves and joint.mimic is None:
-            arm.append(joint)
-        link = joint.child
-
-
-FEW = 3
-"""Joints that an arm has at least, in all likelihood."""
-
-
-def _chosen(
-    urdf: Urdf, long: Sequence[UrdfJoint], end: str | None, remarks: list[str]
-) -> UrdfJoint:
-    """The branch that is meant of several, the first of those with most joints by default."""
-    if len(long) == 1:
-        return long[0]
-    for joint in long:
-        if end is not None and end in _links_below(urdf, joint):
-            return joint
-    most = max(len(joints_below(urdf, joint)) for joint in long)
-    chosen = next(joint for joint in long if len(joints_below(urdf, joint)) == most)
-    others = ", ".join(joint.child for joint in long if joint is not chosen)
-    remarks.append(
-        f"several arms begin on {chosen.parent}; this is the one from {chosen.child} on. Or is "
-        f"another meant: {others}? Then import with --arm {others.partition(',')[0]}"
-    )
-    return chosen
-
-
-def _links_below(urdf: Urdf, joint: UrdfJoint) -> set[str]:
-    links, pending = set(), [joint.child]
-    while pending:
-        link = pending.pop()
-        links.add(link)
-        pending += [other.child for other in urdf.joints if other.parent == link]
-    return links
 
 
 def _tool(urdf: Urdf, hand: Hand) -> tuple[str, Pose]:

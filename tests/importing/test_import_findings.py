@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from made_robots import arm, ascii_stl, box_mesh, joint, link, snapshot
+from made_robots import BOX, arm, ascii_stl, box_mesh, joint, link, snapshot, two_fingers
 
+from taskbuilder.assets.urdf import read_urdf
+from taskbuilder.cli import main
 from taskbuilder.errors import FileError, UsageError
-from taskbuilder.importing.folders import ImportSource, import_robot
+from taskbuilder.importing.folders import ImportSource, import_object, import_robot
 from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.writing import write_folder
@@ -156,3 +158,107 @@ def test_the_flange_is_read(write):
             import_robot(
                 ImportSource(write(arm()), mounts=(Mount(write(arm(), name="g.urdf"), text),))
             )
+
+
+def test_an_argument_that_a_xacro_file_does_not_have(tmp_path):
+    file = tmp_path / "arm.urdf.xacro"
+    said = '<xacro:arg name="hand" default="false"/>' + arm()
+    file.write_text(f'<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">{said}</robot>')
+    with pytest.raises(FileError, match=r'TB430.*no argument "hands"; did you mean "hand"'):
+        import_robot(ImportSource(file, arguments={"hands": "true"}))
+    for wrong in ("l1", "name"):  # which are words of the file, and no arguments
+        with pytest.raises(FileError, match=r"TB430.*no argument"):
+            import_robot(ImportSource(file, arguments={wrong: "true"}))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"PK\x03\x04rest",
+        b"\xfd7zXZ\x00rest",
+        b"7z\xbc\xaf\x27\x1crest",
+        b"Rar!rest",
+        b"BZh9rest",
+        b"robot.urdf" + b"\0" * 247 + b"ustar\x0000" + b"\0" * 300,
+    ],
+    ids=["zip", "xz", "7z", "rar", "bz2", "tar"],
+)
+def test_an_archive_is_known_by_its_content(content, tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_bytes(content)
+    with pytest.raises(FileError, match=r"TB433.*is an archive; unpack it"):
+        import_robot(ImportSource(file))
+
+
+def test_a_mesh_is_no_robot_and_no_gripper(write, package):
+    mesh = package / "meshes" / "hand.stl"
+    mesh.write_bytes(ascii_stl(box_mesh((0.05, 0.05, 0.1))))
+    for source in (ImportSource(mesh), ImportSource(write(arm()), mounts=(Mount(mesh, "l6"),))):
+        with pytest.raises(FileError, match=r"TB433.*hand.stl is a mesh.*objects import"):
+            import_robot(source)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("m.obj", b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0" + b"\nf 1 2 3" * 3_000_001),
+        ("m.ply", b"ply\nformat ascii 1.0\nelement face 4000000\nend_header\n"),
+        ("m.dae", b'<COLLADA><polylist count="2000000"/><triangles count="2000000"/></COLLADA>'),
+    ],
+    ids=["obj", "ply", "dae"],
+)
+def test_too_many_triangles_are_counted_before_they_are_read(name, content, tmp_path):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(FileError, match=r"TB404.*[34],000,00[01] triangles; reduce it"):
+        import_object(ImportSource(tmp_path / name))
+
+
+SHEET = b"v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3\nf 1 3 4\n"
+FINS = b"v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nv 0 0 -.1\nv .1 .1 .1\n" + (
+    b"f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\nf 3 4 5\n"  # edges of four faces, and no volume
+)
+
+
+@pytest.mark.parametrize("content", [SHEET, FINS], ids=["flat", "fins"])
+def test_meshes_without_volume_collide(content, tmp_path):
+    (tmp_path / "m.obj").write_bytes(content)
+    imported = import_object(ImportSource(tmp_path / "m.obj", name="thing"))
+    write_folder(tmp_path / "thing", imported.files, overwrite=False)
+    urdf = read_urdf(tmp_path / "thing" / "thing.urdf", (tmp_path / "thing",))
+    (shape,) = urdf.links[0].collisions
+    if content is SHEET:
+        assert shape.kind == "box"
+        assert sorted(shape.size) == pytest.approx([0.001, 0.1, 0.1])
+
+
+def test_what_is_wrong_with_the_result_is_said_at_the_source(write):
+    file = write(arm().replace('value="1"', 'value="1e9"'))
+    with pytest.raises(FileError, match=r"TB414") as error:
+        import_robot(ImportSource(file))
+    assert {finding.location.file for finding in error.value.findings} == {file}
+    lines = file.read_text().splitlines()
+    for finding in error.value.findings:
+        link_name = finding.path.removeprefix("link ")
+        assert f'name="{link_name}"' in lines[finding.location.line - 1]
+
+
+def test_folders_and_names_that_cannot_be_are_refused_before_anything_is_read(write, capsys):
+    file = str(write(arm()))
+    assert main(["robots", "import", file, "--out", "robots/my-arm"]) == 2
+    assert '"my-arm" is no name of a robot' in capsys.readouterr().err
+    assert main(["robots", "import", file, "--root", "nowhere"]) == 2
+    assert "--root nowhere: there is no such folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("more", [[], ["--quick"]])
+def test_a_snake_is_no_arm_when_it_is_checked(more, tmp_path, capfd):
+    text = link("s0", BOX)
+    for number in range(1, 41):
+        text += link(f"s{number}", BOX) + joint(f"t{number}", f"s{number - 1}", f"s{number}")
+    fingers = two_fingers().replace('"l6"', '"s40"')
+    (tmp_path / "snake.urdf").write_text(f'<robot name="snake">{text}{fingers}</robot>')
+    assert main(["robots", "check", str(tmp_path / "snake.urdf"), *more]) == 1
+    said = " ".join(capfd.readouterr().out.split())
+    assert "error[TB433] joint t17: 40 joints move one after the other" in said
+    assert "snake.urdf:" in said
+    assert "robot.yaml" not in said
