@@ -104,7 +104,8 @@ def _enlarged(mesh: TriangleMesh) -> TriangleMesh:
     out = np.zeros((place.max() + 1, 3), np.float32)
     np.add.at(out, place.reshape(-1), mesh.normals)
     out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-6)
-    return replace(mesh, vertices=mesh.vertices + np.float32(APART_M) * out[place.reshape(-1)])
+    moved = mesh.vertices + APART_M * out[place.reshape(-1)]
+    return replace(mesh, vertices=moved.astype(np.float32))
 
 
 def _meshes(shapes: list[MeshInstance]) -> tuple[VisibleMesh, ...]:
