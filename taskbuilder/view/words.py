@@ -112,8 +112,8 @@ def contact_forces(contacts: Contacts | None) -> str:
 
 def keys_table(keys: Mapping[str, Jog], buttons: Mapping[str, str]) -> str:
     """The keys by which people steer."""
-    cells = [f"{key} | {jog.words}" for key, jog in keys.items()]
-    cells += [f"{key.capitalize()} | {plain(label)}" for label, key in buttons.items()]
+    cells = [f"`{key}` | {jog.words}" for key, jog in keys.items()]
+    cells += [f"`{key.capitalize()}` | {plain(label)}" for label, key in buttons.items()]
     pairs = zip_longest(cells[::2], cells[1::2], fillvalue=" | ")
     return "\n".join(
         (
