@@ -31,7 +31,7 @@ FOUNDATION = (
 
 FILES = ("schema", "assets", *FOUNDATION)
 TASKS_LOADED = ("task", "description", *FILES)
-SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", *TASKS_LOADED)
+SIMULATED = ("world", "sim", "kinematics", "cameras", "shapes", "hulls", *TASKS_LOADED)
 
 # Each part of taskbuilder, top to bottom, and the parts that it may import besides itself.
 # What is not listed is refused: nothing imports upward, and neighbours do not know each other.
@@ -126,11 +126,12 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "task": ("description", *FILES),
     "world": ("sim", "raster", "kinematics", "cameras", "shapes", *FILES),
     "description": ("processes", *FILES),
-    "sim": ("raster", "cameras", "shapes", "assets", "files", *FOUNDATION),
+    "sim": ("raster", "cameras", "shapes", "hulls", "assets", "files", *FOUNDATION),
     "raster": (),
     "kinematics": ("assets", *FOUNDATION),
     "cameras": FOUNDATION,
     "shapes": ("assets", *FOUNDATION),
+    "hulls": (),
     "schema": ("assets", "_library", *FOUNDATION),
     "assets": FOUNDATION,
     "cluster": ("jobs", "processes", "machine", "digests", "_library", "extras", "errors"),

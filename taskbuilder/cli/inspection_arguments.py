@@ -235,4 +235,11 @@ def add_view(adder: CommandAdder) -> None:
         "port of the page on this machine (default 8765); 0 for any that is free",
         default=8765,
     )
+    parser.add_argument(
+        "--host",
+        metavar="ADDRESS",
+        help="address that the page listens on (default 127.0.0.1, this machine alone); on any "
+        "other, such as 0.0.0.0, the printed address has a token, without which nobody connects",
+        default="127.0.0.1",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")

@@ -31,9 +31,15 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.export:
         return _export(stage, choice, arguments.export)
     with ExitStack() as opened:
-        server = opened.enter_context(closing(PageServer(arguments.port)))
+        server = opened.enter_context(closing(PageServer(arguments.port, arguments.host)))
         page = opened.enter_context(closing(LivePage(stage, server, choice)))
         print(f"{server.address} shows {arguments.task}; Ctrl-C ends it", flush=True)
+        if server.gate.token:
+            print(
+                "whoever has this address can watch, steer and write the task file, and what is "
+                "sent is not encrypted: use it in a network that you trust",
+                flush=True,
+            )
         if arguments.open:
             webbrowser.open(server.address)
         try:

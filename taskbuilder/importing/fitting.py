@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from taskbuilder.geometry import Pose, Vec3, from_axes
+from taskbuilder.hulls import hull_triangles
 from taskbuilder.importing.pieces import MOST_PIECES, decomposed
 from taskbuilder.importing.surfaces import (
     Floats,
@@ -173,7 +174,7 @@ def _cut_apart(points: Floats, faces: Integers, labels: Integers) -> list[Part]:
 def hull_of(points: Floats, most: int = _HULL_POINTS) -> Part:
     """The convex hull of points, with at most so many corners, facing outwards."""
     corners = _extreme(points, most)
-    triangles = _hull_faces(corners)
+    triangles = hull_triangles(corners)
     used = np.flatnonzero(np.bincount(triangles.reshape(-1)))
     number = np.zeros(len(corners), np.int64)
     number[used] = np.arange(len(used))
@@ -247,7 +248,7 @@ def _frames(points: Floats) -> Iterator[Floats]:
 
 def _box_samples(size: Floats) -> Floats:
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2.0
-    return sampled(corners, _hull_faces(corners), _CANDIDATE_SAMPLES)
+    return sampled(corners, hull_triangles(corners), _CANDIDATE_SAMPLES)
 
 
 def _cylinder_samples(radius: float, length: float) -> Floats:
@@ -255,7 +256,7 @@ def _cylinder_samples(radius: float, length: float) -> Floats:
     ring = np.stack([np.cos(angles) * radius, np.sin(angles) * radius], axis=1)
     ends = [np.column_stack([ring, np.full(24, z)]) for z in (-length / 2.0, length / 2.0)]
     corners = np.concatenate(ends)
-    return sampled(corners, _hull_faces(corners), _CANDIDATE_SAMPLES)
+    return sampled(corners, hull_triangles(corners), _CANDIDATE_SAMPLES)
 
 
 def _ball_samples() -> Floats:
@@ -279,54 +280,6 @@ def _extreme(points: Floats, most: int) -> Floats:
         part = np.argmax(unique @ directions[start : start + 16].T, axis=0)
         outermost |= dict.fromkeys(part.tolist())
     return unique[sorted(outermost)]
-
-
-def _hull_faces(points: Floats) -> Integers:
-    """Triangles of the convex hull of a few points, by adding one point after the other."""
-    center_free = points - points.mean(axis=0)
-    size = float(np.abs(center_free).max()) or 1.0
-    jitter = np.random.default_rng(0).normal(scale=size * 1e-7, size=points.shape)
-    cloud = center_free + jitter  # no four points of a plane
-    first = _first_four(cloud)
-    inside = cloud[first].mean(axis=0)
-    faces = [_outwards(cloud, inside, face) for face in _faces_of(first)]
-    for index in range(len(cloud)):
-        if index in first:
-            continue
-        corners = np.array(faces)
-        a = cloud[corners[:, 0]]
-        normal = np.cross(cloud[corners[:, 1]] - a, cloud[corners[:, 2]] - a)
-        seen = np.einsum("ij,ij->i", cloud[index] - a, normal) > 0.0
-        if not seen.any():
-            continue
-        edges = {(int(face[i]), int(face[(i + 1) % 3])) for face in corners[seen] for i in range(3)}
-        rim = sorted(edge for edge in edges if (edge[1], edge[0]) not in edges)
-        faces = [face for face, visible in zip(faces, seen, strict=True) if not visible]
-        faces += [(a_, b_, index) for a_, b_ in rim]
-    return np.array(faces, np.int64)
-
-
-def _faces_of(four: list[int]) -> list[tuple[int, int, int]]:
-    a, b, c, d = four
-    return [(a, b, c), (a, b, d), (a, c, d), (b, c, d)]
-
-
-def _outwards(cloud: Floats, inside: Floats, face: tuple[int, int, int]) -> tuple[int, int, int]:
-    a, b, c = face
-    normal = np.cross(cloud[b] - cloud[a], cloud[c] - cloud[a])
-    return face if normal @ (cloud[a] - inside) > 0.0 else (a, c, b)
-
-
-def _first_four(cloud: Floats) -> list[int]:
-    """Four points that span a volume."""
-    a = int(np.argmin(cloud[:, 0]))
-    b = int(np.argmax(np.linalg.norm(cloud - cloud[a], axis=1)))
-    along = (cloud[b] - cloud[a]) / max(float(np.linalg.norm(cloud[b] - cloud[a])), 1e-30)
-    off = cloud - cloud[a]
-    c = int(np.argmax(np.linalg.norm(off - np.outer(off @ along, along), axis=1)))
-    normal = np.cross(cloud[b] - cloud[a], cloud[c] - cloud[a])
-    d = int(np.argmax(np.abs(off @ normal)))
-    return [a, b, c, d]
 
 
 def _vec(values: Floats) -> Vec3:

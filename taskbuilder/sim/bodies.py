@@ -43,6 +43,9 @@ from taskbuilder.sim.redrawn import redrawn
 NO_SHAPE = -1
 READABLE = (".obj", ".stl")
 
+MOST_BOXES = 16
+"""The engine makes one shape of so many at most, and leaves out others without a word."""
+
 
 @dataclass(frozen=True)
 class _BodyPart:
@@ -120,6 +123,9 @@ def create_body(
             restitution=restitution,
         )
     links = {part_name: index for index, part_name in enumerate(parts, start=BASE)}
+    for name_of, part in parts.items():
+        if collides and _collides_by(part, moving=mass > 0.0) == "exact":
+            client.surfaces[body_id, links[name_of]] = part
     boxes = [placed_bounds(part.shape, part.pose) for part in parts.values() if collides]
     return Body(client, body_id, name, links, _around(boxes))
 
@@ -270,11 +276,18 @@ def _shape_of(kind: int, sizes: Vec3, file: Path) -> Shape | None:
     return None
 
 
+def _collides_by(part: Part, *, moving: bool) -> str:
+    """How a part's mesh collides; see `MeshShape`. "" for a part without one."""
+    if not isinstance(part.shape, MeshShape):
+        return ""
+    return part.shape.collide or ("pieces" if moving else "exact")
+
+
 def _collision_shape(client: Client, part: Part, *, moving: bool) -> int:
     if isinstance(part.shape, MeshShape):
-        how = part.shape.collide or ("pieces" if moving else "exact")
+        how = _collides_by(part, moving=moving)
         if how == "boxes":
-            return _boxes(client, part, mesh_groups(part.shape))
+            return _boxes(client, part.shape, part)
         if how == "hull" and len(groups := mesh_groups(part.shape)) > 1:
             return _hull(client, part, np.concatenate(groups))
         flags = {"flags": p.GEOM_FORCE_CONCAVE_TRIMESH} if how == "exact" else {}
@@ -293,8 +306,18 @@ def _hull(client: Client, part: Part, corners: NDArray[np.float64]) -> int:
     return _made(client.bullet.createCollisionShape, part, "collision", options)
 
 
-def _boxes(client: Client, part: Part, groups: Sequence[NDArray[np.float64]]) -> int:
-    """A box around each group of a mesh, along the axes of its file."""
+def _boxes(client: Client, shape: MeshShape, part: Part) -> int:
+    """A box around each group of a mesh, along the axes of its file.
+
+    Raises:
+        SimulationError: There are more groups than the engine takes; it would leave out the rest.
+    """
+    groups = mesh_groups(shape)
+    if len(groups) > MOST_BOXES:
+        raise SimulationError(
+            f"{shape.path.name} has {len(groups)} groups, but a shape is made of at most "
+            f"{MOST_BOXES} boxes; write collide: pieces, or join groups"
+        )
     ends = [(group.min(axis=(0, 1)), group.max(axis=(0, 1))) for group in groups]
     middles = [((low + high) / 2.0).tolist() for low, high in ends]
     poses = [part.pose @ Pose((x, y, z)) for x, y, z in middles]

@@ -10,6 +10,7 @@ from typing import Any, Self
 from taskbuilder.errors import SimulationError
 from taskbuilder.geometry import Vec3
 from taskbuilder.quiet import captured
+from taskbuilder.shapes import Part
 from taskbuilder.sim.bullet import Calls, p
 from taskbuilder.sim.renderers import Renderer, load_egl
 from taskbuilder.sim.scenery import Scenery
@@ -44,6 +45,8 @@ class Client(Single):
         looks: How often the look of a body was changed.
         drawn: What the rasteriser keeps of its bodies, for its next picture.
         meshes: The mesh that the rasteriser draws for one that Bullet knows, by Bullet's name.
+        surfaces: The part of each link that collides by the whole surface of a mesh, by Bullet's
+            number of the body and the index of the link.
         holders: Its links that can hold others; see `attachments`.
 
     Raises:
@@ -66,6 +69,7 @@ class Client(Single):
         self.looks = 0
         self.drawn: object = None
         self.meshes: dict[str, Path] = {}
+        self.surfaces: dict[tuple[int, int], Part] = {}
         self.holders: list[Any] = []
         self.id: int = p.connect(p.DIRECT)
         if self.id < 0:

@@ -48,9 +48,11 @@ class Segments:
 
     Attributes:
         names: The name of each number.
+        parts: As they were given.
     """
 
     def __init__(self, parts: Sequence[tuple[str, int, int]] = ()) -> None:
+        self.parts = tuple(parts)
         self.names = (BACKGROUND, *(name for name, _, _ in parts))
         bodies = max((body for _, body, _ in parts), default=NO_BODY)
         links = max((link for _, _, link in parts), default=-1)

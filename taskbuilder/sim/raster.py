@@ -65,6 +65,8 @@ class RasterWorld:
         shapes: The shapes, each in its link.
         bodies: Bullet's number of the body of each shape, -1 for a distractor, and -1.
         links: Index of the link of each shape, -1 for a distractor, and -1.
+        rows: Row of the base of each body in `link_poses`, by Bullet's number of the body; its
+            links follow.
     """
 
     def __init__(self, client: Client, state: tuple[int, int]) -> None:
@@ -73,6 +75,7 @@ class RasterWorld:
         self._bodies: list[tuple[int, Pose | None, list[int]]] = []
         shapes: list[MeshInstance] = []
         owners: list[tuple[int, int]] = []
+        self.rows: dict[int, int] = {}
         rows = 0
         for number in range(self._bullet.getNumBodies()):
             body = self._bullet.getBodyUniqueId(number)
@@ -80,6 +83,7 @@ class RasterWorld:
             inertial = inertial_frame(client, body, BASE)
             base = None if inertial == Pose() else inertial.inverse()
             self._bodies.append((body, base, list(range(count))))
+            self.rows[body] = rows
             texture = client.scenery.textures.get(body)
             for data in self._bullet.getVisualShapeData(body):
                 link, kind, sizes, name, position, quaternion, color = data[1:8]
@@ -131,6 +135,31 @@ def _pattern(texture: Texture | None, own: Color) -> Pattern | None:
     return Pattern(texture.kind, (red, green, blue), texture.period, texture.angle)
 
 
+@lru_cache(maxsize=512)
+def primitive(kind: int, sizes: tuple[float, ...]) -> TriangleMesh | None:
+    """The mesh of a shape that has no file, as Bullet accounts for it; None for other kinds.
+
+    Args:
+        kind: Bullet's kind of shape.
+        sizes: Its lengths.
+    """
+    if kind == p.GEOM_BOX:
+        return box((sizes[0], sizes[1], sizes[2]))
+    if kind == p.GEOM_SPHERE:
+        return sphere(sizes[0])
+    if kind == p.GEOM_CYLINDER:
+        return cylinder(sizes[1], sizes[0])
+    if kind == p.GEOM_CAPSULE:
+        return capsule(sizes[1], sizes[0])
+    return None
+
+
+def matrix(pose: Pose) -> NDArray[np.float64]:
+    """(3, 4) rotation and position."""
+    columns = [pose.axis(0), pose.axis(1), pose.axis(2), pose.position]
+    return np.ascontiguousarray(np.array(columns).T)
+
+
 def _drawn_only(row: int, thing: Distractor) -> MeshInstance:
     """The rasteriser's form of a distractor, in the row of the world's frame."""
     match thing.shape:
@@ -140,13 +169,7 @@ def _drawn_only(row: int, thing: Distractor) -> MeshInstance:
             mesh = cylinder(radius, length)
         case SphereShape(radius):
             mesh = sphere(radius)
-    return MeshInstance(mesh, row, _matrix(thing.pose), (*thing.color, 1.0))
-
-
-def _matrix(pose: Pose) -> NDArray[np.float64]:
-    """(3, 4) rotation and position."""
-    columns = [pose.axis(0), pose.axis(1), pose.axis(2), pose.position]
-    return np.ascontiguousarray(np.array(columns).T)
+    return MeshInstance(mesh, row, matrix(thing.pose), (*thing.color, 1.0))
 
 
 def _shapes(
@@ -159,7 +182,7 @@ def _shapes(
     color: tuple[float, float, float, float],
 ) -> list[MeshInstance]:
     """What Bullet's account of a shape looks like; nothing for one that cannot be drawn."""
-    placed = _matrix(pose)
+    placed = matrix(pose)
     red, green, blue, opacity = color
     shapes = []
     # A colour that a URDF or a task file gives is that of the whole mesh. White stands for none.
@@ -184,17 +207,10 @@ def _meshes(
         file: The file of a mesh.
         diffuse: Whether the diffuse colours in a mesh's materials count.
     """
-    if kind == p.GEOM_BOX:
-        return ((box((sizes[0], sizes[1], sizes[2])), WHITE),)
-    if kind == p.GEOM_SPHERE:
-        return ((sphere(sizes[0]), WHITE),)
-    if kind == p.GEOM_CYLINDER:
-        return ((cylinder(sizes[1], sizes[0]), WHITE),)
-    if kind == p.GEOM_CAPSULE:
-        return ((capsule(sizes[1], sizes[0]), WHITE),)
     if kind == p.GEOM_MESH:
         return tuple(_from_file(file, sizes, diffuse=diffuse))
-    return ()
+    mesh = primitive(kind, sizes)
+    return () if mesh is None else ((mesh, WHITE),)
 
 
 def _from_file(

@@ -70,6 +70,10 @@ KEYS: Mapping[str, Jog] = {
 """The keys, and what each does."""
 
 
+_STICKS = "sticks"
+"""Where what sticks do is kept among the keys."""
+
+
 class _Press(NamedTuple):
     jog: Jog
     heading: float
@@ -120,6 +124,18 @@ class Operator:
         if key in KEYS:
             self._pressed[key] = _Press(KEYS[key], heading, FINE_STEP if fine else STEP)
             self._note_time()
+
+    def push(self, shift: Vec3, turn: Vec3, *, heading: float = 0.0) -> None:
+        """Sticks point somewhere; this counts in the next control step, once.
+
+        Args:
+            shift: Where the tool moves, as its person sees it: forwards, left and up, each as a
+                share, -1 to 1, of what the action mode allows in a control step.
+            turn: How it turns about its own axes, each -1 to 1 in the same way.
+            heading: Direction in which the person looks, about the vertical from x, in rad.
+        """
+        self._pressed[_STICKS] = _Press(Jog("sticks", shift, turn), heading, 1.0)
+        self._note_time()
 
     def drag(self, tool: Pose) -> None:
         """The tool was dragged to a pose in the world, which it goes to until a key is pressed."""

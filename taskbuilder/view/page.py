@@ -15,6 +15,7 @@ from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.errors import TaskbuilderError
 from taskbuilder.steering.session import Session
 from taskbuilder.view.episode_tab import EpisodeTab
+from taskbuilder.view.gamepads import Gamepads
 from taskbuilder.view.place_tab import PlaceTab
 from taskbuilder.view.scene_tab import SceneTab
 from taskbuilder.view.server import PageServer
@@ -72,7 +73,11 @@ class LivePage:
             explain=self._explain,
         )
         self.steering = SteeringTab(
-            server.viser, tabs.add_tab("Steer"), ask=self.ask, begin=self._begin_steering
+            server.viser,
+            tabs.add_tab("Steer"),
+            ask=self.ask,
+            pads=Gamepads(server.gate, self.ask),
+            begin=self._begin_steering,
         )
         self.place = PlaceTab(
             server.viser,

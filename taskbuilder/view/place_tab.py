@@ -10,11 +10,14 @@ from taskbuilder.fixes import Correction
 from taskbuilder.geometry import Pose
 from taskbuilder.schema.rewrite import rewritten
 from taskbuilder.view.placing import Movable, Placing, movables
+from taskbuilder.view.regions import RegionPlacing
 from taskbuilder.view.scene import PICTURE_WIDTH
 from taskbuilder.view.scene_tab import Ask, SceneTab
-from taskbuilder.view.words import placed, plain
+from taskbuilder.view.words import placed, plain, region_placed
 from taskbuilder.world.pictures import capture
 from taskbuilder.world.visible import LinkPoses
+
+REGION_COLOR = (147, 51, 234)
 
 NOTHING = "nothing"
 WRITE, UNDO, BACK = "Write", "Undo", "Put it back"
@@ -41,9 +44,11 @@ class PlaceTab:
     ) -> None:
         self._server, self._tab, self._ask = server, tab, ask
         self._scene, self._stop = scene, stop
-        self.placing: Placing | None = None
+        self.placing: Placing | RegionPlacing | None = None
         self._things: dict[str, Movable] = {}
         self._gizmo: Any = None
+        self._corner: Any = None
+        self._edges: Any = None
         self._poses: LinkPoses | None = None
         self._done: list[Correction] = []
         gui = server.gui
@@ -59,7 +64,8 @@ class PlaceTab:
     def show(self) -> None:
         """Move things of the scene that is shown now."""
         world = self._scene.world
-        self.placing = self._gizmo = self._poses = None  # with the scene, its gizmo has gone
+        # With the scene, what was drawn in it has gone.
+        self.placing = self._gizmo = self._corner = self._edges = self._poses = None
         self._things = {str(thing): thing for thing in movables(world)} if world else {}
         chosen = self.choice.value
         self.choice.options = (NOTHING, *self._things)
@@ -73,9 +79,10 @@ class PlaceTab:
             label: The thing, as the list of choices says it; `NOTHING` to let go.
             keep_words: Whether what was said last stays.
         """
-        if self._gizmo is not None:
-            self._gizmo.remove()
-            self._gizmo = None
+        for drawn in (self._gizmo, self._corner, self._edges):
+            if drawn is not None:
+                drawn.remove()
+        self._gizmo = self._corner = self._edges = None
         self.placing, world = None, self._scene.world
         self._see(None)
         thing = self._things.get(label)
@@ -85,12 +92,16 @@ class PlaceTab:
             self.words.content = "✗ People steer this episode; end it before you move things."
             return
         self._poses = LinkPoses(world)
-        self.placing = Placing(world, self._scene.variation, thing)
+        region = thing.sort == "region"
+        make = RegionPlacing if region else Placing
+        self.placing = make(world, self._scene.variation, thing)
         if not keep_words:
             self._say()
-        self._gizmo = self._server.scene.add_transform_controls(
-            "/placed", scale=0.25, depth_test=False
-        )
+        add = self._server.scene.add_transform_controls
+        self._gizmo = add("/placed", scale=0.25, depth_test=False, disable_rotations=region)
+        if region:
+            self._corner = add("/corner", scale=0.12, depth_test=False, disable_rotations=True)
+            self._corner.on_update(self._resized)
         self._follow()
         self._gizmo.on_update(self._dragged)
         self._see(self.placing)
@@ -111,7 +122,19 @@ class PlaceTab:
             return
         self.placing.move(pose)
         self._scene.place(self._poses.now())
+        self._follow_region(dragged=self._gizmo)
         self._say()
+
+    def resize(self, corner: Pose) -> None:
+        """Resize the chosen region.
+
+        Args:
+            corner: Where to move its corner, in the world.
+        """
+        if isinstance(self.placing, RegionPlacing):
+            self.placing.move_corner(corner)
+            self._follow_region(dragged=self._corner)
+            self._say()
 
     def do(self, button: str) -> None:
         """What a button does."""
@@ -156,34 +179,64 @@ class PlaceTab:
         if self._poses is not None:
             self._scene.place(self._poses.now())
         self._follow()
-        return placed(self.placing)
+        return self._words_of(self.placing)
 
     # --- display
 
     def _dragged(self, event: Any) -> None:
-        (x, y, z), (w, qx, qy, qz) = event.target.position.tolist(), event.target.wxyz.tolist()
-        pose, ends = Pose((x, y, z), (qx, qy, qz, w)), event.phase == "end"
+        pose, ends = _pose_of(event.target), event.phase == "end"
 
         def drag() -> None:
             self.move(pose)
             if ends:
                 self._see(self.placing)
+                self._follow_region()
+
+        self._ask(drag)
+
+    def _resized(self, event: Any) -> None:
+        pose, ends = _pose_of(event.target), event.phase == "end"
+
+        def drag() -> None:
+            self.resize(pose)
+            if ends:
+                self._follow_region()
 
         self._ask(drag)
 
     def _follow(self) -> None:
         """Put the gizmo where the thing is."""
         if self._gizmo is not None and self.placing is not None:
-            x, y, z, w = self.placing.pose.quaternion
-            self._gizmo.position, self._gizmo.wxyz = self.placing.pose.position, (w, x, y, z)
+            _put(self._gizmo, self.placing.pose)
+        self._follow_region()
 
-    def _see(self, placing: Placing | None) -> None:
+    def _follow_region(self, dragged: Any = None) -> None:
+        """Draw the region that is moved, with its gizmos.
+
+        Args:
+            dragged: The gizmo that is in somebody's hand, which stays where it is.
+        """
+        region = self.placing
+        if not isinstance(region, RegionPlacing):
+            return
+        scene = self._server.scene
+        with self._server.atomic():
+            if self._edges is not None:
+                self._edges.remove()
+            self._edges = scene.add_line_segments(
+                "/region", region.edges(), REGION_COLOR, thickness=3.0, thickness_units="screen"
+            )
+            for gizmo, pose in ((self._gizmo, region.pose), (self._corner, region.corner)):
+                if gizmo is not None and gizmo is not dragged:
+                    _put(gizmo, pose)
+
+    def _see(self, placing: Placing | RegionPlacing | None) -> None:
         """Show what a camera that is moved sees."""
         if self._picture is not None:
             self._picture.remove()
             self._picture = None
         world = self._scene.world
-        view = placing.view(PICTURE_WIDTH) if placing is not None else None
+        view = placing.view(PICTURE_WIDTH) if isinstance(placing, Placing) else None
         self._picture_folder.visible = view is not None
         if view is not None and world is not None:
             with self._picture_folder:
@@ -192,13 +245,17 @@ class PlaceTab:
     def _say(self) -> None:
         if self.placing is None:
             return
-        words = placed(self.placing)
+        words = self._words_of(self.placing)
         try:
             if self.placing.values:
                 self._correction()
         except (TaskbuilderError, OSError) as error:
             words = f"{words}\n\n✗ {plain(str(error))}"
         self.words.content = words
+
+    @staticmethod
+    def _words_of(placing: Placing | RegionPlacing) -> str:
+        return region_placed(placing) if isinstance(placing, RegionPlacing) else placed(placing)
 
     def _correction(self) -> Correction:
         """The task file with what the thing's place makes of it.
@@ -213,3 +270,14 @@ class PlaceTab:
         file = world.task.entry.file
         before = file.read_bytes().decode("utf-8")
         return Correction(file, before, rewritten(before, self.placing.values))
+
+
+def _pose_of(gizmo: Any) -> Pose:
+    """Where a gizmo is, in the world."""
+    (x, y, z), (w, qx, qy, qz) = gizmo.position.tolist(), gizmo.wxyz.tolist()
+    return Pose((x, y, z), (qx, qy, qz, w))
+
+
+def _put(gizmo: Any, pose: Pose) -> None:
+    x, y, z, w = pose.quaternion
+    gizmo.position, gizmo.wxyz = pose.position, (w, x, y, z)

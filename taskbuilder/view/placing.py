@@ -23,7 +23,7 @@ from taskbuilder.sim.contacts import gaps
 from taskbuilder.world.cameras import camera_view
 from taskbuilder.world.world import World
 
-Sort = Literal["object", "site", "base", "tool", "camera"]
+Sort = Literal["object", "site", "region", "base", "tool", "camera"]
 
 LOOK_M = 0.2
 """Distances to other bodies are measured up to this one, in metres."""
@@ -41,7 +41,7 @@ class Movable:
 
     Attributes:
         sort: What it is. The tool of a robot stands for the start configuration of its arm.
-        name: The object, site, robot or camera.
+        name: The object, site, robot or camera; of a region, what is placed in it.
     """
 
     sort: Sort
@@ -58,6 +58,12 @@ def movables(world: World) -> tuple[Movable, ...]:
     scene = world.scene
     found = [Movable("object", name) for name in scene.objects if name not in grouped]
     found += [Movable("site", name) for name in scene.sites if name not in grouped]
+    placed: Mapping[str, Placed] = {**scene.objects, **scene.sites}
+    found += [
+        Movable("region", name)
+        for name, thing in placed.items()
+        if thing.place is not None and name not in grouped
+    ]
     for name in scene.robots:
         found += [Movable("base", name), Movable("tool", name)]
     return (*found, *(Movable("camera", name) for name in scene.cameras))
@@ -114,7 +120,10 @@ class Placing:
         turned = _angle_deg(self._before, pose) > UNTURNED_DEG
         moved = math.dist(self._before.position, pose.position) > 1e-6
         values = self._values(turned=turned) if moved or turned else {}
-        self.values = {self._written(path): value for path, value in values.items()}
+        self.values = {
+            written_path(self._world, self._variation, path): value
+            for path, value in values.items()
+        }
 
     def put_back(self) -> None:
         """Put it back where it was."""
@@ -152,12 +161,7 @@ class Placing:
 
     def changes(self) -> tuple[ValueChange, ...]:
         """What in the file is to be written otherwise."""
-        source = self._world.task.source
-        befores = ((path, source.get(*path)) for path in self.values)
-        return tuple(
-            ValueChange(path, "" if before is None else written(before), self.values[path])
-            for path, before in befores
-        )
+        return changes_of(self._world, self.values)
 
     # --- where things are
 
@@ -265,15 +269,37 @@ class Placing:
         """A pose in the world that moves with the thing."""
         return self.pose @ self._before.inverse() @ pose
 
-    def _written(self, path: Path_) -> Path_:
-        """Where a value stands in the file: in the variation, if it changes the value."""
-        if self._variation:
-            key = ".".join(map(str, path[2:]))
-            place: Path_ = ("variations", self._variation - 1)
-            changes: Any = self._world.task.source.get(*place)
-            if isinstance(changes, Mapping) and key in changes:
-                return (*place, key)
-        return self._world.task.source.written(path)
+
+def changes_of(world: World, values: Mapping[Path_, Value]) -> tuple[ValueChange, ...]:
+    """What in the task file of a world is to be written otherwise.
+
+    Args:
+        world: The world.
+        values: The new values, by where they are in the file.
+    """
+    source = world.task.source
+    befores = ((path, source.get(*path)) for path in values)
+    return tuple(
+        ValueChange(path, "" if before is None else written(before), values[path])
+        for path, before in befores
+    )
+
+
+def written_path(world: World, variation: int, path: Path_) -> Path_:
+    """Where a value stands in the file: in the variation, if it changes the value.
+
+    Args:
+        world: The world.
+        variation: Number of the variation of its scene.
+        path: Where the value stands in the task, such as ``("scene", "objects", "cube", "mass")``.
+    """
+    if variation:
+        key = ".".join(map(str, path[2:]))
+        place: Path_ = ("variations", variation - 1)
+        changes: Any = world.task.source.get(*place)
+        if isinstance(changes, Mapping) and key in changes:
+            return (*place, key)
+    return world.task.source.written(path)
 
 
 def _pose_values(at: Path_, pose: Pose, *, turned: bool) -> Mapping[Path_, Value]:

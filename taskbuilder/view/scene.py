@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,19 @@ from numpy.typing import NDArray
 
 from taskbuilder.geometry import Pose
 from taskbuilder.view.contacts import Contacts
+from taskbuilder.view.links import BrowserLinks, Picked
 from taskbuilder.view.marks import WORDS, marks_of, segments
 from taskbuilder.view.stage_poses import StagePose
 from taskbuilder.view.words import margin_words
 from taskbuilder.world.pictures import capture
 from taskbuilder.world.segments import FLOOR
-from taskbuilder.world.visible import Color, LinkPoses, VisibleLink, VisibleMesh, visible_links
+from taskbuilder.world.visible import (
+    LinkPoses,
+    VisibleLink,
+    VisibleMesh,
+    collision_links,
+    visible_links,
+)
 from taskbuilder.world.world import World
 
 LINE_PX = 2.0
@@ -31,6 +38,9 @@ EXPERT = "expert's poses"
 CONTACTS = "contacts and forces"
 """The switch for what touches what."""
 
+COLLISIONS = "collision shapes"
+"""The switch for the shapes by which the physics lets links collide."""
+
 MAGENTA = (219, 39, 119)
 GREEN, RED, LIT = (22, 163, 74), (220, 38, 38), (245, 158, 11)
 GHOST_COLORS = {"in reach": GREEN, "out of reach": RED, "in collision": RED}
@@ -45,50 +55,6 @@ SURROUNDINGS = (FLOOR, "distractors")
 GAP_M = 0.3
 """Between two worlds side by side, in metres."""
 
-Picked = Callable[[str], None]
-
-
-class _Links:
-    """The links of a world in the browser.
-
-    Args:
-        server: The server of viser.
-        root: The path under which they stand.
-        picked: Called with the name of a link that was clicked.
-    """
-
-    def __init__(self, server: Any, root: str, picked: Picked) -> None:
-        self._scene, self._root, self._picked = server.scene, root, picked
-        self._frames: dict[int, list[Any]] = {}
-        self._known: NDArray[np.float32] | None = None
-        self.meshes: list[tuple[str, Any, Color]] = []
-
-    def add(self, link: VisibleLink) -> None:
-        """Add a link."""
-        path = f"{self._root}/{link.name.replace('.', '/')}"
-        frame = self._scene.add_frame(path, show_axes=False)
-        self._frames.setdefault(link.row, []).append(frame)
-        for number, mesh in enumerate(link.meshes):
-            handle = self._scene.add_mesh_simple(
-                f"{path}/mesh_{number}",
-                mesh.vertices,
-                mesh.triangles,
-                color=mesh.color,
-                opacity=None if mesh.opacity >= 1.0 else mesh.opacity,
-                side="double" if mesh.opacity < 1.0 else "front",
-            )
-            self.meshes.append((link.name, handle, mesh.color))
-            handle.on_click(lambda _, name=link.name: self._picked(name))
-
-    def place(self, poses: NDArray[np.float32]) -> None:
-        """Put them where they are; see `LinkPoses.now`."""
-        for row, frames in self._frames.items():
-            if self._known is not None and np.array_equal(poses[row], self._known[row]):
-                continue
-            for frame in frames:
-                frame.position, frame.wxyz = poses[row, :3], poses[row, 3:]
-        self._known = poses
-
 
 class BrowserScene:
     """A world in the scene of a viser server, and perhaps the same world once more beside it.
@@ -102,15 +68,16 @@ class BrowserScene:
         self._server = server
         self._picked = picked
         self._marks: dict[str, list[Any]] = {}
-        self._links = _Links(server, ROOT, picked)
-        self._beside: tuple[Any, _Links] | None = None
+        self._links = BrowserLinks(server, ROOT, picked)
+        self._beside: tuple[Any, BrowserLinks] | None = None
+        self._solid: tuple[VisibleLink, ...] = ()
 
     def show(self, world: World) -> None:
         """Show a world in the place of what was shown before; the viewer's camera stays."""
         with self._server.atomic():
             self._server.scene.reset()
-            self._marks, self._beside = {}, None
-            self._links = _Links(self._server, ROOT, self._picked)
+            self._marks, self._beside, self._solid = {}, None, ()
+            self._links = BrowserLinks(self._server, ROOT, self._picked)
             self._server.scene.set_up_direction("+z")
             self._server.scene.configure_default_lights()
             for link in visible_links(world):
@@ -141,15 +108,28 @@ class BrowserScene:
             root = self._server.scene.add_frame(
                 BESIDE, show_axes=False, position=_to_the_right(world, links)
             )
-            self._beside = root, _Links(self._server, BESIDE, self._picked)
+            self._beside = root, BrowserLinks(self._server, BESIDE, self._picked)
             for link in links:
                 self._beside[1].add(link)
+            self._beside[1].cover(self._solid)
 
     def place_beside(self, poses: NDArray[np.float32]) -> None:
         """Put the links of the world beside it where they are; see `place`."""
         if self._beside is not None:
             with self._server.atomic():
                 self._beside[1].place(poses)
+
+    def show_collisions(self, world: World | None) -> None:
+        """Draw the shapes by which links collide over their looks; they follow the links.
+
+        Args:
+            world: The world that is shown; None to remove them.
+        """
+        self._solid = collision_links(world) if world is not None else ()
+        with self._server.atomic():
+            self._links.cover(self._solid)
+            if self._beside is not None:
+                self._beside[1].cover(self._solid)
 
     # --- what is drawn around it
 
@@ -294,7 +274,7 @@ def camera_pictures(world: World) -> Mapping[str, NDArray[np.uint8]]:
 
 def switches() -> Mapping[str, bool]:
     """What can be shown and hidden, and whether it is shown at first."""
-    return {**dict.fromkeys(WORDS, False), "cameras": False, CONTACTS: False, EXPERT: False}
+    return dict.fromkeys((*WORDS, "cameras", COLLISIONS, CONTACTS, EXPERT), False)
 
 
 def _fingers(world: World, robot: str) -> Iterator[tuple[Pose, VisibleMesh]]:

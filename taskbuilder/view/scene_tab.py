@@ -12,6 +12,7 @@ from taskbuilder.errors import TaskbuilderError
 from taskbuilder.task import Task
 from taskbuilder.view.contacts import Contacts
 from taskbuilder.view.scene import (
+    COLLISIONS,
     CONTACTS,
     EXPERT,
     BrowserScene,
@@ -141,6 +142,9 @@ class SceneTab:
             return
         if word == CONTACTS:
             self.touch(self._touching)
+            return
+        if word == COLLISIONS:
+            self._scene.show_collisions(self.world if on else None)
             return
         self._scene.switch(word, self.world if on else None)
         if word == "cameras":

@@ -2,23 +2,22 @@
 
 Viser serves the page and keeps the browsers up to date. A web page of another site may also open a
 connection to this machine; browsers then say from which site, and such a connection is closed
-before anything is sent or read.
+before anything is sent or read. Who can connect at all is for the `gate` to say.
 """
 
 from __future__ import annotations
 
 import io
 import socket
-from collections.abc import Sequence
-from contextlib import redirect_stdout
+from contextlib import closing, redirect_stdout
 from typing import Any
-from urllib.parse import urlsplit
 
 from taskbuilder.errors import UsageError
+from taskbuilder.view.gate import LOCAL_NAMES, Gate
 
 LOCAL = "127.0.0.1"
 PORT = 8765
-LOCAL_NAMES = ("127.0.0.1", "localhost", "::1")
+ANYWHERE = ("0.0.0.0", "::")  # noqa: S104 - only if the user says so, and then with a token
 REFUSED = 1008
 """The close code of WebSocket for what a policy forbids."""
 
@@ -30,25 +29,32 @@ class PageServer:
 
     Args:
         port: The port; 0 for any that is free.
+        host: The address that it listens on. On another one than 127.0.0.1, each connection needs
+            a token, which is made anew and is a part of `address`.
 
     Attributes:
         viser: The server of viser.
+        gate: Lets connections in.
+        host: The address that it listens on.
         port: The port.
 
     Raises:
-        UsageError: Viser is not installed, or the port is taken.
+        UsageError: Viser is not installed, the host is none of this machine, or the port is taken.
     """
 
-    def __init__(self, port: int = PORT) -> None:
+    def __init__(self, port: int = PORT, host: str = LOCAL) -> None:
         try:
             import viser
         except ModuleNotFoundError:
             raise UsageError(HOW_TO_GET) from None
-        if port:
-            _check_free(port)
-        with redirect_stdout(io.StringIO()):  # the command says where the page is
-            self.viser: Any = viser.ViserServer(LOCAL, port, verbose=False)
+        _check_free(host, port)
+        self.host = host
+        self.gate = Gate(local=host in LOCAL_NAMES)
+        # The command says where the page is.
+        with redirect_stdout(io.StringIO()), self.gate.installed():
+            self.viser: Any = viser.ViserServer(host, port, verbose=False)
         self.port: int = self.viser.get_port()
+        self.gate.port = self.port
         self._refuse_other_sites()
         self.viser.gui.configure_theme(
             control_width="large",
@@ -59,8 +65,21 @@ class PageServer:
 
     @property
     def address(self) -> str:
-        """The address of the page."""
-        return f"http://{LOCAL}:{self.port}"
+        """The address of the page, with its token if it needs one."""
+        return self.address_of("")
+
+    def address_of(self, path: str) -> str:
+        """The address of something beside the page.
+
+        Args:
+            path: Its path, such as ``/gamepad``, or "".
+        """
+        name = self.host
+        if name in ANYWHERE:
+            name = _own_address()
+        name = f"[{name}]" if ":" in name else name
+        token = f"{path or '/'}?token={self.gate.token}" if self.gate.token else path
+        return f"http://{name}:{self.port}{token}"
 
     def close(self) -> None:
         """Stop serving."""
@@ -77,32 +96,38 @@ class PageServer:
 
         async def check(client: Any) -> None:
             connection = connections._live_connections.get(client.client_id)
-            if connection is None or not self._is_own(connection.request.headers):
+            if connection is None or not self.gate.is_own(connection.request.headers):
                 await connection.close(REFUSED, "this page does not talk to other sites")
 
         connections.on_client_connect(check)
 
-    def _is_own(self, headers: Any) -> bool:
-        """Whether a connection comes from this page, or from no web page at all."""
-        return _is_local(f"//{headers.get('Host', '')}", (self.port,)) and all(
-            _is_local(origin, (self.port,)) for origin in headers.get_all("Origin")
-        )
+
+def _own_address() -> str:
+    """The address of this machine in its network; nothing is sent to find it."""
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as asked:
+        try:
+            asked.connect(("192.0.2.1", 9))  # an address for documentation, which nobody has
+        except OSError:
+            return LOCAL
+        name: str = asked.getsockname()[0]
+        return name
 
 
-def _is_local(url: str, ports: Sequence[int]) -> bool:
-    try:
-        parts = urlsplit(url)
-        host, port = parts.hostname, parts.port
-    except ValueError:
-        return False
-    return host in LOCAL_NAMES and port in ports
-
-
-def _check_free(port: int) -> None:
-    with socket.socket() as tried:
+def _check_free(host: str, port: int) -> None:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family) as tried:
         tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            tried.bind((LOCAL, port))
+            tried.bind((host or "nowhere.invalid", 0))  # no name means all addresses here
+        except (OSError, UnicodeError):
+            raise UsageError(
+                f'"{host}" is no address of this machine; write --host {LOCAL}, or --host 0.0.0.0 '
+                "for all of its addresses"
+            ) from None
+    with socket.socket(family) as tried:
+        tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            tried.bind((host, port))
         except OSError:
             raise UsageError(
                 f"port {port} is taken; choose another with --port, or --port 0 for any"

@@ -7,10 +7,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from taskbuilder.errors import TaskbuilderError, display_path
 from taskbuilder.geometry import Pose
 from taskbuilder.steering.operator import GRIP, KEYS, Operator
 from taskbuilder.steering.session import Session, State
+from taskbuilder.view.gamepads import PATH, Gamepads, PadClient, PadWindow
 from taskbuilder.view.scene_tab import Ask
 from taskbuilder.view.words import keys_table, plain, steered
 
@@ -18,6 +21,9 @@ NONE = "none"
 BEGIN, KEEP, AGAIN = "Begin", "Keep", "Discard and try again"
 BUTTONS = {BEGIN: "enter", KEEP: "home", AGAIN: "backspace"}
 """The buttons of the tab, and the key of each in windows that steer."""
+
+PAD_BUTTONS = {"begin": BEGIN, "keep": KEEP, "again": AGAIN}
+"""The same buttons, as gamepads press them."""
 
 NO_TASK = "the task has errors; see the tab Findings"
 
@@ -61,17 +67,18 @@ class Window:
 
     @property
     def name(self) -> str:
-        """The name of the person, on one line; "" if it was not given."""
-        return " ".join("".join(c for c in self._name.value if c.isprintable()).split())[:MOST_NAME]
+        """The name of the person; "" if it was not given."""
+        name: str = self._name.value
+        return name
 
     @property
     def robot(self) -> str:
         """The robot that is steered by this window's keys, or ""."""
         return self._steered
 
-    def say(self, words: str) -> None:
+    def say(self, words: str, *, wrong: bool = False) -> None:
         """Show a text to this person alone."""
-        self._words.content = words
+        self._words.content = f"{'✗ ' * wrong}{plain(words)}"
 
     def steer(self, operator: Operator | None, robot: str = "") -> None:
         """Steer a robot by this window's keys and gizmo, or none."""
@@ -136,6 +143,11 @@ class Window:
         self._ask(drag)
 
 
+def on_one_line(name: str) -> str:
+    """The name of a person, as data sets have it."""
+    return " ".join("".join(c for c in name if c.isprintable()).split())[:MOST_NAME]
+
+
 class SteeringTab:
     """Lets people steer the robots of a task, and records what they do.
 
@@ -143,6 +155,7 @@ class SteeringTab:
         server: The server of viser.
         tab: The container that the controls stand in.
         ask: Has something done in the thread of the page.
+        pads: The windows of those who steer by gamepad.
         begin: Begins an episode of the session with what is chosen on the page.
 
     Attributes:
@@ -150,11 +163,18 @@ class SteeringTab:
     """
 
     def __init__(
-        self, server: Any, tab: Any, *, ask: Ask, begin: Callable[[Session, int | None], None]
+        self,
+        server: Any,
+        tab: Any,
+        *,
+        ask: Ask,
+        pads: Gamepads,
+        begin: Callable[[Session, int | None], None],
     ) -> None:
         self._server, self._tab, self._ask, self._begin = server, tab, ask, begin
         self.session: Session | None = None
-        self._windows: dict[int, Window] = {}
+        self._pads = pads
+        self._windows: dict[int | str, Window | PadWindow] = {}
         self._due = 0.0
         self._said = ""
         gui = server.gui
@@ -162,6 +182,7 @@ class SteeringTab:
             self._status = gui.add_markdown("")
             buttons = gui.add_button_group("", tuple(BUTTONS))
             gui.add_markdown(keys_table(KEYS, BUTTONS))
+            gui.add_markdown(f"Gamepads steer on [a page of their own]({PATH}).")
         buttons.on_click(lambda _: ask(partial(self._do, buttons.value)))
 
     # --- the task
@@ -225,37 +246,50 @@ class SteeringTab:
 
     def _follow_clients(self, session: Session) -> None:
         """Give each new window its controls, and let the robots of closed ones stand still."""
-        clients = self._server.get_clients()
+        clients: dict[int | str, Any] = {**self._server.get_clients(), **self._pads.clients}
         for number in self._windows.keys() - clients.keys():
             self._windows.pop(number)
             session.steering.leave(number)
             self._say()
         for number in clients.keys() - self._windows.keys():
-            self._windows[number] = Window(
-                clients[number],
-                session.steering.robots,
-                self._tab,
-                partial(self._take, number),
-                self._do,
-                self._ask,
-            )
+            self._windows[number] = self._window(session, number, clients[number])
 
-    def _take(self, number: int, robot: str) -> None:
+    def _window(self, session: Session, number: int | str, client: Any) -> Window | PadWindow:
+        """A window that is new, with its controls."""
+        robots, take = session.steering.robots, partial(self._take, number)
+        if isinstance(client, PadClient):
+            return PadWindow(client, (*robots, NONE), take, self._press, self._heading)
+        return Window(client, robots, self._tab, take, self._do, self._ask)
+
+    def _press(self, button: str) -> None:
+        """A button of a gamepad was pressed, or it was plugged in or unplugged."""
+        if button in PAD_BUTTONS:
+            self._do(PAD_BUTTONS[button])
+        self._say()
+
+    def _heading(self) -> float:
+        """Direction in which browsers look at first, about the vertical from x, in rad."""
+        camera = self._server.initial_camera
+        x, y, _ = np.asarray(camera.look_at) - np.asarray(camera.position)
+        return math.atan2(y, x)
+
+    def _take(self, number: int | str, robot: str) -> None:
         """A person chose a robot; another person may have it."""
         session, window = self.session, self._windows.get(number)
         if session is None or window is None or robot == window.robot:
             return
         session.steering.let_go(number)
         window.steer(None)
-        window.say("")
-        if robot != NONE:
+        if robot == NONE:
+            window.say("")
+        else:
             try:
-                operator = session.steering.take(number, robot, window.name)
+                operator = session.steering.take(number, robot, on_one_line(window.name))
             except TaskbuilderError as error:
-                window.say(f"✗ {plain(str(error))}")
+                window.say(str(error), wrong=True)
             else:
                 window.steer(operator, robot)
-                window.say(f"You steer **{plain(robot)}** as {plain(operator.name)}.")
+                window.say(f"You steer {robot} as {operator.name}.")
         self._follow_tools(session)
         self._say()
 
@@ -299,4 +333,11 @@ class SteeringTab:
             self._status.content = self._said
             return
         where = display_path(session.folder) if session.folder else ""
-        self._status.content = "\n\n".join(filter(None, (steered(session, where), self._said)))
+        unplugged = (
+            f"✗ The gamepad of {plain(window.name or 'a person')} is unplugged: "
+            f"{plain(window.robot)} stands still."
+            for window in self._windows.values()
+            if isinstance(window, PadWindow) and window.unplugged and window.robot
+        )
+        words = (steered(session, where), *unplugged, self._said)
+        self._status.content = "\n\n".join(filter(None, words))

@@ -15,6 +15,7 @@ from taskbuilder.task import Task
 from taskbuilder.view.contacts import Contacts
 from taskbuilder.view.placing import Placing, ValueChange
 from taskbuilder.view.recording import ConditionState, Recording
+from taskbuilder.view.regions import RegionPlacing
 from taskbuilder.view.stage_poses import StagePose
 
 MOST_CONTACTS = 12
@@ -111,8 +112,8 @@ def contact_forces(contacts: Contacts | None) -> str:
 
 def keys_table(keys: Mapping[str, Jog], buttons: Mapping[str, str]) -> str:
     """The keys by which people steer."""
-    cells = [f"{key} | {jog.words}" for key, jog in keys.items()]
-    cells += [f"{key.capitalize()} | {plain(label)}" for label, key in buttons.items()]
+    cells = [f"`{key}` | {jog.words}" for key, jog in keys.items()]
+    cells += [f"`{key.capitalize()}` | {plain(label)}" for label, key in buttons.items()]
     pairs = zip_longest(cells[::2], cells[1::2], fillvalue=" | ")
     return "\n".join(
         (
@@ -172,8 +173,24 @@ def placed(placing: Placing) -> str:
         joints = ", ".join(f"{value:.1f}" for value in placing.joints_deg())
         lines.append(f"joints: {plain(f'[{joints}]')}")
     lines += [_distance(name, distance) for name, distance in placing.near()]
-    text = "  \n".join(lines)
-    changes = "\n".join(_change(change) for change in placing.changes())
+    return _with_changes("  \n".join(lines), placing.changes())
+
+
+def region_placed(region: RegionPlacing) -> str:
+    """Where a region is that is moved by hand, how large it is, and what its file would say."""
+    center, size = (
+        plain(f"[{', '.join(f'{each:.3f}' for each in values)}]")
+        for values in (region.center, region.size)
+    )
+    lines = [f"**{plain(str(region.thing))}**: center {center}, size {size} m"]
+    if region.reaches_beyond:
+        lines.append(f"{WRONG} it reaches beyond {plain(region.reaches_beyond)}")
+    lines.append("Drag it by the arrows in its middle, and resize it by those at its corner.")
+    return _with_changes("  \n".join(lines), region.changes())
+
+
+def _with_changes(text: str, changed: Sequence[ValueChange]) -> str:
+    changes = "\n".join(_change(change) for change in changed)
     return f"{text}\n\n```yaml\n{changes}\n```" if changes else text
 
 

@@ -1,18 +1,30 @@
-"""What a world looks like, as meshes in named links, and where the links are."""
+"""What a world looks like and collides by, as meshes in named links, and where the links are."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskbuilder.raster import MeshInstance
-from taskbuilder.sim.raster import RasterWorld, raster_world
+from taskbuilder.raster import MeshInstance, TriangleMesh
+from taskbuilder.sim.collision_geometry import collision_shapes
+from taskbuilder.sim.raster import RasterWorld, matrix, raster_world
+from taskbuilder.world.segments import FLOOR
 from taskbuilder.world.world import World
 
 Color = tuple[int, int, int]
+
+COLLISION_COLORS = ((0.05, 0.65, 0.91), (0.55, 0.36, 0.96), (0.06, 0.73, 0.51), (0.96, 0.62, 0.04))
+"""The shapes by which a link collides have these in turn, so that they can be told apart."""
+
+COLLISION_OPACITY = 0.4
+
+APART_M = 1e-3
+"""Collision shapes are drawn so much larger, or looks of the same size would flicker through them.
+
+So much farther out the engine lets hulls of meshes collide, too."""
 
 
 class VisibleMesh(NamedTuple):
@@ -59,6 +71,41 @@ def visible_links(world: World) -> tuple[VisibleLink, ...]:
         if shape.color[3] > 0.0:
             groups.setdefault((shape.link, name), []).append(shape)
     return tuple(VisibleLink(name, row, _meshes(shapes)) for (row, name), shapes in groups.items())
+
+
+def collision_links(world: World) -> tuple[VisibleLink, ...]:
+    """The shapes by which the links of a world collide, each with the links that have any.
+
+    They are those that the physics uses, a millimetre larger: primitives, the convex hulls of
+    meshes, or the whole surface of a mesh that does not move. The floor is left out.
+    """
+    rows = raster_world(world.client).rows
+    links = []
+    for name, body, link in world.segments.parts:
+        shapes = collision_shapes(world.client, body, link) if name != FLOOR else ()
+        row = rows[body] + 1 + link
+        instances = [
+            MeshInstance(
+                _enlarged(shape.mesh),
+                row,
+                matrix(shape.pose),
+                (*COLLISION_COLORS[number % len(COLLISION_COLORS)], COLLISION_OPACITY),
+            )
+            for number, shape in enumerate(shapes)
+        ]
+        if instances:
+            links.append(VisibleLink(name, row, _meshes(instances)))
+    return tuple(links)
+
+
+def _enlarged(mesh: TriangleMesh) -> TriangleMesh:
+    """A mesh whose vertices are `APART_M` farther out; those at the same place stay together."""
+    _, place = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    out = np.zeros((place.max() + 1, 3), np.float32)
+    np.add.at(out, place.reshape(-1), mesh.normals)
+    out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-6)
+    moved = mesh.vertices + APART_M * out[place.reshape(-1)]
+    return replace(mesh, vertices=moved.astype(np.float32))
 
 
 def _meshes(shapes: list[MeshInstance]) -> tuple[VisibleMesh, ...]:

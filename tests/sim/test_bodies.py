@@ -325,3 +325,17 @@ def test_numpy_scalars_are_taken_for_numbers(client, make_cube):
     cube = make_cube((0.0, 0.0, 0.0))
     cube.place(Pose(tuple(np.array([1.0, 2.0, 3.0]))))
     assert cube.pose().position == (1.0, 2.0, 3.0)
+
+
+def test_more_boxes_than_the_engine_takes_are_refused(client, tmp_path):
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    lines = []
+    for group in range(17):
+        lines.append(f"o box_{group}")
+        lines += [f"v {x + 2 * group} {y} {z}" for x, y, z in corners]
+        lines.append(f"f {8 * group + 1} {8 * group + 2} {8 * group + 3}")
+        lines.append(f"f {8 * group + 5} {8 * group + 7} {8 * group + 8}")
+    file = tmp_path / "row.obj"
+    file.write_text("\n".join(lines) + "\n")
+    with pytest.raises(SimulationError, match=r"row\.obj has 17 groups, .* at most 16 boxes"):
+        create_body(client, {"row": Part(MeshShape(file, collide="boxes"))}, mass=1.0)

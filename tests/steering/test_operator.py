@@ -84,3 +84,15 @@ def test_the_lag_is_that_of_the_first_press():
     operator.command(TOOL, SPEC)
     (lag,) = operator.lags_s
     assert 0.0 <= lag < 5.0
+
+
+def test_sticks_move_by_as_much_as_they_are_pushed_once():
+    operator = Operator("Anna")
+    for _ in range(3):
+        operator.push((0.5, 0.0, 0.0), (0.0, 0.0, 0.0), heading=math.pi / 2)
+    assert shift(operator) == pytest.approx((0.0, 0.5 * 0.04, 0.0))
+    assert shift(operator) == (0.0, 0.0, 0.0)  # what no longer sends moves nothing
+    operator.push((1.0, 1.0, 1.0), (0.0, 0.0, -0.3))
+    tool = operator.command(TOOL, SPEC).tool
+    assert norm(subtract(tool.position, TOOL.position)) == pytest.approx(0.04)
+    assert math.degrees(turn_between(tool.quaternion, TOOL.quaternion)) == pytest.approx(3.0)

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import re
 import shutil
-import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 
 import numpy as np
 import pytest
 
 from taskbuilder import load_dataset
 from taskbuilder.cli import main
+from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.view.page import LivePage
+from taskbuilder.view.server import PageServer
+from taskbuilder.view.stage import Choice, Stage
+from tests.view.test_gamepads import turning, wait_until
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -59,19 +63,6 @@ def tab_of(browser):
 @pytest.fixture
 def tab(tab_of):
     return tab_of()
-
-
-@contextmanager
-def turning(page):
-    """Turn the loop of a page in a thread of its own."""
-    stop = threading.Event()
-    thread = threading.Thread(target=lambda: page.run(stop.is_set))
-    thread.start()
-    try:
-        yield page
-    finally:
-        stop.set()
-        thread.join()
 
 
 @pytest.fixture
@@ -158,6 +149,56 @@ def test_two_windows_steer_two_robots_of_one_episode(page_of, two_arms, tab_of, 
     assert episode.operators == ("Anna", "Ben")
     assert {1} == set(episode.steered_by["arm"])
     assert {2, -1} <= set(episode.steered_by["other"])
+
+
+FAKE = """
+window.pad = {id: "Fake <b>pad</b>", connected: true, axes: [0, 0, 0, 0],
+              buttons: Array.from({length: 16}, () => ({pressed: false, value: 0}))};
+navigator.getGamepads = () => [window.pad];
+"""
+"""A gamepad that the test moves."""
+
+
+def test_a_gamepad_steers_until_it_is_unplugged(page_of, touch, tab, server):
+    tab.add_init_script(FAKE)
+    with turning(page_of(touch)) as page:
+        tab.goto(server.address_of("/gamepad"))
+        tab.get_by_text("Gamepad: Fake <b>pad</b>").wait_for()
+        tab.locator("#name").fill("Anna")
+        tab.get_by_role("button", name="arm").first.click()
+        tab.get_by_text("You steer arm as Anna.").wait_for()
+        tab.evaluate("window.pad.buttons[9].pressed = true")
+        wait_until(lambda: page.steering.runs)
+        session = page.steering.session
+        world = session.env.episode.world
+        height = world.position("arm.tcp")[2]
+        tab.evaluate("window.pad.axes[3] = -1")
+        wait_until(lambda: world.position("arm.tcp")[2] > height + 0.03)
+        tab.evaluate("window.pad = null")
+        tab.get_by_text("The gamepad is unplugged, and the robot stands still.").wait_for()
+        steps = session.env.episode.steps
+        wait_until(lambda: session.env.episode.steps > steps + 5)
+        stood = world.position("arm.tcp")
+        wait_until(lambda: session.env.episode.steps > steps + 10)
+        assert world.position("arm.tcp") == pytest.approx(stood, abs=1e-3)
+
+
+def test_a_browser_elsewhere_needs_the_address_with_its_token(touch, tab):
+    stage = Stage(str(touch), Catalogue.discover())
+    with (
+        closing(PageServer(0, "0.0.0.0")) as server,
+        closing(LivePage(stage, server, Choice())) as page,
+        turning(page),
+    ):
+        address = f"http://127.0.0.1:{server.port}/"
+        tab.goto(address)
+        tab.get_by_text("This page needs the whole address").wait_for()
+        assert tab.context.cookies() == []
+        tab.goto(f"{address}?token={server.gate.token}")
+        tab.get_by_text("The arm brings its tool to the ball.").wait_for()
+        assert tab.evaluate("document.cookie") == ""  # scripts do not see it
+        tab.goto(f"{address}gamepad")  # the cookie is enough, and for its socket, too
+        tab.get_by_role("button", name="arm").first.wait_for()
 
 
 def test_an_exported_episode_plays_from_the_disk(tab, touch, tmp_path, capsys):

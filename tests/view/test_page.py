@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed
 
 from taskbuilder.errors import UsageError
 from taskbuilder.view import server as server_module
-from taskbuilder.view.scene import EXPERT, GREEN, LIT, RED
+from taskbuilder.view.scene import COLLISIONS, EXPERT, GREEN, LIT, RED
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice
 
@@ -108,6 +108,39 @@ def test_marks_are_switched_on_and_off(page_of, touch, server):
     page.scene.boxes["cameras"].value = False
     page.ask(lambda: page.scene.switch("cameras"))
     turn(page, lambda: "/cameras/front" not in parts(server))
+
+
+def test_collision_shapes_are_drawn_in_the_links_and_follow_them(page_of, touch, server):
+    page = page_of(touch)
+
+    def place_of(name):
+        frame = server.viser.scene._handle_from_node_name[name]
+        return tuple(frame.position)
+
+    def shapes(root):
+        return {name for name in parts(server) if re.match(rf"/{root}/.*/shape_\d", name)}
+
+    page.scene.boxes[COLLISIONS].value = True
+    page.ask(lambda: page.scene.switch(COLLISIONS))
+    turn(page, lambda: "/scene/cube/shape_0" in parts(server))
+    drawn = server.viser.scene._handle_from_node_name["/scene/cube/shape_0"]
+    assert 0.0 < drawn.opacity < 1.0
+    assert np.ptp(drawn.vertices, axis=0) == pytest.approx([0.042] * 3, abs=1e-3)
+    assert "/scene/arm/panda_hand/shape_0" in parts(server)
+    before = place_of("/scene/arm/panda_hand")
+    page.episode.other.value = "hold"
+    page.ask(page.episode.play)
+    turn(page, lambda: page.episode.step >= 12)
+    assert place_of("/scene/arm/panda_hand") != before  # the frame that the shapes are in
+    assert {name.replace("/beside", "/scene") for name in shapes("beside")} == shapes("scene")
+
+    touch.write_text(touch.read_text().replace("[0.04, 0.04, 0.04]", "[0.04, 0.04, 0.06]"))
+    turn(page, lambda: page.episode.recording is None)
+    drawn = server.viser.scene._handle_from_node_name["/scene/cube/shape_0"]
+    assert np.ptp(drawn.vertices, axis=0) == pytest.approx([0.042, 0.042, 0.062], abs=1e-3)
+    page.scene.boxes[COLLISIONS].value = False
+    page.ask(lambda: page.scene.switch(COLLISIONS))
+    turn(page, lambda: not shapes("scene"))
 
 
 def test_the_poses_that_the_expert_needs_are_drawn_and_follow_the_files(page_of, touch, server):

@@ -14,8 +14,9 @@ from taskbuilder.schema.rewrite import rewritten
 from taskbuilder.task import load_task
 from taskbuilder.view.place_tab import BACK, NOTHING, UNDO, WRITE
 from taskbuilder.view.placing import Placing, movables
+from taskbuilder.view.regions import RegionPlacing
 from taskbuilder.world.building import build_world
-from tests.view.test_page import turn
+from tests.view.test_page import parts, turn
 
 UP = Pose((0.0, 0.0, 0.05))
 TURNED = Pose((0.02, -0.03, 0.0), from_rpy_deg((0.0, 0.0, 20.0)))
@@ -120,6 +121,77 @@ def test_a_click_takes_what_can_be_moved(page_of, touch):
     assert str(page.place.placing.thing) == "arm (base)"
 
 
+REGION = "place: {surface: table, center: [0.4, 0.2], size: [0.1, 0.2]}"
+
+
+@pytest.fixture
+def with_region(touch):
+    """The task with a table, on which the cube is placed at random."""
+    text = touch.read_text().replace("position: [0.5, 0.2, 0.02]", REGION)
+    table = "table: {shape: {box: [0.8, 0.8, 0.1]}, fixed: true, position: [0.7, 0, 0.05]}"
+    text = text.replace("    cube:", f"    {table}\n    cube:")
+    touch.write_text(text)
+    return touch
+
+
+def test_a_region_is_moved_resized_written_and_taken_back(page_of, with_region, server):
+    text = with_region.read_text()
+    page = page_of(with_region)
+    placing = take(page, "cube (region)")
+    assert {"/placed", "/corner", "/region"} <= parts(server)
+    assert placing.pose.position == pytest.approx((0.4, 0.2, 0.103), abs=1e-6)
+    assert placing.corner.position == pytest.approx((0.45, 0.3, 0.103), abs=1e-6)
+    cube = page.scene.world.pose("cube")
+    page.ask(lambda: page.place.move(shifted(placing.pose, (0.1, -0.1, 0.3))))
+    turn(page, lambda: "center: [0.5, 0.1]" in page.place.words.content)
+    corner = server.viser.scene._handle_from_node_name["/corner"]
+    assert tuple(corner.position) == pytest.approx((0.55, 0.2, 0.103), abs=1e-6)
+    page.ask(lambda: page.place.resize(shifted(placing.corner, (0.05, -0.08, 0.0))))
+    turn(page, lambda: "size: [0.2, 0.04]" in page.place.words.content)
+    assert page.scene.world.pose("cube") == cube  # the file has to be written first
+    edges = server.viser.scene._handle_from_node_name["/region"].points
+    assert edges.min(axis=(0, 1)) == pytest.approx((0.4, 0.08, 0.103), abs=1e-6)
+    page.ask(lambda: page.place.do(WRITE))
+    wanted = text.replace("[0.4, 0.2], size: [0.1, 0.2]", "[0.5, 0.1], size: [0.2, 0.04]")
+    world = page.scene.world
+    turn(page, lambda: page.scene.world is not world)  # the page follows the file
+    assert with_region.read_text() == wanted
+    assert page.place.placing.size == pytest.approx((0.2, 0.04))
+    page.ask(lambda: page.place.do(UNDO))
+    turn(page, lambda: with_region.read_text() == text)
+
+
+def test_a_region_is_put_back_and_one_beyond_its_surface_is_told(page_of, with_region, server):
+    page = page_of(with_region)
+    placing = take(page, "cube (region)")
+    page.ask(lambda: page.place.move(shifted(placing.pose, (0.0, 0.25, 0.0))))
+    turn(page, lambda: placing.values)
+    assert "✗ it reaches beyond table" in page.place.words.content
+    page.ask(lambda: page.place.resize(placing.pose))  # as small as can be
+    turn(page, lambda: placing.size == pytest.approx((0.0, 0.0), abs=1e-6))
+    page.ask(lambda: page.place.do(BACK))
+    turn(page, lambda: not placing.values)
+    assert placing.size == (0.1, 0.2)
+    assert "beyond" not in page.place.words.content
+    gizmo = server.viser.scene._handle_from_node_name["/placed"]
+    assert tuple(gizmo.position) == pytest.approx(placing.pose.position)
+    page.place.choice.value = NOTHING
+    turn(page, lambda: page.place.placing is None)
+    assert not {"/placed", "/corner", "/region"} & parts(server)
+
+
+def test_a_region_in_the_air_has_a_height(page_of, touch):
+    region = "{place: {center: [0.45, 0, 0.4], size: [0.1, 0.2, 0.3]}}"
+    touch.write_text(touch.read_text().replace("{position: [0.45, 0, 0.4]}", region))
+    page = page_of(touch)
+    placing = take(page, "ball (region)")
+    assert len(placing.edges()) == 12
+    page.ask(lambda: page.place.move(shifted(placing.pose, (0.0, 0.0, 0.1))))
+    turn(page, lambda: "center: [0.45, 0, 0.5]" in page.place.words.content)
+    page.ask(lambda: page.place.resize(shifted(placing.corner, (0.0, 0.0, -0.05))))
+    turn(page, lambda: "size: [0.1, 0.2, 0.2]" in page.place.words.content)
+
+
 CASES = [("handover", 0, None), ("pick_push_place", 1, None), ("gather_cubes", 0, "cubes")]
 """Tasks with a variation, and the one thing that is moved, or all: a group is moved as a whole."""
 
@@ -137,7 +209,7 @@ def test_what_is_written_puts_things_where_they_were_dragged(name, variation, on
         for thing in movables(world):
             if only not in (None, thing.name):
                 continue
-            placing = Placing(world, variation, thing)
+            placing = placing_of(world, variation, thing)
             before = placing.pose
             # The base takes its tool along, and an arm reaches only so far.
             change = TURNED if thing.sort != "tool" else Pose((0.0, 0.0, 0.01))
@@ -159,4 +231,9 @@ def where(file, variation, thing):
     """Where a thing is, in a task that was written."""
     with closing(build_world(load_task(str(file)).file, variation=variation)) as world:
         world.reset(0)
-        return Placing(world, variation, thing).pose.position
+        return placing_of(world, variation, thing).pose.position
+
+
+def placing_of(world, variation, thing):
+    """What moves a thing."""
+    return (RegionPlacing if thing.sort == "region" else Placing)(world, variation, thing)
