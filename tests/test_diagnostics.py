@@ -73,6 +73,10 @@ ATTRIBUTES = """class Example(Description):
     success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)
     reward = (Distance("carry", "cube", "goal"), Distance("point", "right.tcp", "lamp"))
 """
+POINTS_FIRST = """
+    failure = Near("cube", "goal", within=0.05) & ~Near("right.tcp", "lamp", within=0.05)
+"""
+"""Why the right arm is needed for more than its clause; not for examples of being needed."""
 CABINET = """<robot name="cabinet">
   <link name="case">
     <inertial><mass value="2"/>
@@ -183,6 +187,8 @@ def updated(text: str, under: str, keys: Path) -> str:
 def findings(folder: Path, example: Example, snippet: str, code: str) -> tuple[Finding, ...]:
     """What a task is found to have when a snippet is put into it."""
     task, description = TASK, IMPORTS + ATTRIBUTES
+    if not code.startswith("TB54"):
+        description += POINTS_FIRST
     keys = folder / "keys"
     keys.write_text(snippet, encoding="utf-8")
     if example.where == "file":

@@ -12,11 +12,13 @@ from copy import copy
 from dataclasses import fields, is_dataclass, replace
 from itertools import product
 from math import prod
-from typing import Any
+from typing import Any, TypeVar
 
 from taskbuilder.description.custom import Call
 from taskbuilder.description.node import Node, hints_of, kinds_of
 from taskbuilder.schema.names import SceneNames
+
+Expression = TypeVar("Expression", bound=Node)
 
 Members = Mapping[str, str]
 """Group -> the member that takes its place."""
@@ -51,10 +53,10 @@ def expanded(value: Any, names: SceneNames) -> Any:
     if not isinstance(value, Node):
         return value
     if value.gathers:
-        return _changed(value, {"of": tuple(_each(value, names))})
+        return changed(value, {"of": tuple(_each(value, names))})
     if not is_dataclass(value) or not value.parts:
         return value
-    return _changed(value, {f.name: expanded(getattr(value, f.name), names) for f in fields(value)})
+    return changed(value, {f.name: expanded(getattr(value, f.name), names) for f in fields(value)})
 
 
 def _each(gathering: Node, names: SceneNames) -> Iterator[Node]:
@@ -77,7 +79,7 @@ def _about(node: Node, members: Members) -> Node:
         return node
     hints = hints_of(type(node))
     values = {f.name: getattr(node, f.name) for f in fields(node)}
-    return _changed(node, {key: _put(value, hints[key], members) for key, value in values.items()})
+    return changed(node, {key: _put(value, hints[key], members) for key, value in values.items()})
 
 
 def _put(value: Any, annotation: Any, members: Members) -> Any:
@@ -94,9 +96,9 @@ def _put(value: Any, annotation: Any, members: Members) -> Any:
     return f"{members.get(owner, owner)}{dot}{inner}"
 
 
-def _changed(node: Node, values: Mapping[str, Any]) -> Node:
-    """The same expression, written in the same place, with other values."""
-    changed: Node = copy(node)
+def changed(node: Expression, values: Mapping[str, Any]) -> Expression:
+    """The same expression, written in the same place, with other values of its fields."""
+    other = copy(node)
     for key, value in values.items():
-        object.__setattr__(changed, key, value)
-    return changed
+        object.__setattr__(other, key, value)
+    return other

@@ -11,7 +11,8 @@ ENTRIES = {
         "the joint limits, and the expert also fails when it is played. The finding names the "
         "stage, the robot, and the seed with which the pose is farthest from the robot's "
         "shoulder. It also states how far out of reach the pose is with this seed. If the expert "
-        "succeeds without reaching the pose, the finding is only a warning.",
+        "succeeds without reaching the pose, the finding is only a warning. If another robot "
+        "reaches the pose, the finding names it.",
         within(
             "",
             "expert:\n  - {right: {grasp: cube.top}, left: {reach: lamp}}\n"
@@ -24,8 +25,9 @@ ENTRIES = {
         "Suction on nothing",
         "The expert grasps an object by suction, but the grasp point is too far from the surface "
         "of the object, either outside or inside it. The distance is greater than the reach of "
-        "the suction cup. Put the grasp point on the surface of the object, on the side from "
-        "which the tool approaches. Or use a robot with a gripper, as in the example.",
+        "the suction cup. The finding says by how much, and which way along its approach, to move "
+        "the grasp point onto the surface of the object. Or use a robot with a gripper, as in the "
+        "example.",
         within(
             "scene.robots",
             "left:\n  model: ur5e_suction\n  base: {position: [-0.7, 0, 0.4]}\n"

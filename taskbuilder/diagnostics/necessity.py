@@ -12,7 +12,7 @@ ENTRIES = {
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05)',
-            'success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)',
+            'success = Near("cube", "goal", within=0.05) & Moved("tray", by=0.1)',
         ),
     ),
     "TB542": Code(
@@ -23,9 +23,9 @@ ENTRIES = {
         "optional`.",
         Example(
             "description",
-            'success = (Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)'
+            'success = (Near("cube", "goal", within=0.05) & Moved("tray", by=0.1)'
             ' | Near("cube", "lamp", within=0.05))',
-            'success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)',
+            'success = Near("cube", "goal", within=0.05) & Moved("tray", by=0.1)',
         ),
     ),
     "TB543": Code(
@@ -35,7 +35,7 @@ ENTRIES = {
         Example(
             "description",
             'success = Moved("left.tcp", by=0.1)',
-            'success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)',
+            'success = Near("cube", "goal", within=0.05) & Moved("tray", by=0.1)',
         ),
     ),
     "TB544": Code(
@@ -44,7 +44,7 @@ ENTRIES = {
         Example(
             "description",
             'success = Sustained(Near("cube", "table", within=1.0), 1.0)',
-            'success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)',
+            'success = Near("cube", "goal", within=0.05) & Moved("tray", by=0.1)',
         ),
     ),
     "TB545": Code(
@@ -62,6 +62,21 @@ ENTRIES = {
             "cube:\n  shape: {box: [0.045, 0.045, 0.045]}\n  mass: 0.08\n"
             "  grasps: {top: {at: [0, 0, 0.01], across: y}}\n"
             "  place: {surface: table, center: [-0.4, -0.2], size: [0.1, 0.1]}",
+        ),
+    ),
+    "TB546": Code(
+        "A robot is needed for a clause only",
+        "No probe succeeds, but without the clauses of success that are about the missing robots "
+        "only, one does: the robots that are there reach everything else, and keep it for half a "
+        'second. The others are needed only because success names them, as in `Near("right.tcp", '
+        '...)` or `Held(..., by="right")`. If that is the task, such as a robot that has to point '
+        "somewhere meanwhile, leave it so. Otherwise, put an object where only this robot gets to "
+        "it, or let it hold or carry what the others cannot hold or carry alone. Conditions that "
+        "are functions of the description are not taken apart. This is a warning.",
+        Example(
+            "description",
+            'success = Near("cube", "goal", within=0.05) & Near("right.tcp", "lamp", within=0.05)',
+            'success = Near("cube", "goal", within=0.05) & Moved("tray", by=0.1)',
         ),
     ),
 }

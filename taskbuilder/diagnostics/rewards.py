@@ -95,5 +95,19 @@ ENTRIES = {
             'setback = Sustained(Once(Held("cube")) & ~success, seconds=2.0)',
         ),
     ),
+    "TB559": Code(
+        "A lead is nearly a tie",
+        "The expert earns more than every probe, but its lead over one of them is less than 2 % of "
+        "its largest lead at the same discount, which is usually the lead over doing nothing. A "
+        "learner that has come as far as this probe gains next to nothing by finishing the task. "
+        "Pay more for the stages that the probe leaves out, or less for those that it does. This "
+        "is a warning.",
+        Example(
+            "description",
+            'reward = (Distance("carry", "cube", "goal", 0.01), Bonus("hold", Held("cube"), 1.0))',
+            'reward = (Distance("carry", "cube", "goal", 0.01), Bonus("hold", Held("cube"), 1.0), '
+            'Bonus("done", success, 4.0))',
+        ),
+    ),
 }
 """Code -> what it stands for."""

@@ -33,7 +33,9 @@ ENTRIES = {
     ),
     "TB303": Code(
         "Home pose out of reach",
-        "Inverse kinematics found no solution within the joint limits for this pose of the tcp.",
+        "Inverse kinematics found no solution within the joint limits for this pose of the tcp. "
+        "The finding names the first position on the way back to the arm that the tool reaches "
+        "with the same orientation. If there is none, the orientation is to blame.",
         within(
             "scene.robots.left",
             "home: {tcp: {position: [0.9, 0, 0.6]}}",
@@ -181,6 +183,16 @@ ENTRIES = {
             "place: {surface: table, center: [0, 0.4], size: [0.1, 0.22]}",
             "place: {surface: table, center: [0, 0.4], size: [0.1, 0.18]}",
         ),
+    ),
+    "TB319": Code(
+        "Attached object too heavy for the fingers",
+        "With `grasp: attach` and no `force`, a gripper holds any load. This object is heavier "
+        "than the fingers of the robots that take it could hold by friction: the force of each "
+        "finger, times the coefficients of friction of finger and object, over all fingers. If the "
+        "gripper is stronger in reality, say so in the robot file. If `force` is written, the "
+        "object comes off at this pull, and nothing is reported. For fingers that turn, 20 N are "
+        "assumed. This is a warning.",
+        Example("robot", "force: 0.3\ngrasp: attach", "force: 20.0\ngrasp: attach", "gripper"),
     ),
     "TB400": Code(
         "Assets",

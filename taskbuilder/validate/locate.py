@@ -83,7 +83,13 @@ def in_description(error: BaseException, entry: CatalogueEntry) -> Finding | Non
 
 
 def finding_in_description(
-    task: Task, code: str, message: str, name: str, node: Node | None = None
+    task: Task,
+    code: str,
+    message: str,
+    name: str,
+    node: Node | None = None,
+    *,
+    severity: Severity = "error",
 ) -> Finding:
     """A finding about an attribute of the description, at the line where it was written.
 
@@ -93,10 +99,11 @@ def finding_in_description(
         message: What is wrong; what would be right.
         name: Name of the attribute, or of a part of it.
         node: The expression, which gives the place of the finding.
+        severity: Error or warning.
     """
     location = None if node is None else node.origin
     file = task.file.entry.description_file
-    return Finding(code, message, name, location or Location(file, 1, 1))
+    return Finding(code, message, name, location or Location(file, 1, 1), severity)
 
 
 def finding_in_file(

@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.description.node import walk
-from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.env.parallel import EnvState, TaskEnv
 from taskbuilder.expert.baselines import Baseline, BaselineKind
 from taskbuilder.expert.script.joints import displaced
 from taskbuilder.expert.script.player import Expert
@@ -25,6 +26,7 @@ from taskbuilder.schema.order import Order
 from taskbuilder.schema.scene import SceneSpec
 from taskbuilder.task import Task
 from taskbuilder.validate.playing import DropAll, UntilDecided, is_decided
+from taskbuilder.validate.rest_of_success import RestReferee
 from taskbuilder.world.world import World
 
 LIFT_M = 0.2
@@ -147,32 +149,44 @@ def _ways(joint: UrdfJoint, spec: ObjectSpec) -> Iterator[float]:
             yield way
 
 
-def play_solo(expert: Expert, seed: int, solo: Solo) -> Rollout:
+def play_solo(expert: Expert, seed: int, solo: Solo, judge: RestReferee | None = None) -> Rollout:
     """Play an attempt twice: once holding on at the end, once letting go.
 
     Returns one of the two episodes that succeeds, if there is one. Episodes end once their success
     is decided.
+
+    Args:
+        expert: The expert of the task's environment.
+        seed: Seed of the episode.
+        solo: The attempt.
+        judge: A second referee of both episodes.
     """
     env = expert.env
     env.reset(seed=seed)
     stages = _stages(env, solo)
-    saved = []
+    saved: list[tuple[EnvState, Any]] = []
     tried = expert.play(
         seed,
         stages=stages,
         finish=False,
         until_decided=True,
         after_stage=lambda number: (
-            saved.append(env.save_state()) if number == len(stages) else None
+            saved.append((env.save_state(), judge.memory if judge else None))
+            if number == len(stages)
+            else None
         ),
+        watch=judge,
     )
     if not saved or is_decided(env):
         return tried
-    holding = resume(env, UntilDecided(HoldStill()), tried)
+    holding = resume(env, UntilDecided(HoldStill()), tried, watch=judge)
     if holding.success:
         return holding
-    env.load_state(saved[0])
-    return resume(env, UntilDecided(DropAll()), tried)
+    state, memory = saved[0]
+    env.load_state(state)
+    if judge:
+        judge.memory = memory
+    return resume(env, UntilDecided(DropAll()), tried, watch=judge)
 
 
 def _stages(env: TaskEnv, solo: Solo) -> tuple[ExpertStage, ...]:

@@ -31,6 +31,7 @@ from taskbuilder.sim.passive_joints import PassiveJoint
 from taskbuilder.sim.renderers import Request, choose
 from taskbuilder.world.loading import Loader
 from taskbuilder.world.mimics import couple_joints, mimics_of, starting
+from taskbuilder.world.nearest import nearest_reached
 from taskbuilder.world.placement import placement_order, put, put_aloft
 from taskbuilder.world.robot import Robot
 from taskbuilder.world.robot_building import arm_chain, build_robot
@@ -117,9 +118,14 @@ def _home(loader: Loader, name: str, entry: RobotEntry, chain: Chain) -> tuple[f
     found = solve(chain, target, start=model.home, rng=rng)
     if found.ok:
         return found.joints
+    near = nearest_reached(chain, entry.base.pose, entry.home.tcp.pose, model.home)
+    right = "turn the tool: turned like this, it reaches nothing between here and its base"
+    if near is not None:
+        at = ", ".join(f"{value:g}" for value in near)
+        right = f"turned like this, it reaches position: [{at}]; or turn the tool"
     message = (
         f"{name} cannot reach this pose: it comes within {found.position_error_m * 100:.1f} cm and "
-        f"{math.degrees(found.angle_error):.0f}°; move it nearer to the base, or turn the tool"
+        f"{math.degrees(found.angle_error):.0f}°; {right}"
     )
     raise FileError([loader.finding("TB303", message, "scene", "robots", name, "home", "tcp")])
 

@@ -240,5 +240,6 @@ class TestPhysicsDecides:
         assert (finding.code, finding.severity) == ("TB511", "warning")
         assert finding.message.endswith(
             "from 1 of 1 placements: at worst, from seed 0, even 0.5 m nearer would be out of "
-            "reach, so turn the tool otherwise; the expert succeeds without it"
+            "reach; turn the tool otherwise, or bring it nearer to left; the expert succeeds "
+            "without it"
         )

@@ -121,6 +121,40 @@ def test_an_implausible_mass_is_a_warning_and_fails_nothing(mass, validate):
     assert (finding.code, finding.severity) == ("TB308", "warning")
 
 
+class TestLoads:
+    """Attached objects that the fingers could not hold by friction."""
+
+    HEAVY = ("mass: 0.1", "mass: 40")
+    BIG = ("box: [0.04, 0.04, 0.04]", "box: [0.3, 0.3, 0.3]")
+    HIGHER = ("[0.5, 0, 0.0205]", "[0.5, 0, 0.1505]")
+
+    def arm(self, grasp):
+        return ("{model: ur5e, base", f"{{model: ur5e, grasp: {grasp}, base")
+
+    def test_what_fingers_could_not_hold_is_a_warning_with_what_they_could(self, validate):
+        report = validate(self.HEAVY, self.BIG, self.HIGHER, self.arm("attach"))
+        (finding,) = report.findings
+        assert report.ok
+        assert (finding.code, finding.severity) == ("TB319", "warning")
+        assert finding.path == "scene.objects.cube.mass"
+        most = 2 * 20.0 * 1.2 * 0.8 / 9.81  # two fingers, their friction, and that of the cube
+        assert "cube weighs 40 kg, and arm attaches it, whatever the load; " in finding.message
+        assert f"up to {most:.2g} kg could be held" in finding.message
+        assert finding.message.endswith("grasp: {rule: attach, force: 38}")
+
+    @pytest.mark.parametrize(
+        ("grasp", "mass"),
+        [
+            ("attach", "mass: 3.8"),
+            ("{rule: attach, force: 38}", "mass: 40"),
+            ("friction", "mass: 40"),
+        ],
+    )
+    def test_a_light_load_a_limit_and_friction_are_fine(self, validate, grasp, mass):
+        heavy = (self.HEAVY[0], mass)
+        assert validate(heavy, self.BIG, self.HIGHER, self.arm(grasp)).findings == ()
+
+
 def test_a_placeholder_of_an_inertia_is_a_warning_and_the_factor_is_measured(validate):
     shape = "{urdf: package://pybullet_data/lego/lego.urdf}"
     brick = f"    brick: {{shape: {shape}, position: [2, 0, 0.012]}}"

@@ -23,6 +23,11 @@ SPREAD = ("reach", "solvable", "needs its robots", "pays for success")
 """The families whose episodes are spread over processes."""
 
 PROOFS = {code for code in CODES if code > "TB5"}
+POINTS_FIRST = """\
+    failure = Near("cube", "goal", within=0.05) & ~Near("right.tcp", "lamp", within=0.05)
+"""
+"""Makes the right arm needed for more than that success has a clause about it."""
+
 TRAINING = """\
     progress = Ladder(Closeness("left.tcp", "cube"), (Held("cube"), 2.0), (success, 3.0))
     setback = Sustained(Once(Held("cube")) & Released("cube"), seconds=0.5)
@@ -34,7 +39,7 @@ TRAINING = """\
 def file(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pair")
     (folder / "pair.yaml").write_text(PAIR)
-    (folder / "pair.py").write_text(DESCRIPTION + TRAINING)
+    (folder / "pair.py").write_text(DESCRIPTION + POINTS_FIRST + TRAINING)
     return folder / "pair.yaml"
 
 

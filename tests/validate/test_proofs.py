@@ -108,8 +108,35 @@ class TestReach:
         assert (finding.code, finding.path) == ("TB511", "expert[1].left")
         assert finding.message.startswith("left cannot reach what it is to bring cube to goal")
         assert "from 4 of 4 placements" in finding.message
+        assert finding.message.endswith(
+            "; move it, or the base of left, by as much, or let right do it, which can reach it"
+        )
         check = next(check for check in report.families[-1].checks if check.code == "TB511")
         assert -50 < check.value < -10
+
+    def test_what_nobody_reaches_is_left_to_nobody(self, prove):
+        far = ("goal: {position: [-0.2, -0.1, 0.2]}", "goal: {position: [0, 3, 0.2]}")
+        (finding,) = prove(far, only=("reach",)).findings
+        assert "even 0.5 m nearer would be out of reach; " in finding.message
+        assert finding.message.endswith("; turn the tool otherwise, or bring it nearer to left")
+
+    @pytest.mark.parametrize(
+        ("z", "far", "right"),
+        [
+            (0.0095, "13 mm inside", "move the grasp point 13 mm back against its approach"),
+            (0.0405, "18 mm above", "move the grasp point 18 mm on along its approach"),
+            (0.4, "more than ", "put the grasp point on the surface that the cup comes to"),
+        ],
+    )
+    def test_suction_on_nothing_says_which_way_the_surface_is(self, prove, z, far, right):
+        cup = ("left:\n      model: ur5e\n", "left:\n      model: ur5e_suction\n")
+        point = ("top: {at: [0, 0, 0.01]", f"top: {{at: [0, 0, {z}]")
+        found = prove(cup, point, only=("reach",)).findings
+        (finding,) = (one for one in found if one.code == "TB512")
+        assert f"cube.top is {far}" in finding.message
+        assert right in finding.message
+        mended = ("top: {at: [0, 0, 0.01]", "top: {at: [0, 0, 0.0225]")
+        assert "TB512" not in codes(prove(cup, mended, only=("reach",)))
 
     def test_the_margin_is_that_of_the_arm(self, prove):
         """Straight out at shoulder's height, a UR5e's tcp comes about 0.9 m far."""
@@ -223,6 +250,56 @@ class TestNeeds:
         assert report.families[-1].summary == "random 0, nothing 0"
 
 
+class TestClausesAboutOneRobot:
+    """Success that names a robot needs it by its words; the rest may not need it."""
+
+    PLACED = 'Near("cube", "goal", within=0.05)'
+
+    def test_what_all_else_is_reached_without_is_a_warning_at_its_clause(self, prove, tmp_path):
+        report = prove(only=(NEEDS,))
+        (finding,) = report.findings
+        assert report.ok
+        assert (finding.code, finding.severity) == ("TB546", "warning")
+        assert finding.path == "success"
+        line = (tmp_path / "pair.py").read_text().splitlines()[finding.location.line - 1]
+        assert line[finding.location.column - 1 :].startswith('Near("right.tcp"')
+        assert finding.message.startswith(
+            "right is needed only because success asks for Near(right.tcp, lamp): "
+        )
+        assert re.search(
+            r" reaches all else from 1/1 \(\d+–100 %\) seeds \(seed 0\); ", str(finding)
+        )
+
+    def test_alternatives_about_the_robot_do_not_hide_it(self, prove):
+        pointing, holding = 'Near("right.tcp", "lamp", within=0.05)', 'Held("cube", by="right")'
+        either = (SUCCESS, f"{self.PLACED} & ({pointing} | {holding})")
+        (finding,) = prove(either, only=(NEEDS,)).findings
+        assert finding.code == "TB546"
+        assert "Near(right.tcp, lamp) and Held(cube, by=right): " in finding.message
+
+    def test_what_the_others_cannot_do_needs_it(self, prove):
+        away = ("goal: {position: [-0.2, -0.1, 0.2]}", "goal: {position: [0.5, -0.1, 0.2]}")
+        report = prove(away, only=(NEEDS,))
+        assert report.findings == ()
+        values = {check.code: check.value for check in report.families[-1].checks}
+        assert values["TB546"] == 0
+
+    @pytest.mark.parametrize(
+        "success",
+        [
+            'Held("cube", by="right") & Released("cube", by="left")',
+            f'{PLACED} & Below("cube", height=0.05) & Near("right.tcp", "lamp", within=0.05)',
+        ],
+        ids=["from the start", "never"],
+    )
+    def test_what_nobody_has_to_reach_or_can_reach_says_nothing(self, prove, success):
+        assert prove((SUCCESS, success), only=(NEEDS,)).findings == ()
+
+    def test_what_is_optional_is_no_finding(self, prove):
+        optional = ("timing:", "cooperation: optional\ntiming:")
+        assert prove(optional, only=(NEEDS,)).findings == ()
+
+
 class TestPays:
     def test_a_term_that_is_not_finite_is_named(self, prove):
         endless = own(
@@ -268,6 +345,26 @@ class TestPays:
         assert report.ok
         (summary,) = (family.summary for family in report.families if family.name == PAYS)
         assert int(re.search(r"(\d+) pairs", summary)[1]) in (4, 8, 16, 32, 40)
+
+    HELD_PAYS = (
+        '        Distance("carry", "cube", "goal"),\n'
+        '        Distance("point", "right.tcp", "lamp", agent="right"),\n'
+    )
+
+    @pytest.mark.parametrize(("weight", "near"), [(0.01, True), (10.0, False)])
+    def test_a_lead_that_is_sure_but_tiny_is_a_warning(self, prove, tmp_path, weight, near):
+        paid = f'Distance("carry", "cube", "goal", {weight}), Bonus("hold", Held("cube"), 1.0),\n'
+        report = prove((self.HELD_PAYS, f"        {paid}"), only=(PAYS,), seeds=3)
+        assert report.ok
+        assert codes(report) == ({"TB559"} if near else set())
+        (check,) = (check for check in report.families[-1].checks if check.code == "TB559")
+        assert (check.value < 0.02) is near
+        for finding in report.findings:
+            assert (finding.severity, finding.path) == ("warning", "reward")
+            line = (tmp_path / "pair.py").read_text().splitlines()[finding.location.line - 1]
+            assert 'Distance("carry"' in line
+            assert finding.message.startswith("stalling after stage 1 (")
+            assert f"only {100 * check.value:.1f} % of that over " in finding.message
 
     def test_a_robot_that_may_idle_may_be_left_out(self, prove):
         optional = ("timing:", "cooperation: optional\ntiming:")

@@ -248,6 +248,14 @@ def test_with_a_force_it_lets_go_of_what_is_too_heavy(make, mass, stays):
     assert came == pytest.approx(0.15 if stays else 0.0, abs=0.005)
 
 
+def test_the_limit_that_a_warning_about_heavy_loads_proposes_keeps_it_down(make):
+    """What an unlimited gripper lifts, whatever it weighs, stays where it is."""
+    unlimited, limited = make(cube(8.0)), make(cube(8.0), grasp="rule: attach, force: 38")
+    assert lifted(unlimited) > 0.1
+    assert lifted(limited) == pytest.approx(0.0, abs=0.005)
+    assert not limited.held("cube", "left")
+
+
 # --- two robots
 
 

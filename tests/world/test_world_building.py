@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+
 import pytest
 from moves import bench, state
 from written_tasks import NAMES
@@ -143,6 +145,25 @@ def test_a_home_out_of_reach_is_refused_where_it_is_written(build):
     (finding,) = caught.value.findings
     assert (finding.code, finding.path) == ("TB303", "scene.robots.arm.home.tcp")
     assert finding.location is not None
+
+
+@pytest.mark.parametrize("far", ["[2.5, 0, 0.6]", "[0.2, -1.9, 1.4]"])
+def test_the_position_that_is_named_instead_of_one_out_of_reach_is_reached(build, far):
+    home = re.compile(r"(home: \{tcp: \{position: )(\[.*?\])")
+    assert home.search(bench())
+    with pytest.raises(FileError) as caught:
+        build(home.sub(rf"\g<1>{far}", bench()))
+    (finding,) = caught.value.findings
+    said = re.search(r"; turned like this, it reaches position: (\[.*?\]); or ", finding.message)
+    assert said
+    build(home.sub(rf"\g<1>{said[1]}", bench()))
+
+
+def test_a_home_turned_so_that_nothing_is_reached_is_to_be_turned(build):
+    inside = bench().replace("rpy_deg: [180, 0, 0]", "rpy_deg: [0, 0, 0]")
+    assert inside != bench()
+    with pytest.raises(FileError, match="turn the tool"):
+        build(re.sub(r"(home: \{tcp: \{position: )\[.*?\]", r"\g<1>[0.05, 0, 0.1]", inside))
 
 
 @pytest.mark.parametrize("name", NAMES)

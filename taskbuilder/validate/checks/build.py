@@ -18,6 +18,7 @@ from taskbuilder.schema.camera import FURTHEST_M, NEAREST_M
 from taskbuilder.sim.body import Body
 from taskbuilder.sim.contacts import gaps
 from taskbuilder.task import Task
+from taskbuilder.validate.checks.loads import check_loads
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.locate import finding_at, finding_of_scene, in_variation
 from taskbuilder.validate.report import Check, FamilyResult, Result
@@ -95,6 +96,7 @@ def _summary(checks: dict[str, Check], measures: dict[str, float]) -> str:
 
 def _look(task: Task, world: World) -> Iterator[Result]:
     yield check_masses(task, world)
+    yield check_loads(task, world)
     yield check_grasp_points(task, world)
     place_all(world, EpisodeRandomness(0).placement())
     overlap = check_overlap(task, world)

@@ -12,6 +12,7 @@ undecided ones are played from more seeds; see `taskbuilder.validate.sequential`
 
 Probes are judged in a fixed order, up to the first kind that earns as much as success. The finding
 names the closest probe of that kind and the number of others, which usually have the same cause.
+If none does, a lead that is sure and yet tiny is a warning; see `near_ties`.
 
 What only training uses, progress and setback, is checked as well; see `training_signals`.
 """
@@ -28,7 +29,7 @@ from taskbuilder.expert.leaving import leave_after_stages
 from taskbuilder.rollout.play import Policy
 from taskbuilder.rollout.players import HoldStill
 from taskbuilder.rollout.record import Rollout
-from taskbuilder.schema.expert import in_words
+from taskbuilder.validate.checks.near_ties import check_near_ties
 from taskbuilder.validate.checks.necessity import Tried, play_baselines
 from taskbuilder.validate.checks.rivals import (
     SORTS,
@@ -38,6 +39,8 @@ from taskbuilder.validate.checks.rivals import (
     Sort,
     closeness,
     mean,
+    pairs_of,
+    way_of_playing,
 )
 from taskbuilder.validate.checks.solvable import LEAST
 from taskbuilder.validate.checks.training_signals import check_training_signals
@@ -241,7 +244,7 @@ def _summary(beside: Comparisons) -> str:
     needed = Counter(beside.needed(baseline) or 0 for baseline in baselines)
     counts = ", ".join(f"{needed[seeds]} after {seeds}" for seeds in sorted(needed))
     return (
-        f"expert leads {closest.baseline} {lead[0]} ({means}, {_pairs(closest)}); "
+        f"expert leads {closest.baseline} {lead[0]} ({means}, {pairs_of(closest)}); "
         f"decided by number of seeds: {counts}"
     )
 
@@ -308,39 +311,19 @@ def _compared(context: Context, beside: Comparisons) -> Iterator[Result]:
         yield Check(sort.code, sort.name, not findings, margin, 0.0, "a step"), findings
         if findings:
             return
-
-
-def _pairs(rival: Rival) -> str:
-    left_out = f", without {rival.successes} that succeeded" if rival.successes else ""
-    return f"{rival.lead.pairs} pair{'s' * (rival.lead.pairs > 1)}{left_out}"
+    if beside.rivals:
+        yield check_near_ties(context.task, beside.rivals)
 
 
 def _finding(context: Context, sort: Sort, rival: Rival, better: int) -> Finding:
     at = f" at a discount of {rival.discount:g}" if rival.discount < 1.0 else ""
     plural = "way pays" if better == 2 else "ways pay"
     others = f"; {better - 1} more such {plural} as well" if better > 1 else ""
+    way = way_of_playing(context.task, rival.baseline)
     message = (
-        f"{_in_words(context, rival.baseline)} earns {rival.earned:.1f} in the mean, the expert "
-        f"{rival.expert:.1f}{at}: its lead is {rival.lead} over {_pairs(rival)}, which is not "
+        f"{way} earns {rival.earned:.1f} in the mean, the expert "
+        f"{rival.expert:.1f}{at}: its lead is {rival.lead} over {pairs_of(rival)}, which is not "
         f"surely more than 0; pay more for success, or less for this{others}"
     )
     term = context.task.description.reward[0] if context.task.description.reward else None
     return finding_in_description(context.task, sort.code, message, "reward", term)
-
-
-def _in_words(context: Context, baseline: Baseline) -> str:
-    """What a baseline does, with the stage after which it leaves the expert."""
-    match baseline.kind:
-        case BaselineKind.NOTHING:
-            return "doing nothing"
-        case BaselineKind.RANDOM:
-            return "random play"
-        case BaselineKind.WITHOUT:
-            return f"playing without {baseline.robot}"
-    what = (
-        "stalling"
-        if baseline.kind is BaselineKind.STALL
-        else "dropping everything, or throwing it away,"
-    )
-    stage = context.task.file.spec.expert[baseline.stage - 1]
-    return f"{what} after stage {baseline.stage} ({in_words(stage)})"

@@ -13,6 +13,8 @@ begins with few seeds: from these, the episodes are played to their end.
 Probes are judged from the simplest on, up to the first that succeeds: if waiting is enough,
 everything else is, too. If the task says ``cooperation: optional``, the success of single robots is
 measured and is not a finding.
+
+If none succeeds, success may still ask for a robot in a clause of its own only; see `clauses`.
 """
 
 from __future__ import annotations
@@ -27,12 +29,14 @@ from taskbuilder.errors import Finding
 from taskbuilder.expert.baselines import NOTHING, RANDOM, Baseline, BaselineKind
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.validate.checks.belonging import must_cooperate
+from taskbuilder.validate.checks.clauses import check_clauses
 from taskbuilder.validate.context import Context
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.locate import finding_in_description
 from taskbuilder.validate.playing import play_nothing, play_random
 from taskbuilder.validate.proportion import Proportion
 from taskbuilder.validate.report import Check, FamilyResult, Result
+from taskbuilder.validate.rest_of_success import RestReferee
 from taskbuilder.validate.sequential import looks
 from taskbuilder.validate.solo import Solo, play_solo, solos
 
@@ -95,11 +99,17 @@ def needs_family(context: Context) -> FamilyResult:
     starts = context.some_starts()
     first = looks(context.seeds, context.variations).first
     jobs = [Tried(start, whole=start.seed < first) for start in starts]
-    asked = context.ask(play_baselines, starts, "needs its robots", about=jobs)
-    for start, plays in zip(starts, asked, strict=True):
-        for baseline, play in plays.items():
-            context.plays.setdefault(baseline, {})[start] = play
+    asked = context.ask(try_baselines, starts, "needs its robots", about=jobs)
+    reached: dict[Baseline, list[Start]] = {}
+    for start, tries in zip(starts, asked, strict=True):
+        for baseline, tried in tries.items():
+            context.plays.setdefault(baseline, {})[start] = tried.rollout
+            if tried.reached_rest:
+                reached.setdefault(baseline, []).append(start)
     results = list(_judged(context))
+    if must_cooperate(context.task) and context.has_expert and not any(f for _, f in results):
+        played = {baseline: len(plays) for baseline, plays in context.plays.items()}
+        results.append(check_clauses(context.task, reached, played))
     checks = tuple(check for check, _ in results)
     findings = tuple(finding for _, found in results for finding in found)
     return FamilyResult("needs its robots", checks, findings, _summary(context))
@@ -133,6 +143,19 @@ def _called(baseline: Baseline) -> str:
 # --- in each process
 
 
+class Tryout(NamedTuple):
+    """The episode of a probe.
+
+    Attributes:
+        rollout: The episode.
+        reached_rest: Whether the robots that were there reached what success asks for beside the
+            clauses about the others.
+    """
+
+    rollout: Rollout
+    reached_rest: bool
+
+
 class Tried(NamedTuple):
     """Probes to be played from a start.
 
@@ -149,13 +172,22 @@ class Tried(NamedTuple):
 
 def play_baselines(cache: EnvCache, job: Tried) -> dict[Baseline, Rollout]:
     """Play probes that must not succeed, from a start."""
+    return {baseline: tried.rollout for baseline, tried in try_baselines(cache, job).items()}
+
+
+def try_baselines(cache: EnvCache, job: Tried) -> dict[Baseline, Tryout]:
+    """Play probes that must not succeed, from a start, and judge them by the rest of success."""
     env, seed = cache.env(job.start.variation), job.start.seed
-    return {
-        baseline: play_solo(cache.expert(job.start.variation), seed, baseline.attempt)
-        if isinstance(baseline.attempt, Solo)
-        else _play_baseline(cache, env, job, baseline)
-        for baseline in job.baselines or _baselines(cache, env, seed)
-    }
+    found = {}
+    for baseline in job.baselines or _baselines(cache, env, seed):
+        judge = RestReferee.of(env.task, baseline)
+        if isinstance(baseline.attempt, Solo):
+            expert = cache.expert(job.start.variation)
+            rollout = play_solo(expert, seed, baseline.attempt, judge)
+        else:
+            rollout = _play_baseline(cache, env, job, baseline, judge)
+        found[baseline] = Tryout(rollout, judge is not None and judge.reached)
+    return found
 
 
 def _baselines(cache: EnvCache, env: TaskEnv, seed: int) -> Iterable[Baseline]:
@@ -171,11 +203,14 @@ def _baselines(cache: EnvCache, env: TaskEnv, seed: int) -> Iterable[Baseline]:
         yield listed[(first + offset) % len(listed)].baseline
 
 
-def _play_baseline(cache: EnvCache, env: TaskEnv, job: Tried, baseline: Baseline) -> Rollout:
+def _play_baseline(
+    cache: EnvCache, env: TaskEnv, job: Tried, baseline: Baseline, judge: RestReferee | None
+) -> Rollout:
     seed, short = job.start.seed, not job.whole
     if baseline.kind is BaselineKind.WITHOUT:
         expert = cache.expert(job.start.variation)
-        return expert.play(seed, without={baseline.robot}, persist=True, until_decided=short)
+        missing = {baseline.robot}
+        return expert.play(seed, without=missing, persist=True, until_decided=short, watch=judge)
     if baseline == NOTHING:
         return play_nothing(env, seed, until_decided=short)
     return play_random(env, seed, until_decided=short)

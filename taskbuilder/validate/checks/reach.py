@@ -61,10 +61,12 @@ class Margin(NamedTuple):
     Attributes:
         reached: The pose.
         metres: How much farther out it could be; negative if it must be closer.
+        others: The other robots that reach it; only of a pose that its own does not reach.
     """
 
     reached: Reached
     metres: float
+    others: tuple[str, ...] = ()
 
 
 def reach_family(context: Context) -> FamilyResult:
@@ -156,7 +158,7 @@ def _findings(
         message = (
             f"{robot} cannot reach what it is to {order}, ({x:.2f}, {y:.2f}, {z:.2f}), from "
             f"{len(starts)} of {len(context.every_start)} placements: at worst, from "
-            f"{margin.reached.start}, {_far(margin.metres)}"
+            f"{margin.reached.start}, {_far(margin.metres)}; {_right(margin)}"
         )
         if not wrong and context.has_expert:
             message += "; the expert succeeds without it"
@@ -170,7 +172,18 @@ def _findings(
 def _far(metres: float) -> str:
     if math.isfinite(metres):
         return f"it is {-metres * 100:.0f} cm too far out"
-    return f"even {FARTHEST_M:g} m nearer would be out of reach, so turn the tool otherwise"
+    return f"even {FARTHEST_M:g} m nearer would be out of reach"
+
+
+def _right(margin: Margin) -> str:
+    """What would be right."""
+    robot = margin.reached.asked.robot
+    if math.isfinite(margin.metres):
+        right = f"move it, or the base of {robot}, by as much"
+    else:
+        right = f"turn the tool otherwise, or bring it nearer to {robot}"
+    others = " or ".join(margin.others)
+    return f"{right}, or let {others} do it, which can reach it" if others else right
 
 
 # --- in each process
@@ -193,5 +206,11 @@ def dry_run_from(cache: EnvCache, start: Start) -> list[Reached]:
 
 def find_margin(cache: EnvCache, reached: Reached) -> Margin:
     """How much farther from the shoulder a pose could be, by bisection."""
-    robot = cache.env(reached.start.variation).episode.world.robots[reached.asked.robot]
-    return Margin(reached, margin_of(robot, reached.pose, ok=reached.ok))
+    robots = cache.env(reached.start.variation).episode.world.robots
+    metres = margin_of(robots[reached.asked.robot], reached.pose, ok=reached.ok)
+    others = tuple(
+        name
+        for name, robot in robots.items()
+        if not reached.ok and name != reached.asked.robot and reaches(robot, reached.pose)
+    )
+    return Margin(reached, metres, others)

@@ -9,6 +9,8 @@ from taskbuilder.expert.baselines import EXPERT, Baseline, BaselineKind
 from taskbuilder.geometry import total
 from taskbuilder.intervals import PairedDifference
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.expert import in_words
+from taskbuilder.task import Task
 from taskbuilder.validate.env_cache import Start
 from taskbuilder.validate.playing import DISCOUNT
 from taskbuilder.validate.sequential import InterimLook, Looks
@@ -186,6 +188,30 @@ def _beside_expert(
         lead = PairedDifference.of(ours, theirs, look.tail)
         earned, ahead = mean(theirs), mean(ours)
         yield Rival(baseline, discount, ahead, earned, lead, successes, weighted, look.seeds)
+
+
+def way_of_playing(task: Task, baseline: Baseline) -> str:
+    """What a baseline does, with the stage after which it leaves the expert."""
+    match baseline.kind:
+        case BaselineKind.NOTHING:
+            return "doing nothing"
+        case BaselineKind.RANDOM:
+            return "random play"
+        case BaselineKind.WITHOUT:
+            return f"playing without {baseline.robot}"
+    what = (
+        "stalling"
+        if baseline.kind is BaselineKind.STALL
+        else "dropping everything, or throwing it away,"
+    )
+    stage = task.file.spec.expert[baseline.stage - 1]
+    return f"{what} after stage {baseline.stage} ({in_words(stage)})"
+
+
+def pairs_of(rival: Rival) -> str:
+    """From how many pairs of episodes a lead is known."""
+    left_out = f", without {rival.successes} that succeeded" if rival.successes else ""
+    return f"{rival.lead.pairs} pair{'s' * (rival.lead.pairs > 1)}{left_out}"
 
 
 def mean(values: Sequence[float]) -> float:

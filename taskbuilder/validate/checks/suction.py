@@ -48,8 +48,15 @@ class CupGap(NamedTuple):
         side = "inside" if self.metres < 0.0 else "above"
         return (
             f"{self.robot} would suck on nothing: {self.point} is {far} {side} the surface, and "
-            f"its cup reaches {self.reach * 1000:g} mm; move the grasp point onto the surface"
+            f"its cup reaches {self.reach * 1000:g} mm; {self._right}"
         )
+
+    @property
+    def _right(self) -> str:
+        if not math.isfinite(self.metres):
+            return "put the grasp point on the surface that the cup comes to by its approach"
+        way = "back against" if self.metres < 0.0 else "on along"
+        return f"move the grasp point {abs(self.metres) * 1000:.0f} mm {way} its approach"
 
 
 def check_suction(context: Context) -> Result:
