@@ -50,7 +50,7 @@ def test_training_takes_every_field_of_a_plan():
 
     named = {*inspect.signature(train).parameters} - {"out", "watch", "options"}
     options = {*typing.get_type_hints(TrainingOptions)}
-    decided = {"teachers"}  # by the data set
+    decided = {"teachers", "progress_range"}  # by the data set; by the task or its expert
     assert named | options == {*Plan("").values, "settings"} - decided
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, get_args
 
 from taskbuilder import extensions
 from taskbuilder.cli.argument_types import (
@@ -29,6 +29,7 @@ from taskbuilder.cli.shared_options import (
 )
 from taskbuilder.env.options import option_infos
 from taskbuilder.learn.algorithms import ALGORITHMS
+from taskbuilder.schema.choices import LadderChoice
 from taskbuilder.schema.disturbances import axes_text
 
 
@@ -123,6 +124,13 @@ def add_train(adder: CommandAdder) -> None:
         metavar="SECONDS",
         help="end a training episode after this time without progress (default, with the reward "
         "ratchet: 1.5 times the longest time that the expert needs in 20 episodes, at least 1.5)",
+    )
+    parser.add_argument(
+        "--ladder",
+        choices=get_args(LadderChoice),
+        help="where the progress comes from that training sees, from 0 to 1; task: the progress in "
+        "the description; expert: the stages of the expert (default task; expert where a "
+        "description has no progress)",
     )
     parser.add_argument(
         "--init",

@@ -15,14 +15,14 @@ from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import trusts
 from taskbuilder.env.options import flag_of, option_infos
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.expert.script.player import has_expert
 from taskbuilder.learn import runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
-from taskbuilder.learn.expert_waits import EPISODES, has_timeout
+from taskbuilder.learn.expert_waits import has_to_measure
 from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.recordings import unlike_recorded
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.policies.runs import RUN_FILE
+from taskbuilder.rollout.progress import EPISODES
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import other_version
 
@@ -99,7 +99,7 @@ def _begin(arguments: argparse.Namespace, planned: RunSetup) -> None:
             say(f"the data set is of another version of the task: {other}")
     with runs.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
-        if has_timeout(planned) and has_expert(planned.task):
+        if has_to_measure(planned):
             say(f"the expert plays {EPISODES} episodes, to measure how long it waits")
         planned = runs.create(folder, planned, command=command, catalogue=catalogue, track=_track)
         if planned.waits is not None:

@@ -95,6 +95,19 @@ ENTRIES = {
             'setback = Sustained(Once(Held("cube")) & ~success, seconds=2.0)',
         ),
     ),
+    "TB558": Code(
+        "The expert waits much longer in some episodes",
+        "Training ends an episode in which the progress has not risen for 1.5 times the longest "
+        "wait of the expert, which it measures on 20 episodes. In some other episode, in which the "
+        "expert succeeds, it waits for longer than that, so training would end this episode before "
+        "its success. Without `progress`, that of the expert's stages counts. Times are those of "
+        "episodes with the same variation.",
+        Example(
+            "description",
+            'progress = Ladder(0.0, (Held("cube"), 1.0), (success, 2.0))',
+            'progress = Ladder(0.0, (Held("cube"), Closeness("cube", "goal")), (success, 2.0))',
+        ),
+    ),
     "TB559": Code(
         "A lead is nearly a tie",
         "The expert earns more than every probe, but its lead over one of them is less than 2 % of "

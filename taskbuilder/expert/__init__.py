@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from taskbuilder._lazy import exported
 
 if TYPE_CHECKING:
+    from taskbuilder.expert.ladder.ladder import StageLadder
     from taskbuilder.expert.leaving import stall_after_stages
     from taskbuilder.expert.planning.errors import PlanningError
     from taskbuilder.expert.planning.moves import Move
@@ -28,6 +29,7 @@ __all__ = [
     "Move",
     "Planner",
     "PlanningError",
+    "StageLadder",
     "Trajectory",
     "stall_after_stages",
 ]
@@ -37,6 +39,7 @@ _HOMES = {
     "Move": "taskbuilder.expert.planning.moves",
     "Planner": "taskbuilder.expert.planning.planner",
     "PlanningError": "taskbuilder.expert.planning.errors",
+    "StageLadder": "taskbuilder.expert.ladder.ladder",
     "Trajectory": "taskbuilder.expert.planning.timing",
     "stall_after_stages": "taskbuilder.expert.leaving",
 }

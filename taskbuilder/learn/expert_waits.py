@@ -12,18 +12,12 @@ from typing import Any
 
 from taskbuilder.expert.script.player import has_expert
 from taskbuilder.learn.demonstrations import SEEDS_FROM, record
+from taskbuilder.learn.ladders import LadderReader, range_of
 from taskbuilder.learn.run_setup import ExpertWaits, RunSetup
 from taskbuilder.learn.training_rewards import TRAINING_REWARDS
-from taskbuilder.learn.wrappers import ProgressCount
+from taskbuilder.rollout.progress import EPISODES, longest_wait_s, timeout_for, written_range
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
-
-EPISODES = 20
-"""Episodes of the expert that are measured."""
-
-MARGIN = 1.5
-"""The time without progress after which training ends an episode, as a multiple of the longest
-wait of the expert."""
 
 
 def has_timeout(run: RunSetup) -> bool:
@@ -33,10 +27,17 @@ def has_timeout(run: RunSetup) -> bool:
     return not plan.data and (default is not None or plan.no_progress_timeout_s is not None)
 
 
-def with_timeout(
+def has_to_measure(run: RunSetup) -> bool:
+    """Whether the expert has to play before a run begins: for how long it waits, or how high."""
+    progress = run.task.description.progress if run.plan.ladder == "task" else None
+    unbounded = progress is not None and written_range(progress) is None
+    return (has_timeout(run) or unbounded) and has_expert(run.task)
+
+
+def with_measures(
     run: RunSetup, recorded: Sequence[Rollout] = (), catalogue: Catalogue | None = None
 ) -> RunSetup:
-    """A run whose plan says after which time without progress an episode ends.
+    """A run whose plan has the range of progress, and the time without it that ends an episode.
 
     A time that is given stays. A reward that never ends episodes keeps that, too.
 
@@ -44,24 +45,33 @@ def with_timeout(
         run: The run as it was planned.
         recorded: Its demonstrations of the expert, if it recorded any, from `SEEDS_FROM` on.
         catalogue: Where other processes look up the task.
+
+    Raises:
+        UsageError: It is not known what the greatest progress is.
     """
-    if not has_timeout(run):
-        return run
-    plan = run.plan
-    given = plan.no_progress_timeout_s
-    default = TRAINING_REWARDS[plan.reward].no_progress_timeout_s
-    waits: list[float] = []
-    episodes = 0
-    if has_expert(run.task):
+    played: list[Rollout] = []
+    if has_to_measure(run):
         played = list(recorded[:EPISODES])
         if len(played) < EPISODES:
             played = list(_played(run, catalogue))
-        episodes = len(played)
-        waits = [longest_wait_s(episode) for episode in played if episode.success]
-    measured = max([default or 0.0, *(round(MARGIN * wait, 3) for wait in waits)])
+    if run.plan.ladder == "task":
+        range_ = range_of(run.task, played)
+        run = replace(run, plan=replace(run.plan, progress_range=range_))
+    return _with_timeout(run, played) if has_timeout(run) else run
+
+
+def _with_timeout(run: RunSetup, played: Sequence[Rollout]) -> RunSetup:
+    """A run whose plan says after which time without progress an episode ends."""
+    plan = run.plan
+    given = plan.no_progress_timeout_s
+    default = TRAINING_REWARDS[plan.reward].no_progress_timeout_s
+    good = [episode for episode in played if episode.success]
+    ladders = LadderReader(run.task, plan, plan.env).along(good)
+    waits = [longest_wait_s(*pair) for pair in zip(good, ladders, strict=True)]
+    measured = timeout_for(waits, default or 0.0)
     timeout = measured if given is None else given
     plan = replace(plan, no_progress_timeout_s=timeout)
-    return replace(run, plan=plan, waits=ExpertWaits(tuple(waits), episodes, timeout))
+    return replace(run, plan=plan, waits=ExpertWaits(tuple(waits), len(played), timeout))
 
 
 def _played(run: RunSetup, catalogue: Catalogue | None) -> Iterator[Rollout]:
@@ -76,14 +86,3 @@ def _played(run: RunSetup, catalogue: Catalogue | None) -> Iterator[Rollout]:
         if count := share + (number < rest):
             options = {**env, "variation": variation}
             yield from record(plan.task, count, options, first_seed=SEEDS_FROM, catalogue=catalogue)
-
-
-def longest_wait_s(episode: Rollout) -> float:
-    """The longest time without progress before an episode's success, in seconds."""
-    count, longest = ProgressCount(float(episode.progress[0])), 0
-    last = episode.steps if episode.first_success is None else episode.first_success
-    for step in range(1, last + 1):
-        held = bool(episode.conditions["success"][step])
-        count = count.after(float(episode.progress[step]), success=held)
-        longest = max(longest, count.steps)
-    return episode.seconds(longest)

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.env.options import (
@@ -27,10 +27,10 @@ from taskbuilder.learn.settings import check_values, read_settings
 from taskbuilder.policies.runs import FORMAT, RUN_FILE, read_run
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import load_policy
+from taskbuilder.schema.choices import LadderChoice
 from taskbuilder.wording import excerpt, suggestion
 
 REWARDS = ("team", "local", "sparse", "shaped", "ratchet")
-
 
 PICTURES = options_about("pictures")
 """Options of the pictures that policies observe."""
@@ -69,6 +69,10 @@ class Plan:
         no_progress_timeout_s: Time without progress after which a training episode ends, in
             seconds. None while it is not measured; in runs of earlier versions, for that of the
             training reward.
+        ladder: Where the progress that training sees comes from: ``task`` for the description, or
+            ``expert`` for the expert's stages. None if training needs none; in runs of earlier
+            versions, for the description's progress as it is.
+        progress_range: The values of the description's progress that are mapped to 0 and to 1.
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.
         teachers: The trained policies that played its episodes; none where experts did.
@@ -94,6 +98,8 @@ class Plan:
     demos: int | str = field(default=0, metadata=_PRACTICE)
     starts: float = field(default=0.0, metadata=_PRACTICE)
     no_progress_timeout_s: float | None = field(default=None, metadata=_PRACTICE)
+    ladder: LadderChoice | None = field(default=None, metadata=_PRACTICE)
+    progress_range: tuple[float, float] | None = field(default=None, metadata=_PRACTICE)
     init: str = ""
     data: str = ""
     teachers: tuple[str, ...] = ()
@@ -159,6 +165,8 @@ class Plan:
         check_name(self.algorithm)
         _choice("reward", self.reward, REWARDS)
         _choice("device", self.device, ("cpu", "cuda"))
+        if self.ladder is not None:
+            _choice("ladder", self.ladder, get_args(LadderChoice))
         self.options.check()
         for name in ("steps", "envs", "evaluate_every", "evaluate_episodes", "checkpoint_every"):
             if getattr(self, name) < 1:
@@ -268,10 +276,10 @@ def check_source(chosen: Mapping[str, Any]) -> None:
         )
     if algorithm.from_data and chosen.get("envs") is not None:
         raise UsageError(f"{name} learns from the data set alone; leave --envs out")
-    if algorithm.from_data and chosen.get("no_progress_timeout_s") is not None:
-        raise UsageError(
-            f"{name} learns from the data set alone; leave --no-progress-timeout-s out"
-        )
+    for option in ("no_progress_timeout_s", "ladder"):
+        if algorithm.from_data and chosen.get(option) is not None:
+            flag = f"--{option.replace('_', '-')}"
+            raise UsageError(f"{name} learns from the data set alone; leave {flag} out")
     for option in ("data", "cameras"):
         if chosen.get(option) and not algorithm.from_data:
             raise UsageError(f"{name} learns from no data set; --algorithm bc does")

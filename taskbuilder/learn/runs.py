@@ -19,7 +19,8 @@ from taskbuilder.files import claim
 from taskbuilder.learn.algorithms import find_algorithm, package_of
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
-from taskbuilder.learn.expert_waits import with_timeout
+from taskbuilder.learn.expert_waits import with_measures
+from taskbuilder.learn.ladders import check_ladder, with_ladder
 from taskbuilder.learn.plan import Plan, check_source, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
 from taskbuilder.learn.run_setup import RunSetup
@@ -30,6 +31,7 @@ from taskbuilder.policies.zoo import load_policy, save_policy
 from taskbuilder.rollout.files import save_rollouts
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.schema.choices import LadderChoice
 from taskbuilder.schema.grasping import grasp_rules
 from taskbuilder.task import Task, load_task
 from taskbuilder.untrusted import names_within
@@ -74,6 +76,7 @@ def train(
     demos: int | str | Path | None = None,
     starts: float | None = None,
     no_progress_timeout_s: float | None = None,
+    ladder: LadderChoice | None = None,
     init: str | None = None,
     data: str | Path | None = None,
     device: Literal["cpu", "cuda"] | None = None,
@@ -105,6 +108,8 @@ def train(
         no_progress_timeout_s: Time without progress after which a training episode ends, in
             seconds. By default measured, if the reward has such a rule: 1.5 times the longest time
             that the expert needs, and at least 1.5 s. A time that cuts the expert is warned of.
+        ladder: Where the progress comes from that training sees: ``task`` for the description,
+            which is the default if it has any, or ``expert`` for the expert's stages.
         init: The trained policy to start from, by name.
         data: The data set to learn from, for algorithms that learn from one.
         device: Device of the networks.
@@ -136,6 +141,7 @@ def train(
         demos=demos,
         starts=starts,
         no_progress_timeout_s=no_progress_timeout_s,
+        ladder=ladder,
         init=init,
         data=data,
         device=device,
@@ -213,7 +219,7 @@ def set_up(
         task = named_task(display_path(dataset.folder), task_in(dataset), catalogue)
     loaded = task if isinstance(task, Task) else load_task(task, catalogue=catalogue)
     plan = make_plan(loaded.reference, settings, **with_choices(loaded, given))
-    return checked(plan, loaded, dataset)
+    return checked(with_ladder(plan, loaded), loaded, dataset)
 
 
 def check_torch() -> None:
@@ -240,14 +246,7 @@ def checked(plan: Plan, task: Task, dataset: Dataset | None = None) -> RunSetup:
     if plan.data:
         return RunSetup(plan, task, dataset, names)
     check_pictures(task, plan.env)
-    if task.description.progress is None:
-        if plan.reward in ("shaped", "ratchet"):
-            raise UsageError(
-                f"{task.name} has no progress; write it into its description, or choose "
-                "--reward team"
-            )
-        if plan.no_progress_timeout_s is not None:
-            raise UsageError(f"{task.name} has no progress; leave --no-progress-timeout-s out")
+    check_ladder(plan, task)
     return RunSetup(plan, task, dataset)
 
 
@@ -312,7 +311,7 @@ def create(
     if count:
         episodes = list(track(record(plan.task, count, plan.env, catalogue=catalogue), count))
         save_rollouts(folder / DEMONSTRATIONS_FILE, episodes)
-    run = with_timeout(run, episodes, catalogue)
+    run = with_measures(run, episodes, catalogue)
     if plan.init:
         save_policy(folder / INIT_FILE, load_policy(plan.init))
     save_plan(
@@ -371,6 +370,7 @@ def go_on(folder: Path, run: RunSetup, watch: OnStatus = lambda _: None) -> None
         "task_version": task.version,
         "algorithm": plan.algorithm,
         "reward": plan.reward,
+        **({"ladder": plan.ladder} if plan.ladder else {}),
         "track": plan.track,
         "demos": plan.demos if isinstance(plan.demos, int) else Path(plan.demos).name,
         "starts": plan.starts,

@@ -37,7 +37,7 @@ from taskbuilder.learn.replayed import Replayer
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.learn.settings import make_settings
 from taskbuilder.learn.shapes import Shapes
-from taskbuilder.learn.training_rewards import TRAINING_REWARDS
+from taskbuilder.learn.training_rewards import RAW_REWARDS, TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import POLICY_FILE, load_policy, save_policy
@@ -274,13 +274,16 @@ def _environments(run: RunSetup, folder: Path, stack: ExitStack) -> tuple[Traina
     plan, task = run.plan, run.task
     algorithm = find_algorithm(plan.algorithm)
     settings = make_settings(algorithm.settings, plan.settings)
-    reward = TRAINING_REWARDS[plan.reward]
+    # In runs of earlier versions, rewards have the description's progress as it is.
+    reward = (TRAINING_REWARDS if plan.ladder else RAW_REWARDS)[plan.reward]
     options: dict[str, Any] = {**plan.env, "reward": reward.sharing}
     demonstrations = _demonstrations(run, folder)
     timeout = plan.no_progress_timeout_s
     if timeout is None:  # as in runs of earlier versions
         timeout = reward.no_progress_timeout_s
-    ends = TrainingWrappers(reward.end_on_setback, timeout)
+    ends = TrainingWrappers(
+        reward.end_on_setback, timeout, ladder=plan.ladder, progress_range=plan.progress_range
+    )
     prefixes = tuple(map(StartPrefix.before_success, demonstrations)) if plan.starts else ()
     wrap = replace(ends, start_prefixes=prefixes, start_share=plan.starts)
     envs = make_vec(task, plan.envs, plan.workers, wrap=wrap, **options)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,18 +19,24 @@ from pettingzoo.utils.wrappers import BaseParallelWrapper
 
 from taskbuilder.env.parallel import Infos, TaskEnv
 from taskbuilder.errors import UsageError
+from taskbuilder.expert.ladder.ladder import StageLadder
 from taskbuilder.learn.demonstration import Demonstration
+from taskbuilder.rollout.progress import LEAST_RISE, ProgressCount, ProgressRange
 from taskbuilder.rollout.record import Rollout
+from taskbuilder.schema.choices import LadderChoice
 from taskbuilder.world.randomness import EpisodeRandomness
 
 Returned = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], Infos]
 """The result of a step: observations, rewards, terminations, truncations and infos."""
 
-LEAST_RISE = 0.05
-"""The minimum rise of progress that restarts the time without progress."""
+LEAST_RAW_RISE = 0.05
+"""The minimum rise of a description's own progress that restarts the time without progress."""
 
 STEPS_WITHOUT_PROGRESS = "steps_without_progress"
 """Key of the info that `NoProgressTimeout` adds."""
+
+TRAINING_PROGRESS = "training_progress"
+"""Key of the info that `TrainingProgress` adds."""
 
 
 class EpisodeWrapper(BaseParallelWrapper):  # type: ignore[misc]  # pettingzoo ships no types
@@ -76,29 +82,70 @@ class EndOnSetback(EpisodeWrapper):
         return observations, rewards, terminations, truncations, infos
 
 
-class ProgressCount(NamedTuple):
-    """The time without progress in an episode.
+class TrainingProgress(EpisodeWrapper):
+    """Adds the progress that training sees to the infos, as ``training_progress``, from 0 to 1.
 
-    Attributes:
-        highest: The highest progress so far.
-        steps: Control steps since it rose, which are not counted while success holds.
+    Args:
+        env: The environment, wrapped or not.
+        ladder: ``task`` for the description's progress, or ``expert`` for the ladder that is made
+            from the expert's stages; see `StageLadder`.
+        range_: For ``task``: the values of the progress that are mapped to 0 and to 1.
+
+    Raises:
+        UsageError: The task has no expert to make a ladder from, or the range is empty.
     """
 
-    highest: float = 0.0
-    steps: int = 0
+    def __init__(
+        self, env: Any, ladder: LadderChoice, range_: tuple[float, float] | None = None
+    ) -> None:
+        super().__init__(env)
+        if ladder == "task" and not (range_ and range_[0] < range_[1]):
+            raise UsageError(f"the range of progress is {range_}; two numbers, the lower one first")
+        self._range = ProgressRange(*range_) if range_ else None
+        self._stages = StageLadder(env.unwrapped) if ladder == "expert" else None
 
-    def after(self, progress: float, *, success: bool) -> ProgressCount:
-        """The count after a control step."""
-        if success or progress >= self.highest + LEAST_RISE:
-            return ProgressCount(max(self.highest, progress), 0)
-        return ProgressCount(self.highest, self.steps + 1)
+    @property
+    def info_keys(self) -> tuple[str, ...]:
+        """Keys of every agent's info."""
+        return (*self.env.info_keys, TRAINING_PROGRESS)
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], Infos]:
+        """Reset the environment."""
+        observations, infos = self.env.reset(seed=seed, options=options)
+        if self._stages is not None:
+            self._stages.begin()
+        return observations, self._with_progress(infos)
+
+    def step(self, actions: Mapping[str, Any]) -> Returned:
+        """Step the environment; see `TaskEnv.step`."""
+        observations, rewards, terminations, truncations, infos = self.env.step(actions)
+        if self._stages is not None:
+            self._stages.advance()
+        return observations, rewards, terminations, truncations, self._with_progress(infos)
+
+    def _with_progress(self, infos: Infos) -> Infos:
+        raw = next(iter(infos.values()))["progress"]
+        now = self._stages.value if self._stages else self._range.share(raw) if self._range else 0.0
+        return {agent: {**info, TRAINING_PROGRESS: now} for agent, info in infos.items()}
+
+    def save(self) -> Any:
+        """The position in the expert's stages, if they are the ladder."""
+        return self._stages.position if self._stages is not None else None
+
+    def load(self, kept: Any) -> None:
+        """Restore the state that `save` returned."""
+        if self._stages is not None:
+            self._stages.position = kept
 
 
 class NoProgressTimeout(EpisodeWrapper):
-    """Truncates episodes in which the progress has not risen by 0.05 for some time.
+    """Truncates episodes in which the progress has not risen for some time.
 
     The time does not run while success holds. Infos have ``steps_without_progress``, in control
-    steps.
+    steps. The progress is that of `TrainingProgress`, if the environment is wrapped in it, and has
+    to rise by 1/300; otherwise it is that of the description, and has to rise by 0.05.
 
     Args:
         env: The environment, wrapped or not.
@@ -113,6 +160,9 @@ class NoProgressTimeout(EpisodeWrapper):
         if not seconds > 0.0:
             raise UsageError(f"no_progress_timeout_s is {seconds}; seconds, more than 0")
         self._limit = seconds * env.metadata["render_fps"]
+        normalized = TRAINING_PROGRESS in env.info_keys
+        self._key = TRAINING_PROGRESS if normalized else "progress"
+        self._rise = LEAST_RISE if normalized else LEAST_RAW_RISE
         self._count = ProgressCount()
 
     @property
@@ -125,7 +175,7 @@ class NoProgressTimeout(EpisodeWrapper):
     ) -> tuple[dict[str, Any], Infos]:
         """Reset the environment."""
         observations, infos = self.env.reset(seed=seed, options=options)
-        self._count = ProgressCount(next(iter(infos.values()))["progress"])
+        self._count = ProgressCount(next(iter(infos.values()))[self._key])
         return observations, self._with_steps(infos)
 
     def step(self, actions: Mapping[str, Any]) -> Returned:
@@ -133,7 +183,8 @@ class NoProgressTimeout(EpisodeWrapper):
         observations, rewards, terminations, truncations, infos = self.env.step(actions)
         info = next(iter(infos.values()))
         if not info["exploded"]:
-            self._count = self._count.after(info["progress"], success=info["success"] > 0.0)
+            won = info["success"] > 0.0
+            self._count = self._count.after(info[self._key], success=won, rise=self._rise)
         if self._count.steps >= self._limit and not any(terminations.values()):
             truncations = dict.fromkeys(truncations, True)
             self.end_episode()
@@ -247,18 +298,25 @@ class TrainingWrappers:
         no_progress_timeout_s: Truncate episodes after this time without progress; None for never.
         start_prefixes: Recorded prefixes that episodes may begin after.
         start_share: Fraction of the episodes that do.
+        ladder: Where the progress comes from that training sees; None for the description's own
+            progress as it is.
+        progress_range: The values of the description's progress that are mapped to 0 and to 1.
     """
 
     end_on_setback: bool = False
     no_progress_timeout_s: float | None = None
     start_prefixes: tuple[StartPrefix, ...] = ()
     start_share: float = 0.0
+    ladder: LadderChoice | None = None
+    progress_range: tuple[float, float] | None = None
 
     def __call__(self, env: TaskEnv) -> Any:
         """Wrap an environment."""
         wrapped: Any = env
         if self.end_on_setback:
             wrapped = EndOnSetback(wrapped)
+        if self.ladder is not None:
+            wrapped = TrainingProgress(wrapped, self.ladder, self.progress_range)
         if self.no_progress_timeout_s is not None:
             wrapped = NoProgressTimeout(wrapped, self.no_progress_timeout_s)
         if self.start_prefixes:

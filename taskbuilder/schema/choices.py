@@ -12,3 +12,6 @@ OtherRobots = tuple[tuple[str, str], ...]
 
 GraspChoice = Literal["task", "friction", "attach"]
 """The rule as in the task file, or the rule of all grippers with fingers."""
+
+LadderChoice = Literal["task", "expert"]
+"""Where training gets its progress from: the description, or the stages of the expert."""

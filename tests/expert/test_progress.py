@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from library_experts import SCENES, SEEDS, TASKS, played
 
-from taskbuilder.description import Closeness, Fraction, GripperOpening, Ladder
-from taskbuilder.description.measures import Constant, Measure, Product, Sum
+from taskbuilder.description import Ladder
+from taskbuilder.description.bounds import bounds_of
+from taskbuilder.description.measures import Measure
 from taskbuilder.description.node import walk
 from taskbuilder.env.parallel import parallel_env
 from taskbuilder.rollout import RandomActions, play
@@ -41,26 +42,6 @@ def test_every_task_of_the_library_declares_progress():
     assert list(TASKS) == CLIMBING
 
 
-def span(measure: Measure) -> tuple[float, float]:
-    """The least and the greatest that a measure can be."""
-    match measure:
-        case Constant():
-            return measure.number, measure.number
-        case Closeness() | GripperOpening() | Fraction():
-            return 0.0, 1.0
-        case Sum():
-            lows, highs = zip(*map(span, measure.of), strict=True)
-            return sum(lows), sum(highs)
-        case Product():
-            ends = itertools.product(*map(span, measure.of))
-            products = list(map(math.prod, ends))
-            return min(products), max(products)
-        case Ladder():
-            lows, highs = zip(*map(span, steps(measure)), strict=True)
-            return min(lows), max(highs)
-    raise TypeError(f"{measure} has no bounds; say here what they are")
-
-
 def steps(ladder: Ladder) -> list[Measure]:
     """The ground and the rungs of a ladder."""
     return [ladder.ground, *(value for _, value in ladder.rungs)]
@@ -68,7 +49,7 @@ def steps(ladder: Ladder) -> list[Measure]:
 
 @pytest.mark.parametrize("task", CLIMBING)
 def test_every_rung_begins_where_the_one_before_ends_or_above(task):
-    spans = list(map(span, steps(load_task(task).description.progress)))
+    spans = list(map(bounds_of, steps(load_task(task).description.progress)))
     for (_, highest), (lowest, _) in itertools.pairwise(spans):
         assert lowest >= highest
 

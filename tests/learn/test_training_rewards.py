@@ -8,16 +8,16 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from taskbuilder.env.vector import make_vec
-from taskbuilder.learn.training_rewards import TRAINING_REWARDS
+from taskbuilder.learn.training_rewards import RAW_REWARDS, TRAINING_REWARDS, reads_progress
 
 EVERYWHERE = np.ones(1, dtype=np.bool_)
-progresses = st.lists(st.floats(0.0, 10.0), min_size=2, max_size=20)
+progresses = st.lists(st.floats(0.0, 1.0), min_size=2, max_size=20)
 
 
 def infos(progress, success=0.0, failure=0.0, setback=0.0, idle=0.0):
     many = np.zeros_like(np.asarray(progress, float))
     numbers = {
-        "progress": progress,
+        "training_progress": progress,
         "success": success,
         "failure": failure,
         "steps_without_progress": many + idle,
@@ -74,13 +74,13 @@ def test_shaping_adds_up_to_the_discounted_gain_from_beginning_to_end(ladder, di
     made = TRAINING_REWARDS["shaped"](1, discount)
     pays = paid(made, ladder)
     total = (pays.T * discount ** np.arange(len(pays))).sum(1)
-    expected = 3.0 * (discount ** len(pays) * ladder[-1] - ladder[0])
+    expected = 45.0 * (discount ** len(pays) * ladder[-1] - ladder[0])
     assert total == pytest.approx([expected] * 2, abs=1e-6)
 
 
 def test_shaping_comes_upon_the_teams_reward():
-    pays = paid(TRAINING_REWARDS["shaped"](1, 0.9), [1.0, 2.0, 0.5], reward=-4.0)
-    assert pays[:, 0] == pytest.approx([-4.0 + 3.0 * (1.8 - 1.0), -4.0 + 3.0 * (0.45 - 2.0)])
+    pays = paid(TRAINING_REWARDS["shaped"](1, 0.9), [0.1, 0.2, 0.05], reward=-4.0)
+    assert pays[:, 0] == pytest.approx([-4.0 + 45.0 * (0.18 - 0.1), -4.0 + 45.0 * (0.045 - 0.2)])
 
 
 # --- ratchet
@@ -91,11 +91,11 @@ def test_the_ratchet_pays_for_the_best_progress_and_costs_where_it_is_below(ladd
     pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)
     gained = max(ladder) - ladder[0]
     below = sum(max(ladder[: n + 2]) - now for n, now in enumerate(ladder[1:]))
-    assert pays.sum(0) == pytest.approx([0.3 * (10.0 * gained - 0.25 * below)] * 2, abs=1e-6)
+    assert pays.sum(0) == pytest.approx([0.3 * (150.0 * gained - 3.75 * below)] * 2, abs=1e-6)
 
 
 @given(progresses)
-@example([1.300777743834516, 3.5916106811385444, 3.5916106811385444])  # a + (b - a) is not b
+@example([0.1300777743834516, 0.35916106811385444, 0.35916106811385444])  # a + (b - a) is not b
 def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder):
     pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), ladder)[:, 0]
     beyond = [now > max(ladder[: n + 1]) for n, now in enumerate(ladder[1:])]
@@ -103,8 +103,8 @@ def test_the_ratchet_pays_only_where_progress_goes_beyond_the_best_so_far(ladder
 
 
 def test_the_ratchet_takes_nothing_for_staying_where_it_has_paid():
-    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [1.0, 3.0, 3.0, 2.0])
-    assert pays[:, 0] == pytest.approx([0.3 * 20.0, 0.0, -0.3 * 0.25])
+    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [0.1, 0.3, 0.3, 0.2])
+    assert pays[:, 0] == pytest.approx([0.3 * 30.0, 0.0, -0.3 * 0.375])
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_the_ratchet_takes_nothing_for_staying_where_it_has_paid():
     ],
 )
 def test_the_ratchet_pays_for_success_at_every_step_and_takes_for_what_is_lost(outcome, pay):
-    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [2.0, 2.0, 2.0], **outcome)
+    pays = paid(TRAINING_REWARDS["ratchet"](1, 0.97), [0.2, 0.2, 0.2], **outcome)
     assert pays == pytest.approx(np.full((2, 2), pay))
 
 
@@ -131,9 +131,9 @@ def test_the_ratchet_leaves_the_teams_reward_out():
 
 def test_critics_see_the_best_progress_so_far_and_how_long_it_has_not_risen():
     made = TRAINING_REWARDS["ratchet"](1, 0.97)
-    made.begin(infos(1.0), EVERYWHERE)
+    made.begin(infos(0.1), EVERYWHERE)
     best = []
-    for now, idle in ((0.5, 1.0), (2.0, 0.0), (1.5, 1.0)):
+    for now, idle in ((0.05, 1.0), (0.2, 0.0), (0.15, 1.0)):
         made.compute(np.zeros((1, 2)), infos(now, idle=idle))
         best.append(made.critic_features())
     assert np.concatenate(best) == pytest.approx(np.array([[0.1, 1.0], [0.2, 0.0], [0.2, 1.0]]))
@@ -147,7 +147,7 @@ def test_critics_see_the_best_progress_so_far_and_how_long_it_has_not_risen():
 @pytest.mark.parametrize("name", ["shaped", "ratchet"])
 def test_environments_have_nothing_to_do_with_each_other(name):
     draws = np.random.default_rng(0)
-    ladders = draws.uniform(0.0, 5.0, (3, 6))
+    ladders = draws.uniform(0.0, 1.0, (3, 6))
     many = TRAINING_REWARDS[name](3, 0.9)
     many.begin(infos(ladders[:, 0]), np.ones(3, dtype=np.bool_))
     together = [many.compute(np.zeros((3, 2)), infos(ladders[:, n])) for n in range(1, 6)]
@@ -160,7 +160,26 @@ def test_environments_have_nothing_to_do_with_each_other(name):
 def test_an_episode_that_begins_starts_afresh_and_leaves_the_others(name):
     made = TRAINING_REWARDS[name](2, 1.0)
     made.begin(infos([0.0, 0.0]), np.array([True, True]))
-    made.compute(np.zeros((2, 1)), infos([4.0, 4.0]))
-    made.begin(infos([1.0, 1.0]), np.array([True, False]))
-    pay = made.compute(np.zeros((2, 1)), infos([2.0, 5.0]))
-    assert pay[:, 0] == pytest.approx([3.0, 3.0])  # one more than 1, and one more than 4
+    made.compute(np.zeros((2, 1)), infos([0.4, 0.4]))
+    made.begin(infos([0.1, 0.1]), np.array([True, False]))
+    pay = made.compute(np.zeros((2, 1)), infos([0.2, 0.5]))
+    assert pay[:, 0] == pytest.approx([4.5, 4.5])  # a tenth more than 0.1, and than 0.4
+
+
+# --- runs of earlier versions
+
+
+@pytest.mark.parametrize("name", ["shaped", "ratchet"])
+def test_runs_of_earlier_versions_keep_the_scale_of_the_descriptions_progress(name):
+    ladder = np.array([0.0, 0.2, 0.7, 0.5, 1.0])
+    raw = RAW_REWARDS[name](1, 0.97)
+    many = [{**infos(0.0), "progress": np.array([15.0 * now])} for now in ladder]
+    raw.begin(many[0], EVERYWHERE)
+    pays = [raw.compute(np.zeros((1, 2)), now)[0] for now in many[1:]]
+    normalized = paid(TRAINING_REWARDS[name](1, 0.97), ladder)
+    assert np.array(pays) == pytest.approx(normalized)  # tops of 15 are paid as they were
+
+
+def test_only_rewards_that_read_the_progress_differ_for_earlier_runs():
+    changed = {name for name in TRAINING_REWARDS if RAW_REWARDS[name] is not TRAINING_REWARDS[name]}
+    assert changed == {name for name in TRAINING_REWARDS if reads_progress(name)}
