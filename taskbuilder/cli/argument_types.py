@@ -66,7 +66,7 @@ def whole(least: int, most: int) -> Any:
 
 
 @dataclass(frozen=True)
-class OneOf:
+class PartName:
     """A converter for one of the library's own names, or of those that installed packages add.
 
     Attributes:

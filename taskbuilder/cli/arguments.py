@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskbuilder._version import __version__
-from taskbuilder.cli.argument_types import Extend, OneOf, StoreOnce, listed_choices
+from taskbuilder.cli.argument_types import Extend, PartName, StoreOnce, listed_choices
 from taskbuilder.cli.benchmark_arguments import add_benchmark
 from taskbuilder.cli.data_arguments import add_collect, add_dataset, add_multiply
 from taskbuilder.cli.env_options import add_env_options
@@ -87,7 +87,7 @@ class Parser(argparse.ArgumentParser):
         added = [
             f"  {action.option_strings[-1]} {part.name}  {part.package}\n"
             for action, kind in kinds
-            if isinstance(kind, OneOf)
+            if isinstance(kind, PartName)
             for part in kind.added()
         ]
         listed = f"\nadded by installed packages:\n{''.join(added)}" if added else ""
@@ -266,7 +266,7 @@ def _add_validate(adder: Adder) -> None:
     formats = parser.add_mutually_exclusive_group()
     formats.add_argument(
         "--format",
-        type=OneOf(REPORT_NAMES, REPORT_FORMATS),
+        type=PartName(REPORT_NAMES, REPORT_FORMATS),
         metavar=listed_choices(REPORT_NAMES),
         default="text",
         help="format of the report (default text)",

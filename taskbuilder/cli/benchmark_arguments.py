@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from taskbuilder import extensions
-from taskbuilder.cli.argument_types import Extend, OneOf, whole
+from taskbuilder.cli.argument_types import Extend, PartName, whole
 from taskbuilder.cli.learning_arguments import CommandAdder
 from taskbuilder.cli.shared_options import add_json, add_ray
 from taskbuilder.learn.algorithms import ALGORITHMS
@@ -30,7 +30,7 @@ def add_benchmark(adder: CommandAdder) -> None:
     )
     parser.add_argument(
         "--algorithm",
-        type=OneOf(ALGORITHMS, extensions.ALGORITHMS),
+        type=PartName(ALGORITHMS, extensions.ALGORITHMS),
         metavar="A",
         help="algorithm that trains the policies, such as bc",
     )

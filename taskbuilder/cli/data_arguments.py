@@ -7,7 +7,7 @@ from pathlib import Path
 
 from taskbuilder.cli.argument_types import (
     Extend,
-    OneOf,
+    PartName,
     listed,
     listed_choices,
     share,
@@ -215,7 +215,7 @@ def _add_format(parser: ArgumentParser, text: str) -> None:
     parser.add_argument(
         "--format",
         dest="export",
-        type=OneOf(FORMAT_NAMES, DATA_FORMATS),
+        type=PartName(FORMAT_NAMES, DATA_FORMATS),
         metavar=listed_choices(FORMAT_NAMES),
         help=text,
     )

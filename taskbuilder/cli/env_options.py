@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, get_type_hints
 
 from taskbuilder.cli.argument_types import (
-    OneOf,
+    PartName,
     listed,
     listed_choices,
     number,
@@ -119,7 +119,7 @@ def _reading(hint: Any, info: OptionInfo) -> dict[str, Any]:
         once: dict[str, Any] = {"nargs": "?", "const": info.true_word} if info.true_word else {}
         if info.others:
             names = tuple(word for word in words if isinstance(word, str))
-            return {"type": OneOf(names, info.others), "metavar": listed_choices(names)}
+            return {"type": PartName(names, info.others), "metavar": listed_choices(names)}
         return {"choices": words, **once}
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction}

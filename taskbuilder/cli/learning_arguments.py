@@ -9,7 +9,7 @@ from typing import Protocol, get_args
 from taskbuilder import extensions
 from taskbuilder.cli.argument_types import (
     Extend,
-    OneOf,
+    PartName,
     any_variation,
     count_or_folder,
     listed,
@@ -63,7 +63,7 @@ def add_train(adder: CommandAdder) -> None:
     *most, last = ALGORITHMS
     parser.add_argument(
         "--algorithm",
-        type=OneOf(ALGORITHMS, extensions.ALGORITHMS),
+        type=PartName(ALGORITHMS, extensions.ALGORITHMS),
         metavar="A",
         help=f"{', '.join(most)} or {last} (default maddpg)",
     )

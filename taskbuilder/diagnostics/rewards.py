@@ -101,12 +101,9 @@ ENTRIES = {
         "wait of the expert, which it measures on 20 episodes. In some other episode, in which the "
         "expert succeeds, it waits for longer than that, so training would end this episode before "
         "its success. Without `progress`, that of the expert's stages counts. Times are those of "
-        "episodes with the same variation.",
-        Example(
-            "description",
-            'progress = Ladder(0.0, (Held("cube"), 1.0), (success, 2.0))',
-            'progress = Ladder(0.0, (Held("cube"), Closeness("cube", "goal")), (success, 2.0))',
-        ),
+        "episodes with the same variation. Let the progress rise while the expert waits, for "
+        'example by a rung such as `(Held("cube"), Closeness("cube", "goal"))` instead of '
+        '`(Held("cube"), 1.0)`, or let the expert wait alike in every episode.',
     ),
     "TB559": Code(
         "A lead is nearly a tie",

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -24,6 +23,9 @@ PATH = "/gamepad"
 
 MOST_TEXT = 500
 """Longest message of a window, in characters."""
+
+LARGEST = 1e6
+"""Largest number of a direction that is taken for one, before it is brought to -1 to 1."""
 
 SHORTEST_S = 0.01
 """Between two messages of a window; those that come sooner wait."""
@@ -84,7 +86,7 @@ def _direction(values: object) -> Vec3 | None:
         return STILL
     if not isinstance(values, list) or len(values) != len(STILL):
         return None
-    if not all(isinstance(v, int | float) and math.isfinite(v) for v in values):
+    if not all(isinstance(v, int | float) and abs(v) <= LARGEST for v in values):
         return None
     x, y, z = (min(max(float(v), -1.0), 1.0) for v in values)
     return (x, y, z)

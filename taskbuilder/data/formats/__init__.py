@@ -81,7 +81,9 @@ def load_writer(part: ForeignPart) -> DatasetWriter:
     Raises:
         ExtensionError: It cannot be used.
     """
-    write: DatasetWriter = part.load(lambda found: None if callable(found) else "cannot be called")
+    write: DatasetWriter = part.load(
+        lambda writer: None if callable(writer) else "cannot be called"
+    )
     return write
 
 
