@@ -67,6 +67,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "objects": objects.library,
     "phases": training.phases,
     "probes": results.probes,
+    "recovery": training.recovery,
     "robots": robots.library,
     "scaffold": commands.scaffold,
     "robust": training.robust,

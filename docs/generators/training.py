@@ -164,6 +164,20 @@ def whole_scene(_: str) -> str:
     return table(head, rows)
 
 
+def recovery(_: str) -> str:
+    """Behaviour cloning from demonstrations with and without recovery, by preset."""
+    rows = [
+        [
+            title(run["task"]),
+            f"`{run['demonstrator']}`",
+            f"`{run['preset']}`",
+            f"{run['successes_at_end']} of {run['episodes']}",
+        ]
+        for run in read("recovery.json")["policies"]
+    ]
+    return table(["task", "demonstrations by", "preset", "success at the last step"], rows)
+
+
 def distillation(_: str) -> str:
     """Students of policies that were learned from scratch, every seed."""
     rows = []
