@@ -9,6 +9,8 @@ benchmark has them. From each, one policy is trained with the preset `cloning` o
 no policy was trained in, with seeds from 810,000 on. The tasks are development tasks of the
 benchmark, on which its methods may be tuned.
 
+If an expert bears no noise, there is nothing to compare, and it is left out.
+
 Writes benchmarks/results/recovery.json after each policy, and goes on after the last one.
 """
 
@@ -44,7 +46,10 @@ def main() -> None:
     for task, recovers, preset in product(arguments.tasks, (False, True), PRESETS):
         if (task, recovers, preset) in done:
             continue
-        expert, data = demonstrations(task, recovers, arguments.folder)
+        expert = strongest(task) if recovers else "expert"
+        if recovers and expert == "expert":
+            continue
+        data = demonstrations(task, expert, arguments.folder)
         row = {"task": task, "recovers": recovers, "demonstrator": expert, "preset": preset}
         found.append(row | learned(data, preset, arguments.folder / f"{data.name}-{preset}"))
         print(found[-1], flush=True)
@@ -52,12 +57,15 @@ def main() -> None:
         RESULTS.write_text(json.dumps(about | {"policies": found}, indent=1) + "\n")
 
 
-def demonstrations(task: str, recovers: bool, folder: Path) -> tuple[str, Path]:
-    """Who demonstrates, and the data set."""
+def strongest(task: str) -> str:
+    """The expert with the strongest noise that it bears."""
+    return demonstrator(taskbuilder.load_task(task), DemonstrationSet(), TRAIN[0])
+
+
+def demonstrations(task: str, expert: str, folder: Path) -> Path:
+    """The data set of an expert."""
     track, wanted = find_track("imitation"), DemonstrationSet()
-    loaded = taskbuilder.load_task(task)
-    expert = demonstrator(loaded, wanted, TRAIN[0]) if recovers else "expert"
-    data = folder / f"{task}-{'recovery' if recovers else 'plain'}"
+    data = folder / f"{task}-{'plain' if expert == 'expert' else 'recovery'}"
     taskbuilder.collect(
         task,
         data,
@@ -68,7 +76,7 @@ def demonstrations(task: str, recovers: bool, folder: Path) -> tuple[str, Path]:
         jobs=1,
         **track.options,
     )
-    return expert, data
+    return data
 
 
 def learned(data: Path, preset: str, run: Path) -> dict[str, Any]:
