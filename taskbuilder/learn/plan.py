@@ -71,7 +71,7 @@ class Plan:
             training reward.
         ladder: Where the progress that training sees comes from: ``task`` for the description, or
             ``expert`` for the expert's stages. None if training needs none; in runs of earlier
-            versions, for the description's progress as it is.
+            versions, for the unscaled progress of the description.
         progress_range: The values of the description's progress that are mapped to 0 and to 1.
         init: The trained policy to start from, by name; "" for none.
         data: The data set to learn from, for algorithms that learn from one; "" for none.

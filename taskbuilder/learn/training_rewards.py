@@ -172,14 +172,14 @@ class Ratchet:
 
 
 class RawShaped(Shaped):
-    """`Shaped` by the description's progress as it is, as in runs of earlier versions."""
+    """`Shaped` by the unscaled progress of the description, as in runs of earlier versions."""
 
     progress = "progress"
     weight = 3.0
 
 
 class RawRatchet(Ratchet):
-    """`Ratchet` on the description's progress as it is, as in runs of earlier versions."""
+    """`Ratchet` on the unscaled progress of the description, as in runs of earlier versions."""
 
     progress = "progress"
     gain, below = 10.0, 0.25
@@ -202,7 +202,7 @@ RAW_REWARDS: Mapping[str, RewardClass] = {
     "shaped": RawShaped,
     "ratchet": RawRatchet,
 }
-"""Those of runs that see the description's progress as it is."""
+"""Those of runs that see the unscaled progress of the description."""
 
 
 def reads_progress(name: str) -> bool:

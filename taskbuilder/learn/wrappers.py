@@ -298,8 +298,8 @@ class TrainingWrappers:
         no_progress_timeout_s: Truncate episodes after this time without progress; None for never.
         start_prefixes: Recorded prefixes that episodes may begin after.
         start_share: Fraction of the episodes that do.
-        ladder: Where the progress comes from that training sees; None for the description's own
-            progress as it is.
+        ladder: Where the progress comes from that training sees; None for the
+            unscaled progress of the description.
         progress_range: The values of the description's progress that are mapped to 0 and to 1.
     """
 

@@ -82,11 +82,12 @@ class Gate:
 
         with _lock:
             real = server.serve
+            # `serve` is declared as a class, whose name is not to be given to something else.
             server.serve = partial(self._serve, real)  # type: ignore[assignment,misc]
             try:
                 yield
             finally:
-                server.serve = real  # type: ignore[misc]
+                server.serve = real  # type: ignore[misc]  # the class that it was
         if not self.holds:
             raise UsageError("this version of viser is not known here; install viser==1.1.1")
 

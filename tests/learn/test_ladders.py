@@ -117,6 +117,7 @@ def test_time_without_progress_is_that_of_what_training_sees():
 
 def test_bounds_are_those_of_the_expression():
     close = Closeness("left.tcp", "cube")
+    # Bounds do not depend on the conditions, so there are none.
     ladder = Ladder(close, (None, 2.0 - close), (None, 3.0))  # type: ignore[arg-type]
     assert bounds_of(ladder) == (0.0, 3.0)
     assert bounds_of(2.0 - close) == (1.0, 2.0)

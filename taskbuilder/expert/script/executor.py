@@ -40,7 +40,7 @@ SETTLE_S = 0.6
 """Time for a motion to arrive after its last command, in seconds."""
 
 DISTURBED_S = 1.5
-"""The same, where actions are disturbed: until one step in four has been carried out as meant."""
+"""The same where actions are disturbed: a disturbed step takes another one to correct."""
 
 GRIP_S = 1.0
 """Time for a gripper to hold or release an object, in seconds."""
