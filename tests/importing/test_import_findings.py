@@ -221,6 +221,8 @@ FINS = b"v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nv 0 0 -.1\nv .1 .1 .1\n" + (
 
 @pytest.mark.parametrize("content", [SHEET, FINS], ids=["flat", "fins"])
 def test_meshes_without_volume_collide(content, tmp_path):
+    if content is FINS:
+        pytest.importorskip("coacd")  # what has volume at all is cut into pieces first
     (tmp_path / "m.obj").write_bytes(content)
     imported = import_object(ImportSource(tmp_path / "m.obj", name="thing"))
     write_folder(tmp_path / "thing", imported.files, overwrite=False)
