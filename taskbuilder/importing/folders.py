@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ from taskbuilder.importing.geometry import Geometry, MeshOptions
 from taskbuilder.importing.limits import held_as_unused, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
 from taskbuilder.importing.mounting import Mount, is_cup, mounted, with_located_meshes
+from taskbuilder.importing.naming import folder_name, proposed_name
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.reading import is_mesh, read_description
 from taskbuilder.importing.shells import without_shells
@@ -35,8 +35,6 @@ from taskbuilder.wording import quoted, suggestion
 from taskbuilder.world.robot_file import robot_file
 from taskbuilder.world.robot_proposal import Proposal, propose
 
-ROBOT_NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
-"""What a folder of a robot or an object may be called."""
 _ROBOT_SLACK, _OBJECT_SLACK = math.inf, 1.0
 
 
@@ -156,7 +154,7 @@ def read_robot(source: ImportSource) -> ReadRobot:
     if suction is None and parts and is_cup(parts[-1][0]):
         suction = 0.0
     description = mounted(description, parts, changes, suction=suction is not None)
-    name = _name(source.name or _proposed_name(description))
+    name = folder_name(source.name or proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_ROBOT_SLACK)
     geometry = Geometry(packages, options, changes)
@@ -259,7 +257,7 @@ def import_object(source: ImportSource) -> Imported:
         description = _of_mesh(packages.file)
     else:
         packages, description = _read(source, changes)
-    name = _name(source.name or _proposed_name(description))
+    name = folder_name(source.name or proposed_name(description))
     description = replace(description, name=name)
     options = replace(source.meshes, slack=_OBJECT_SLACK, upright=mesh)
     geometry = Geometry(packages, options, changes)
@@ -399,35 +397,3 @@ _PALETTE = (
     (0.84, 0.37, 0.0, 1.0),
     (0.80, 0.47, 0.65, 1.0),
 )
-
-
-def _proposed_name(description: ImportedBody) -> str:
-    """What a file calls what it describes; or its own name, or its folder's, if that says more."""
-    file = description.file
-    folders = [each.name for each in file.parents if each.name.lower() not in _FOLDERS]
-    for text in (description.name, file.name, *folders[:1]):
-        stem = _ENDINGS.sub("", text)
-        if stem and not _SAYS_NOTHING.fullmatch(stem):
-            return stem
-    return _ENDINGS.sub("", description.name)
-
-
-_ENDINGS = re.compile(r"(\.(urdf|xacro|sdf|xml|mjcf|obj|stl|dae|ply|glb|gltf))+$", re.IGNORECASE)
-_SAYS_NOTHING = re.compile(
-    r"(model|robot|object|mesh|scene|main|index|body|visual|collision|textured|nontextured|"
-    r"untitled|unnamed|default|mobility)([_-]?\d+)?",
-    re.IGNORECASE,
-)
-"""Names that many files have."""
-_FOLDERS = ("urdf", "urdfs", "meshes", "mesh", "models", "visual", "collision", "sdf", "xml", "obj")
-
-
-def _name(text: str) -> str:
-    """A name that a folder and a robot file may have."""
-    name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
-    if not name or not name[0].isalpha():
-        name = f"robot_{name}".rstrip("_")
-    name = name[:40]
-    if not ROBOT_NAME.fullmatch(name):
-        raise UsageError(f'"{text}" is no name; give one with --name')
-    return name
