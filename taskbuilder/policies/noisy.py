@@ -20,6 +20,9 @@ class NoisyExpert:
     its end until the goal is reached. So its episodes show how to come back to the way (DART,
     Laskey et al. 2017).
 
+    A robot that holds a moving link of a fixed object, such as a door, has no noise either: its
+    hand can only move with the link, and noise would not lead it off its way but tear it away.
+
     Args:
         env: An environment of the task.
         spread: Standard deviation, where actions are from -1 to 1.
@@ -42,11 +45,14 @@ class NoisyExpert:
         if actions is None:
             return None
         noisy = {}
+        episode = self._expert.env.episode
         for agent, action in actions.items():
             noise = self._rng.normal(0.0, self._spread, len(action))
-            if self._share < 1.0 and self._rng.random() >= self._share:
+            # What is drawn depends on nothing that happens.
+            spared = self._share < 1.0 and self._rng.random() >= self._share
+            if spared or any(episode.world.held(link, agent) for link in episode.world.mechanisms):
                 noise[:] = 0.0
-            noise[self._expert.env.episode.actions[agent].arm_size :] = 0.0
+            noise[episode.actions[agent].arm_size :] = 0.0
             noisy[agent] = np.clip(action + noise, -1.0, 1.0).astype(np.float32)
         return noisy
 

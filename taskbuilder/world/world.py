@@ -313,15 +313,19 @@ class World(Single):
         return tuple(name for name, thing in self.objects.items() if not thing.spec.fixed)
 
     @cached_property
-    def holdable(self) -> tuple[str, ...]:
-        """What robots can hold: objects that are not fixed, and moving links of fixed objects."""
-        handles = (
+    def mechanisms(self) -> tuple[str, ...]:
+        """The moving links of fixed objects, such as doors: a hand on one can only move with it."""
+        return tuple(
             f"{name}.{link}"
             for name, thing in self.objects.items()
             if thing.spec.fixed
             for link in thing.moving_links
         )
-        return (*self.movable, *handles)
+
+    @cached_property
+    def holdable(self) -> tuple[str, ...]:
+        """What robots can hold: objects that are not fixed, and moving links of fixed objects."""
+        return (*self.movable, *self.mechanisms)
 
     def is_solid(self, name: str) -> bool:
         """True for the name of an object, a part or a link; False for the name of a site."""
