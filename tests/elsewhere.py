@@ -56,8 +56,8 @@ def main(folder: Path) -> None:
 
     assert run(["validate", "reach", "--level", "build"]) == 0
     assert run(["render", "reach", "--renderer", "tiny", "--out", str(folder)]) == 0
-    words = ["train", "reach", "--steps", "40", "--evaluate-episodes", "1", "--film-every", "0"]
-    assert run([*words, "--out", str(folder / "run")]) == 0
+    words = ["train", "reach", "--steps", "40", "--evaluate-episodes", "1", "--envs", "1"]
+    assert run([*words, "--film-every", "0", "--out", str(folder / "run")]) == 0
 
     from taskbuilder import make_vec
     from taskbuilder.errors import TaskbuilderError

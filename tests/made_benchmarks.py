@@ -37,7 +37,7 @@ suites:
 
 QUICK = TRACKS["imitation"].model_copy(
     update={
-        "demonstrations": DemonstrationSet(episodes=3),
+        "demonstrations": DemonstrationSet(episodes=3, trials=3, trials_needed=2),
         "training": Training(steps=6, evaluate_every=3, evaluate_episodes=1, cpu_minutes=5.0),
         "episodes": 4,
         "baseline_episodes": 2,

@@ -246,7 +246,13 @@ MENDED = {
 """What is right, and the families that look at it -> a code that it is the mend of."""
 
 
-@pytest.mark.parametrize("code", sorted(MENDED.values()))
+@pytest.mark.parametrize(
+    "code",
+    [
+        pytest.param(code, marks=pytest.mark.slow if code > "TB5" else ())  # these play episodes
+        for code in sorted(MENDED.values())
+    ],
+)
 def test_a_mended_example_gives_no_code(code, tmp_path):
     example = CODES[code].example
     found = findings(tmp_path, example, example.good, code)

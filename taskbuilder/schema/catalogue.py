@@ -39,7 +39,7 @@ class CatalogueEntry:
         name: Its name: ``handover``, or ``namespace/name`` from another package.
         file: Absolute path of the YAML file.
         module: Dotted name of the Python module beside a packaged task file, or "".
-        trusted: ForeignPart of an installed package, so its assets need no probe.
+        trusted: Part of an installed package, so its assets need no probe.
     """
 
     name: str
@@ -180,7 +180,17 @@ class Catalogue:
                 return entry
         return CatalogueEntry(actual.stem if sort == "task" else actual.parent.name, actual)
 
-    def _entries(self, sort: Sort) -> Iterator[CatalogueEntry]:
+    def _entries(self, sort: Sort) -> tuple[CatalogueEntry, ...]:
+        """What there was when it was first asked for, also of one name."""
+        if sort not in self._found:
+            self._found[sort] = tuple(self._look_for(sort))
+        return self._found[sort]
+
+    @cached_property
+    def _found(self) -> dict[Sort, tuple[CatalogueEntry, ...]]:
+        return {}
+
+    def _look_for(self, sort: Sort) -> Iterator[CatalogueEntry]:
         yield from _packaged(sort, f"taskbuilder.{sort}s", "", [library_folder(f"{sort}s")])
         for folder in self.folders:
             for name, file in _files(sort, folder):

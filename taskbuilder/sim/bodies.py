@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -109,8 +110,8 @@ def create_body(
         _collision_shape(client, part, moving=mass > 0.0) if collides else NO_SHAPE
         for part in parts.values()
     ]
-    with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:  # read with the body
-        body_id = _multibody(client, name, pieces, pose, collisions, Path(folder))
+    with _folder_for_looks(client, parts) as folder:  # read with the body
+        body_id = _multibody(client, name, pieces, pose, collisions, folder)
     for index, piece in enumerate(pieces, start=BASE):
         if mass:
             set_inertia(client, body_id, index, piece.mass, piece.moments)
@@ -330,6 +331,17 @@ def _boxes(client: Client, shape: MeshShape, part: Part) -> int:
     if made < 0:
         raise SimulationError(f"Bullet makes no collision shape of {part.shape}")
     return made
+
+
+@contextmanager
+def _folder_for_looks(client: Client, parts: Mapping[str, Part]) -> Iterator[Path]:
+    """Where meshes are written anew; not made in vain, as removing it takes milliseconds."""
+    looks = (part.look or part.shape for part in parts.values())
+    if client.renderer == "raster" or not any(isinstance(look, MeshShape) for look in looks):
+        yield Path()
+        return
+    with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:
+        yield Path(folder)
 
 
 def _visual_shape(client: Client, part: Part, folder: Path) -> int:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -67,11 +69,12 @@ def build_world(
     """
     scene = task.scenes[variation]
     client = Client(physics_hz=task.spec.timing.physics_hz, renderer=choose(renderer))
-    loader = Loader(client, task)
     try:
         floor = _build_floor(client) if scene.floor else None
-        robots = {name: _build_robot(loader, name, spec) for name, spec in scene.robots.items()}
-        objects = {name: _build_object(loader, name, spec) for name, spec in scene.objects.items()}
+        with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:
+            loader = Loader(client, task, Path(folder))
+            robots = {name: _build_robot(loader, name, it) for name, it in scene.robots.items()}
+            objects = {name: _build_object(loader, name, it) for name, it in scene.objects.items()}
         sites = {name: _build_site(client, name, spec) for name, spec in scene.sites.items()}
         heard = tuple(loader.heard)
         world = World(task, scene, client, robots, objects, sites, floor, heard, disturbances)

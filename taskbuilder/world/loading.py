@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -38,11 +37,13 @@ class Loader:
     Attributes:
         client: Where bodies are made.
         task: The task file, for the places of findings.
+        folder: Where what Bullet reads is written; every asset has files of its own there.
         heard: What the engine said while it loaded assets that people can mend.
     """
 
     client: Client
     task: TaskFile
+    folder: Path
     heard: list[Finding] = field(default_factory=list)
 
     def urdf(self, urdf: Urdf, name: str, pose: Pose, *, fixed: bool, size: float = 1.0) -> Body:
@@ -54,23 +55,17 @@ class Loader:
         Raises:
             FileError: The engine dies of the asset or refuses it.
         """
-        with tempfile.TemporaryDirectory(prefix="taskbuilder-") as folder:
-            copy = Path(folder) / urdf.path.name
-            if self.client.renderer != "raster":
-                redraw = partial(redrawn, folder=Path(folder))
-                urdf = with_looks(urdf, redraw, painted=True)
-            elif self._trusts(name):
-                looks = _stand_ins(urdf, Path(folder))
-                self.client.meshes.update({str(new): old for old, new in looks.items()})
-                urdf = with_looks(
-                    urdf, lambda look: [replace(look, file=looks[look.file], color=None)]
-                )
-            copy.write_text(resolved_text(urdf), encoding="utf-8")
-            self._probe(copy, "urdf", name)
-            with self._listening(name):
-                return load_urdf(
-                    self.client, copy, name=name, pose=pose, fixed_base=fixed, scale=size
-                )
+        copy = self.folder / f"{name}-{urdf.path.name}"
+        if self.client.renderer != "raster":
+            urdf = with_looks(urdf, partial(redrawn, folder=self.folder), painted=True)
+        elif self._trusts(name):
+            looks = _stand_ins(urdf, copy)
+            self.client.meshes.update({str(new): old for old, new in looks.items()})
+            urdf = with_looks(urdf, lambda look: [replace(look, file=looks[look.file], color=None)])
+        copy.write_text(resolved_text(urdf), encoding="utf-8")
+        self._probe(copy, "urdf", name)
+        with self._listening(name):
+            return load_urdf(self.client, copy, name=name, pose=pose, fixed_base=fixed, scale=size)
 
     def body(self, parts: Mapping[str, Part], name: str, spec: ObjectSpec) -> Body:
         """Make a body of parts.
@@ -131,10 +126,10 @@ class Loader:
                 self.heard.append(Finding("TB407", sentence, ".".join(place), location, "warning"))
 
 
-def _stand_ins(urdf: Urdf, folder: Path) -> dict[Path, Path]:
-    """A file with one triangle for every mesh of a visual shape."""
+def _stand_ins(urdf: Urdf, copy: Path) -> dict[Path, Path]:
+    """A file with one triangle for every mesh of a visual shape, beside the copy of the URDF."""
     shown = {shape.mesh for link in urdf.links for shape in link.visuals if shape.mesh}
-    made = {mesh: folder / f"{number}.obj" for number, mesh in enumerate(sorted(shown))}
+    made = {mesh: Path(f"{copy}-{number}.obj") for number, mesh in enumerate(sorted(shown))}
     for path in made.values():
         path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
     return made

@@ -276,6 +276,7 @@ taskbuilder.benchmark(
 """
 
 
+@pytest.mark.slow
 def test_a_killed_benchmark_goes_on_in_several_processes_to_the_same_results(ran, folder, tmp_path):
     """Killed as the training of its first cell began."""
     (tmp_path / "tasks").mkdir()

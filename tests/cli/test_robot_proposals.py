@@ -122,7 +122,7 @@ class Lift(Description):
 """
 
 
-@pytest.mark.parametrize("hand", [fingers, turning_fingers])
+@pytest.mark.parametrize("hand", [fingers, pytest.param(turning_fingers, marks=pytest.mark.slow)])
 def test_the_proposal_is_a_robot_that_grasps(hand, urdf, run, tmp_path):
     file = urdf(arm() + hand())
     data = run("robots", "check", str(file), "--json").data

@@ -12,6 +12,8 @@ from taskbuilder.assets.paths import pybullet_data_folder
 from taskbuilder.schema.catalogue import Catalogue
 
 ROBOTS = sorted(Catalogue.discover().robots)
+QUICK = ("gantry", "so101", "ur5e_suction")
+"""One of each kind: on rails, on a base with fingers, and with a cup."""
 
 
 def test_robots_are_listed(run):
@@ -31,7 +33,10 @@ def test_robots_as_json_have_the_documented_shape(run):
     assert (pusher["gripper"], pusher["stroke"]) == (None, None)
 
 
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize(
+    "robot",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in ROBOTS],
+)
 def test_a_robot_of_the_catalogue_is_sound(robot, run):
     ran = run("robots", "check", robot, "--json")
     data = ran.data

@@ -71,7 +71,13 @@ def test_episodes_and_seeds_differ(played):
     assert len(set(hashes)) == len(LIBRARY) * len(SEEDS) * EPISODES
 
 
-@pytest.mark.parametrize("task", LIBRARY)
+@pytest.mark.parametrize(
+    "task",
+    [
+        pytest.param(name, marks=pytest.mark.slow if number else ())
+        for number, name in enumerate(LIBRARY)
+    ],
+)
 def test_episodes_do_not_depend_on_those_before(played, task):
     env = parallel_env(task)
     grasping = GRASPS[task]

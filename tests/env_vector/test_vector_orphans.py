@@ -41,7 +41,14 @@ ENDINGS = {
 }
 
 
-@pytest.mark.parametrize("ending", ENDINGS)
+SLOW = ("exception", "kill")
+"""They end as others do: by themselves, and by a signal."""
+
+
+@pytest.mark.parametrize(
+    "ending",
+    [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in ENDINGS],
+)
 def test_workers_end_with_their_owner(task_file, ending):
     asked, to_worker, to_owner, says = ENDINGS[ending]
     owner = subprocess.Popen(

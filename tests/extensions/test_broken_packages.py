@@ -63,6 +63,7 @@ def run(task):
 FAMILY = CheckFamily(CODES, run)
 """
 
+SHORT = {"steps": 4, "envs": 1, "evaluate_episodes": 1, "film_every": 0}
 LEARNER = """\
 from dataclasses import dataclass
 import numpy as np
@@ -293,7 +294,7 @@ def test_a_broken_learner_is_named(broken, wrong, install, tmp_path):
     code = LEARNER.replace(*broken)
     install("lab_parts", {"taskbuilder.algorithms": {"odd": "ALGORITHM"}}, code)
     with pytest.raises(ExtensionError, match=wrong) as caught:
-        train("reach", algorithm="odd", steps=4, envs=1, film_every=0, out=tmp_path / "run")
+        train("reach", algorithm="odd", out=tmp_path / "run", **SHORT)
     assert 'the algorithm "odd" of lab_parts 1.0' in str(caught.value)
 
 

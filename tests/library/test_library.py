@@ -1,18 +1,15 @@
-"""Every task of the library: sound, readable, played once, and proved as it is."""
+"""Every task of the library: sound, readable, and proved as it is."""
 
 from __future__ import annotations
 
 import json
-from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from taskbuilder import catalogue, load_task, parallel_env, validate_task
-from taskbuilder.expert import Expert
+from taskbuilder import catalogue, load_task, validate_task
 from taskbuilder.schema.proofs import proof_of
 from taskbuilder.schema.suites import find_suites
-from taskbuilder.validate.traces import digest, physical
 from taskbuilder.versions import content_digest, read_versions
 
 pytestmark = pytest.mark.in_process
@@ -22,38 +19,15 @@ TASKS = sorted(ENTRIES)
 VERSIONS = read_versions(ENTRIES["handover"].root)
 SUITES = find_suites(catalogue())
 BY_SIZE = {1: "single", 2: "pairs", 3: "trios", 4: "quads"}
-SEED = 20_000
-SAVED_EVERY = 9
 
 PROVED = Path(__file__).parents[2] / "benchmarks" / "results" / "proofs"
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_it_is_sound_and_its_expert_succeeds_and_can_be_gone_back_to(name):
+def test_it_is_sound(name):
     report = validate_task(name, level="static")  # its committed proof has all levels
     assert report.findings == ()
     assert report.headline.startswith(f"{name} · ")
-    seen, saved = [], []
-
-    def look(env):
-        seen.append(digest((physical(env.episode.world), env.state(), env.episode.outcome)))
-
-    def save(env):
-        look(env)
-        if not len(seen) % SAVED_EVERY:
-            saved.append((env.episode.steps, env.save_state()))
-
-    with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
-        played = expert.play(SEED, watch=save)
-        for first, state in reversed(saved):  # benchmarks/restoring.py goes back to every step
-            env.load_state(state)
-            for step in range(first, min(first + 2, played.steps)):
-                env.step({agent: actions[step] for agent, actions in played.actions.items()})
-                look(env)
-                assert seen.pop() == seen[step + 1], (first, step)
-    assert played.success, played.trouble
-    assert played.success_at_end
-    assert len(played.stage_ends) == len(load_task(name).file.spec.expert)
 
 
 @pytest.mark.parametrize("name", TASKS)

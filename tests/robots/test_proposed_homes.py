@@ -13,16 +13,22 @@ from loaded_robot import Load, LoadedRobot
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robots import load_robot
-from taskbuilder.world.robot_proposal import propose
+from taskbuilder.world.robot_proposal import Proposal, propose
 
 ROBOTS = sorted(Catalogue.discover().robots)
 
 
-@pytest.fixture(params=ROBOTS)
-def at_home(request: pytest.FixtureRequest, load: Load) -> LoadedRobot:
-    """A robot of the library where its URDF alone says that it is at home."""
-    proposal = propose(load_robot(Catalogue.discover().robots[request.param]).urdf)
-    robot = load(request.param)
+@pytest.fixture(scope="module", params=ROBOTS)
+def proposed(request: pytest.FixtureRequest) -> tuple[str, Proposal]:
+    """A robot of the library, and what its URDF alone says of it."""
+    return request.param, propose(load_robot(Catalogue.discover().robots[request.param]).urdf)
+
+
+@pytest.fixture
+def at_home(proposed: tuple[str, Proposal], load: Load) -> LoadedRobot:
+    """A robot where its URDF says that it is at home."""
+    name, proposal = proposed
+    robot = load(name)
     robot.move_arm(proposal.home)
     return robot
 

@@ -63,10 +63,25 @@ def found(file, **how):
     ("body", "code", "said"),
     [
         ("os._exit(0)", "TB315", "ends the process that asks it, with status 0"),
-        ("os._exit(73)", "TB315", "ends the process that asks it, with status 73"),
+        pytest.param(
+            "os._exit(73)",
+            "TB315",
+            "ends the process that asks it, with status 73",
+            marks=pytest.mark.slow,
+        ),
         ("ctypes.string_at(0)", "TB315", r"crashes the process that asks it \(SIGSEGV\)"),
-        ("os.abort()", "TB315", r"crashes the process that asks it \(SIGABRT\)"),
-        ("raise BaseException('no')", "TB314", "fails when it is asked: BaseException: no"),
+        pytest.param(
+            "os.abort()",
+            "TB315",
+            r"crashes the process that asks it \(SIGABRT\)",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "raise BaseException('no')",
+            "TB314",
+            "fails when it is asked: BaseException: no",
+            marks=pytest.mark.slow,
+        ),
         ("raise KeyboardInterrupt", "TB314", "fails when it is asked: KeyboardInterrupt"),
         ("sys.exit(0)", "TB314", "fails when it is asked: SystemExit: 0"),
     ],

@@ -89,7 +89,7 @@ OPTIONS = {
     "scene": {"observe": "scene", "distances": "log"},
     "pictures": {"cameras": ("front", "side"), **SMALL},
 }
-QUICK = ("local", "randomized", "pictures")
+QUICK = ("local", "pictures")
 
 
 @pytest.mark.parametrize(
