@@ -144,7 +144,9 @@ def test_a_condition_nested_too_deep_is_a_finding(level, good, tmp_path):
     assert b"is nested more than 100 deep" in done.stdout
 
 
-@pytest.mark.parametrize("columns", [40, 60, 80, 300])
+@pytest.mark.parametrize(
+    "columns", [40, 300, *(pytest.param(n, marks=pytest.mark.slow) for n in (60, 80))]
+)
 def test_the_title_of_a_report_is_broken_at_spaces_and_after_slashes(columns, good, tmp_path):
     folder = tmp_path / "a-folder-with-a-name" / "another_folder" / "and.yet.another" / "tasks"
     folder.mkdir(parents=True)

@@ -50,7 +50,7 @@ def reach(shape) -> float:
 @pytest.mark.parametrize("name", sorted(Catalogue.discover().tasks))
 def test_distractors_keep_clear_of_what_the_task_names(name):
     task = load_task(name)
-    world = build_world(task.file, renderer="tiny")
+    world = build_world(task.file)
     named = named_in(task)
     named -= {"table"}  # on which the robots stand, and everything else
     judge = Referee(task.description, task.agents)

@@ -16,6 +16,7 @@ from taskbuilder.schema.catalogue import Catalogue
 
 # The five joints of the SO-101 do not keep its tool upright on a straight way aside.
 ROBOTS = tuple(sorted(Catalogue.discover().robots.keys() - {"so101"}))
+QUICK = ("gantry", "panda", "ur5e", "ur5e_pusher", "ur5e_suction")
 TURNING = tuple(robot for robot in ROBOTS if robot != "ur5e_pusher")  # which can hold nothing
 MOST = {"revolute": math.radians(0.5), "prismatic": 0.001}
 LIGHT, HEAVY = 0.02, 5.0  # kg
@@ -189,7 +190,10 @@ def turned(room, tool, model, mass, *, hz=120):
 
 @pytest.mark.parametrize("mass", [LIGHT, HEAVY])
 @pytest.mark.parametrize("joint", ["revolute", "prismatic"])
-@pytest.mark.parametrize("model", ROBOTS)
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in ROBOTS],
+)
 def test_a_locked_joint_does_not_give_way_to_a_robot_that_pushes(room, tool, model, joint, mass):
     seen, past = pushed(room, tool, model, joint, mass)
     assert max(map(abs, seen)) < MOST[joint]
@@ -197,7 +201,10 @@ def test_a_locked_joint_does_not_give_way_to_a_robot_that_pushes(room, tool, mod
 
 
 @pytest.mark.parametrize("mass", [LIGHT, HEAVY])
-@pytest.mark.parametrize("model", TURNING)
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in TURNING],
+)
 def test_a_locked_hinge_does_not_give_way_to_a_robot_that_turns_it(room, tool, model, mass):
     assert max(map(abs, turned(room, tool, model, mass))) < MOST["revolute"]
 
