@@ -202,6 +202,16 @@ def _task_data(report: TaskReport) -> dict[str, Any]:
         "ok": report.ok,
         "making": asdict(report.making) if report.making else None,
         "findings": [finding.as_data() for finding in report.findings],
+        "families": [
+            {
+                "name": family.name,
+                "ok": family.ok,
+                "summary": family.summary,
+                "seconds": round(family.seconds, 3),
+            }
+            for family in report.families
+        ],
+        "skipped": list(report.skipped),
         "checks": [
             {
                 "code": check.code,

@@ -19,7 +19,8 @@ from taskbuilder.validate.report import TaskReport
 pytestmark = pytest.mark.in_process
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "validation.md"
-TASK_KEYS = {"task", "ok", "making", "findings", "checks", "measures", "probes", "tracebacks"}
+TASK_KEYS = {"task", "ok", "making", "findings", "families", "skipped", "checks", "measures"}
+TASK_KEYS |= {"probes", "tracebacks"}
 FINDING_KEYS = {"code", "severity", "message", "file", "line", "column", "path", "fix"}
 CHECK_KEYS = {"code", "family", "name", "ok", "value", "limit", "unit"}
 STATIC = ("validate", "--level", "static", "--format", "json")
@@ -27,7 +28,7 @@ STATIC = ("validate", "--level", "static", "--format", "json")
 
 def undated(ran):
     """The tasks of a report in JSON, less when and how fast each was validated."""
-    return [task | {"making": {}} for task in ran.data["tasks"]]
+    return [task | {"making": {}, "families": []} for task in ran.data["tasks"]]
 
 
 class Terminal(io.StringIO):
