@@ -277,6 +277,7 @@ def _task(result: TaskResult) -> dict[str, Any]:
         "interval_at_end": list(interval(median)) if median and median.episodes else None,
         "safe_success_rate": safe_success(median) if median else None,
         "over_budget": result.over_budget,
+        "demonstrator": shared.demonstrator if shared else None,
         "collect_cpu_s": shared.cpu_s if shared else None,
         "baselines": {n: b.model_dump() for n, b in shared.baselines.items()} if shared else {},
         "cells": [cell.model_dump(mode="json") for cell in result.there],
