@@ -40,6 +40,7 @@ benchmarks:
 
 interop:
 	tests/interop/run.sh
+	tests/interop/benchmarl.sh
 
 data-interop:
 	tests/data_interop/run.sh

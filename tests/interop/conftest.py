@@ -30,6 +30,16 @@ RAYS_OWN = (
 )
 
 
+BENCHMARLS_OWN = (
+    # BenchMARL calls deprecated parts of TorchRL
+    "ignore::DeprecationWarning",
+    "ignore::UserWarning",
+)
+
+
+OF_OTHERS = {"test_rllib.py": RAYS_OWN, "test_benchmarl.py": BENCHMARLS_OWN}
+
+
 def pytest_configure(config: pytest.Config) -> None:
     for message in EXCUSED:
         config.addinivalue_line("filterwarnings", f"ignore:{message}")
@@ -37,6 +47,5 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        if item.path.name == "test_rllib.py":
-            for line in RAYS_OWN:
-                item.add_marker(pytest.mark.filterwarnings(line))
+        for line in OF_OTHERS.get(item.path.name, ()):
+            item.add_marker(pytest.mark.filterwarnings(line))
