@@ -170,7 +170,7 @@ def recovery(_: str) -> str:
         [
             title(run["task"]),
             f"`{run['demonstrator']}`",
-            f"`{run['preset']}`",
+            f"`{' '.join(filter(None, [run['preset'], run['setting']]))}`",
             f"{run['successes_at_end']} of {run['episodes']}",
         ]
         for run in read("recovery.json")["policies"]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -12,6 +15,10 @@ from taskbuilder.policies.trained import Array32
 
 LEAST_SCALE = 0.02
 """Minimum scale of an observed number, so that those that hardly vary are not amplified."""
+
+
+NOT_TURNED: Mapping[str, Tensor] = MappingProxyType({})
+"""The angles of scenes as they were."""
 
 
 class ChunkData:
@@ -52,6 +59,7 @@ class ChunkData:
         }
         self._actions = {a: self._tensor(actions) for a, actions in demonstrations.actions.items()}
         self._ends = torch.from_numpy(demonstrations.ends).to(device)
+        self._turns = demonstrations.turns
 
     @property
     def action_sizes(self) -> dict[str, int]:
@@ -62,8 +70,34 @@ class ChunkData:
         """Rows, drawn uniformly: (count,)."""
         return torch.from_numpy(rng.integers(len(self._ends), size=count)).to(self._device)
 
+    @property
+    def turns_known(self) -> bool:
+        """Whether it is known of all agents what turns with the scene."""
+        return bool(self._turns) and all(turns is not None for turns in self._turns.values())
+
+    def angles(self, count: int, spread: float, rng: np.random.Generator) -> dict[str, Tensor]:
+        """Angles by which the scene is turned about the vertical through each agent's base.
+
+        Args:
+            count: How many.
+            spread: Standard deviation in rad; with 0, there are none.
+            rng: Their generator.
+
+        Returns:
+            (count,) angles in rad, by agent, of those whose motions are known to turn.
+        """
+        return {
+            agent: self._tensor(rng.normal(0.0, spread, count))
+            for agent, turns in self._turns.items()
+            if spread and turns is not None and turns.known
+        }
+
     def observations(
-        self, rows: Tensor, noise: float, rng: np.random.Generator
+        self,
+        rows: Tensor,
+        noise: float,
+        rng: np.random.Generator,
+        angles: Mapping[str, Tensor] = NOT_TURNED,
     ) -> dict[str, Tensor]:
         """Standardised observations of some rows, by agent.
 
@@ -71,20 +105,29 @@ class ChunkData:
             rows: (n,) rows.
             noise: Standard deviation of Gaussian noise on the numbers that policies observe.
             rng: Generator of the noise.
+            angles: As of `angles`.
         """
         observed = {agent: values[rows] for agent, values in self._observations.items()}
+        for agent, by in angles.items():
+            mean, scale = self._tensor(self._mean[agent]), self._tensor(self._scale[agent])
+            plain = observed[agent] * scale + mean
+            turned = (_turned(plain, self._columns(agent)[0], by) - mean) / scale
+            observed[agent] = turned * self._mask[agent]
         if noise:
             for agent, values in observed.items():
                 sample = self._tensor(rng.standard_normal(values.shape, dtype=np.float32))
                 observed[agent] = values + noise * sample * self._mask[agent]
         return observed
 
-    def chunks(self, rows: Tensor, length: int) -> tuple[Tensor, Tensor]:
+    def chunks(
+        self, rows: Tensor, length: int, angles: Mapping[str, Tensor] = NOT_TURNED
+    ) -> tuple[Tensor, Tensor]:
         """The actions from some rows on, of all agents in order.
 
         Args:
             rows: (n,) rows.
             length: Actions in a chunk.
+            angles: As of `angles`.
 
         Returns:
             The actions (n, length * joint action), agent by agent; and whether each of these
@@ -93,7 +136,14 @@ class ChunkData:
         ahead = rows[:, None] + torch.arange(length, device=self._device)
         ends = self._ends[rows, None]
         ahead, inside = torch.minimum(ahead, ends - 1), ahead < ends
-        actions = [values[ahead].flatten(1) for values in self._actions.values()]
+        actions = [
+            (
+                _turned(values[ahead], self._columns(agent)[1], angles[agent][:, None])
+                if agent in angles
+                else values[ahead]
+            ).flatten(1)
+            for agent, values in self._actions.items()
+        ]
         counted = [inside.repeat_interleave(size, 1) for size in self.action_sizes.values()]
         return torch.cat(actions, 1), torch.cat(counted, 1)
 
@@ -110,5 +160,25 @@ class ChunkData:
         }
         return mean, scale
 
+    def _columns(self, agent: str) -> tuple[Tensor, Tensor]:
+        """The columns of an agent's observations and actions that turn, (n, 2) each."""
+        turns = self._turns[agent]
+        if turns is None:
+            raise ValueError(f"it is not known what of {agent} turns")
+        observed, commanded = (
+            torch.from_numpy(pairs).to(self._device) for pairs in (turns.observed, turns.commanded)
+        )
+        return observed, commanded
+
     def _tensor(self, array: NDArray[np.generic]) -> Tensor:
         return torch.from_numpy(array.astype(np.float32)).to(self._device)
+
+
+def _turned(values: Tensor, pairs: Tensor, angles: Tensor) -> Tensor:
+    """Values (..., numbers) whose pairs (n, 2) of columns are turned by angles (...) in rad."""
+    turned = values.clone()
+    x, y = values[..., pairs[:, 0]], values[..., pairs[:, 1]]
+    cos, sin = angles.cos()[..., None], angles.sin()[..., None]
+    turned[..., pairs[:, 0]] = cos * x - sin * y
+    turned[..., pairs[:, 1]] = sin * x + cos * y
+    return turned

@@ -21,6 +21,7 @@ from taskbuilder.errors import UsageError, display_path
 from taskbuilder.learn.demonstration import Demonstration
 from taskbuilder.learn.demonstrations import explicit_gripper
 from taskbuilder.learn.replayed import Replayer, joined
+from taskbuilder.learn.turning import Turns, turns_of
 from taskbuilder.policies.grammar import is_word
 from taskbuilder.policies.trained import Array32
 from taskbuilder.schema.grasping import rules_of
@@ -45,6 +46,7 @@ class Demonstrations:
         own: (numbers,) bool by agent: whether a number is of the robot itself or the time left,
             and not of the rest of the scene.
         pictures: (n, height, width, 3) uint8 by camera.
+        turns: Which numbers of each robot turn with the scene; None where that is not known.
     """
 
     observations: Mapping[str, Array32]
@@ -52,6 +54,7 @@ class Demonstrations:
     ends: NDArray[np.int64]
     own: Mapping[str, NDArray[np.bool_]]
     pictures: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
+    turns: Mapping[str, Turns | None] = field(default_factory=dict)
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -108,6 +111,11 @@ def read_demonstrations(
         np.repeat(ends, [episode.steps for episode in episodes]),
         {agent: _own(agent, observed[agent]) for agent in agents},
         {c: np.concatenate([e.images(c)[:-1] for e in episodes]) for c in cameras},
+        {
+            agent: turns_of(agent, observed[agent], robot["action_names"])
+            for agent, robot in robots.items()
+            if options_of_dataset(dataset.about, cameras=False).get("frame") == "base"
+        },
     )
 
 

@@ -7,6 +7,7 @@ a network for each robot, or one that robots of the same spaces share.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -53,6 +54,9 @@ class BcSettings:
         lr: Learning rate of AdamW; it falls to zero along half a cosine.
         weight_decay: Weight decay of AdamW.
         noise: Standard deviation of Gaussian noise on standardised observations.
+        turn: Standard deviation, in degrees, of the angle by which the scene of each row of a batch
+            is turned about the vertical through each robot's base. Robots have to observe in their
+            own frames, with matrices. Those that are commanded by joints are not turned.
         channels: Channels of the three convolutions of each camera.
         scene_weight: With cameras, weight of the loss of predicting, linearly from the features of
             the pictures, what robots observe of the rest of the scene.
@@ -68,6 +72,7 @@ class BcSettings:
     lr: Positive = 1e-3
     weight_decay: Weight = 1e-4
     noise: Weight = 0.05
+    turn: Weight = 0.0
     channels: Layers = (8, 16, 16)
     scene_weight: Weight = 1.0
 
@@ -101,6 +106,11 @@ class BehaviourCloning:
             raise UsageError(f"channels has {len(settings.channels)} numbers; {len(KERNELS)}")
         self._settings = settings
         self._data = ChunkData(demonstrations, torch.device(device))
+        if settings.turn and not self._data.turns_known:
+            raise UsageError(
+                f"turn is {settings.turn:g}, but these observations turn in no known way; collect "
+                "them with --frame base --rotation matrix, or set turn=0"
+            )
         generator = torch.Generator().manual_seed(seed)
         self._encoders = PictureEncoders(tuple(self._data.pictures), settings.channels, generator)
         features = self._encoders.size
@@ -133,7 +143,8 @@ class BehaviourCloning:
         settings, data = self._settings, self._data
         set_lr(self._adam, settings.lr * half_cosine(progress_fraction))
         rows = data.draw(settings.batch, rng)
-        observed = data.observations(rows, settings.noise, rng)
+        angles = data.angles(settings.batch, math.radians(settings.turn), rng)
+        observed = data.observations(rows, settings.noise, rng, angles)
         losses: dict[str, Tensor] = {}
         if data.pictures:
             features = self._encoders({c: images[rows] for c, images in data.pictures.items()})
@@ -143,7 +154,7 @@ class BehaviourCloning:
             if self._scene_head is not None:
                 errors = self._scene_head(features[None])[0] - data.scene[rows]
                 losses["scene"] = settings.scene_weight * errors.square().mean()
-        actions, inside = data.chunks(rows, settings.chunk)
+        actions, inside = data.chunks(rows, settings.chunk, angles)
         losses["actions"] = (self._networks(observed) - actions).abs()[inside].mean()
         minimize(self._adam, torch.stack(list(losses.values())).sum())
         return {name: float(loss.detach()) for name, loss in losses.items()}
@@ -188,8 +199,8 @@ ALGORITHM = Algorithm(
             plan={"steps": 5_000, "evaluate_every": 1_000, "checkpoint_every": 1_000},
         ),
         "precise": Preset(
-            "from states of demonstrations with recovery; acts on the newest prediction",
-            settings={"noise": 0.02, "decay": 2.0},
+            "from states of demonstrations with recovery; turns scenes; acts on the newest prediction",
+            settings={"noise": 0.02, "turn": 15.0, "decay": 2.0},
             plan={"steps": 15_000, "evaluate_every": 3_000, "checkpoint_every": 3_000},
         ),
         "visuomotor": Preset(
