@@ -199,7 +199,7 @@ ALGORITHM = Algorithm(
             plan={"steps": 5_000, "evaluate_every": 1_000, "checkpoint_every": 1_000},
         ),
         "precise": Preset(
-            "from states of demonstrations with recovery; turns scenes; acts on the newest prediction",
+            "from states, shown with recovery and turned; acts on the newest prediction",
             settings={"noise": 0.02, "turn": 15.0, "decay": 2.0},
             plan={"steps": 15_000, "evaluate_every": 3_000, "checkpoint_every": 3_000},
         ),
