@@ -59,7 +59,15 @@ class ChunkData:
         }
         self._actions = {a: self._tensor(actions) for a, actions in demonstrations.actions.items()}
         self._ends = torch.from_numpy(demonstrations.ends).to(device)
-        self._turns = demonstrations.turns
+        self._turns = {
+            agent: (self._columns(turns.observed), self._columns(turns.commanded))
+            for agent, turns in demonstrations.turns.items()
+            if turns is not None and turns.known
+        }
+        self._moments = {
+            agent: (self._tensor(self._mean[agent]), self._tensor(self._scale[agent]))
+            for agent in self._turns
+        }
 
     @property
     def action_sizes(self) -> dict[str, int]:
@@ -69,11 +77,6 @@ class ChunkData:
     def draw(self, count: int, rng: np.random.Generator) -> Tensor:
         """Rows, drawn uniformly: (count,)."""
         return torch.from_numpy(rng.integers(len(self._ends), size=count)).to(self._device)
-
-    @property
-    def turns_known(self) -> bool:
-        """Whether it is known of all agents what turns with the scene."""
-        return bool(self._turns) and all(turns is not None for turns in self._turns.values())
 
     def angles(self, count: int, spread: float, rng: np.random.Generator) -> dict[str, Tensor]:
         """Angles by which the scene is turned about the vertical through each agent's base.
@@ -88,8 +91,7 @@ class ChunkData:
         """
         return {
             agent: self._tensor(rng.normal(0.0, spread, count))
-            for agent, turns in self._turns.items()
-            if spread and turns is not None and turns.known
+            for agent in (self._turns if spread else ())
         }
 
     def observations(
@@ -109,9 +111,9 @@ class ChunkData:
         """
         observed = {agent: values[rows] for agent, values in self._observations.items()}
         for agent, by in angles.items():
-            mean, scale = self._tensor(self._mean[agent]), self._tensor(self._scale[agent])
+            mean, scale = self._moments[agent]
             plain = observed[agent] * scale + mean
-            turned = (_turned(plain, self._columns(agent)[0], by) - mean) / scale
+            turned = (_turned(plain, self._turns[agent][0], by) - mean) / scale
             observed[agent] = turned * self._mask[agent]
         if noise:
             for agent, values in observed.items():
@@ -138,7 +140,7 @@ class ChunkData:
         ahead, inside = torch.minimum(ahead, ends - 1), ahead < ends
         actions = [
             (
-                _turned(values[ahead], self._columns(agent)[1], angles[agent][:, None])
+                _turned(values[ahead], self._turns[agent][1], angles[agent][:, None])
                 if agent in angles
                 else values[ahead]
             ).flatten(1)
@@ -160,15 +162,8 @@ class ChunkData:
         }
         return mean, scale
 
-    def _columns(self, agent: str) -> tuple[Tensor, Tensor]:
-        """The columns of an agent's observations and actions that turn, (n, 2) each."""
-        turns = self._turns[agent]
-        if turns is None:
-            raise ValueError(f"it is not known what of {agent} turns")
-        observed, commanded = (
-            torch.from_numpy(pairs).to(self._device) for pairs in (turns.observed, turns.commanded)
-        )
-        return observed, commanded
+    def _columns(self, pairs: NDArray[np.int64]) -> Tensor:
+        return torch.from_numpy(pairs).to(self._device)
 
     def _tensor(self, array: NDArray[np.generic]) -> Tensor:
         return torch.from_numpy(array.astype(np.float32)).to(self._device)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -95,6 +96,15 @@ def test_what_turns_in_no_known_way_is_refused(seen):
     shown = demonstrations(observed[None], np.zeros((1, 7), np.float32), turns)
     with pytest.raises(UsageError, match="collect them with --frame base --rotation matrix"):
         ALGORITHM.learner(shown, BcSettings(turn=10.0), seed=0)
+
+
+def test_pictures_are_not_turned(seen):
+    observed, names, actions = seen(0)
+    turns = turns_of("arm", names, actions)
+    shown = demonstrations(observed[None], np.zeros((1, 7), np.float32), turns)
+    pictures = {"front": np.zeros((1, 24, 24, 3), np.uint8)}
+    with pytest.raises(UsageError, match="pictures are not turned; set turn=0"):
+        ALGORITHM.learner(replace(shown, pictures=pictures), BcSettings(turn=10.0), seed=0)
 
 
 def test_motions_of_joints_are_not_turned():

@@ -106,11 +106,8 @@ class BehaviourCloning:
             raise UsageError(f"channels has {len(settings.channels)} numbers; {len(KERNELS)}")
         self._settings = settings
         self._data = ChunkData(demonstrations, torch.device(device))
-        if settings.turn and not self._data.turns_known:
-            raise UsageError(
-                f"turn is {settings.turn:g}, but these observations turn in no known way; collect "
-                "them with --frame base --rotation matrix, or set turn=0"
-            )
+        if settings.turn:
+            _check_turns(settings.turn, demonstrations)
         generator = torch.Generator().manual_seed(seed)
         self._encoders = PictureEncoders(tuple(self._data.pictures), settings.channels, generator)
         features = self._encoders.size
@@ -187,6 +184,21 @@ class BehaviourCloning:
         load_state(arrays, {"modules": self._modules}, {"adam": self._adam})
 
 
+def _check_turns(degrees: float, demonstrations: Demonstrations) -> None:
+    """Refuse to turn what does not turn.
+
+    Raises:
+        UsageError: So it is.
+    """
+    if demonstrations.pictures:
+        raise UsageError(f"turn is {degrees:g}, but pictures are not turned; set turn=0")
+    if not demonstrations.turns_known:
+        raise UsageError(
+            f"turn is {degrees:g}, but these observations turn in no known way; collect them with "
+            "--frame base --rotation matrix, or set turn=0"
+        )
+
+
 _ALONE = "learns from the data set alone"
 
 ALGORITHM = Algorithm(
@@ -200,7 +212,7 @@ ALGORITHM = Algorithm(
         ),
         "precise": Preset(
             "from states, shown with recovery and turned; acts on the newest prediction",
-            settings={"noise": 0.02, "turn": 15.0, "decay": 2.0},
+            settings={"noise": 0.02, "turn": 5.0, "decay": 2.0},
             plan={"steps": 15_000, "evaluate_every": 3_000, "checkpoint_every": 3_000},
         ),
         "visuomotor": Preset(
