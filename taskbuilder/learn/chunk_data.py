@@ -62,7 +62,7 @@ class ChunkData:
         self._turns = {
             agent: (self._columns(turns.observed), self._columns(turns.commanded))
             for agent, turns in demonstrations.turns.items()
-            if turns is not None and turns.known
+            if turns is not None and turns.of_tool
         }
         self._moments = {
             agent: (self._tensor(self._mean[agent]), self._tensor(self._scale[agent]))

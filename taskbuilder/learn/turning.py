@@ -34,8 +34,8 @@ class Turns:
     commanded: NDArray[np.int64]
 
     @property
-    def known(self) -> bool:
-        """Whether it is known how its motions turn; those of joints are not."""
+    def of_tool(self) -> bool:
+        """Whether it is commanded by motions of its tool, which turn; those of joints do not."""
         return len(self.commanded) > 0
 
 
@@ -66,5 +66,5 @@ def turns_of(agent: str, observed: Sequence[str], commanded: Sequence[str]) -> T
     )
 
 
-def _pairs(found: Iterator[tuple[int, int]]) -> NDArray[np.int64]:
-    return np.array(list(found), np.int64).reshape(-1, 2)
+def _pairs(columns: Iterator[tuple[int, int]]) -> NDArray[np.int64]:
+    return np.array(list(columns), np.int64).reshape(-1, 2)

@@ -110,4 +110,4 @@ def test_pictures_are_not_turned(seen):
 def test_motions_of_joints_are_not_turned():
     turns = turns_of("arm", ["cube.x in arm.base", "cube.y in arm.base"], ["arm.joint_1_delta"])
     assert turns is not None
-    assert not turns.known
+    assert not turns.of_tool
