@@ -29,6 +29,8 @@ RESULTS = Path(__file__).parent / "results" / "suites"
 RECORDS = "records.tar.xz"
 SUITES = ("single", "pairs", "trios", "quads")
 TRACK, ALGORITHM, PRESET, SEEDS = "imitation", "bc", "precise", (11,)
+TUNING_RUNS = 13
+"""Eight of benchmarks/recovery.py, and five to choose the angle by which scenes are turned."""
 
 
 def main() -> int:
@@ -68,6 +70,7 @@ def run(suite: str, only: list[str], folder: Path, jobs: int) -> None:
         algorithm=ALGORITHM,
         preset=PRESET,
         seeds=SEEDS,
+        tuning_runs=TUNING_RUNS,
         only=only,
         jobs=jobs,
         command=shlex.join(["python", *sys.argv]),
