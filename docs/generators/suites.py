@@ -7,9 +7,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from generators.leaderboard import BY_ROBOTS
 from generators.results import RESULTS
 from generators.tasks import title
+from taskbuilder import load_suite
 from taskbuilder.reference.markdown import table
+from taskbuilder.schema.catalogue import Catalogue
 
 LEARNED, MOSTLY = 0.95, 0.8
 """Success at the last step from which a task counts as learned, and as mostly learned."""
@@ -18,10 +21,13 @@ LEARNED, MOSTLY = 0.95, 0.8
 def over(_: str) -> str:
     """How many tasks of each suite are learned, by every method that has results."""
     rows = [_counts(found, method) for _, found, method in _submitted()]
-    every = [sum(int(row[column]) for row in rows) for column in range(2, 7)]
-    total = [["all", "", *map(str, every)]] if len({row[1] for row in rows}) == 1 else []
+    measured = {row[0] for row in rows}
+    for suite in BY_ROBOTS:
+        if suite not in measured:
+            count = len(load_suite(suite, catalogue=Catalogue()).tasks)
+            rows.append([suite, "not measured yet", str(count), "0", "–", "–", "–"])
     head = ["suite", "method", "tasks", "measured", "95 % or more", "80 % or more", "below 80 %"]
-    return table(head, [*rows, *total])
+    return table(head, rows)
 
 
 def tasks(_: str) -> str:
@@ -30,7 +36,7 @@ def tasks(_: str) -> str:
     for folder, found, method in _submitted():
         seeds = ", ".join(map(str, method["seeds"]))
         name = found["suite"]["name"]
-        about = f"`{method['name']}`, training seed {seeds}. [Page](../../{_link(folder)})"
+        about = f"`{method['name']}`, training seed {seeds}. [All numbers](../../{_link(folder)})."
         rows = [_row(task) for task in sorted(_measured(method), key=_order)]
         missing = [_title(task) for task in method["tasks"] if not task["cells"]]
         head = ["task", "demonstrations by", "success at the last step", "safe success"]
@@ -53,13 +59,12 @@ def _submitted() -> Iterator[tuple[Path, Mapping[str, Any], Mapping[str, Any]]]:
 
 def _size(file: Path) -> tuple[int, str]:
     """The suites in the order of their numbers of robots, and others behind them."""
-    by_robots = ("single", "pairs", "trios", "quads")
     suite = file.parent.name.partition("-")[0]
-    return (by_robots.index(suite) if suite in by_robots else len(by_robots), file.parent.name)
+    return (BY_ROBOTS.index(suite) if suite in BY_ROBOTS else len(BY_ROBOTS), file.parent.name)
 
 
 def _link(folder: Path) -> str:
-    return f"benchmarks/results/suites/{folder.name}/README.md"
+    return f"benchmarks/results/suites/{folder.name}/results.csv"
 
 
 def _measured(method: Mapping[str, Any]) -> list[Mapping[str, Any]]:
