@@ -57,11 +57,6 @@ class Demonstrations:
     turns: Mapping[str, Turns | None] = field(default_factory=dict)
 
     @property
-    def turns_known(self) -> bool:
-        """Whether it is known of all agents what turns with the scene."""
-        return bool(self.turns) and all(turns is not None for turns in self.turns.values())
-
-    @property
     def agents(self) -> tuple[str, ...]:
         """The agents, in order."""
         return tuple(self.observations)

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 _OBSERVED = (("x", "y"), ("r11", "r21"), ("r12", "r22"), ("vx", "vy"), ("wx", "wy"))
 _COMMANDED = (("dx", "dy"), ("drx", "dry"))
+_PREVIOUS = tuple((f"previous_{x}", f"previous_{y}") for x, y in _COMMANDED)
 _QUATERNIONS = ("qx", "qy", "qz", "qw")
 
 
@@ -48,22 +50,27 @@ def turns_of(agent: str, observed: Sequence[str], commanded: Sequence[str]) -> T
         commanded: Names of the numbers of its action, in the frame of its base.
     """
     base = f" in {agent}.base"
+    acts = {name.removeprefix(f"{agent}."): n for n, name in enumerate(commanded)}
+    motions = _pairs((acts[x], acts[y]) for x, y in _COMMANDED if x in acts)
+    if not len(motions):
+        return Turns(motions, motions)
+    if any(name.startswith(f"{agent}.joint_") for name in observed):
+        return None  # its first joint turns the other way
     parts = [name.removesuffix(base).rpartition(".") for name in observed]
     mine = [name.endswith(base) for name in observed]
     if any(own and part in _QUATERNIONS for own, (_, _, part) in zip(mine, parts, strict=True)):
         return None
     places = {f"{of}.{part}": n for n, (of, _, part) in enumerate(parts) if mine[n]}
     owners = dict.fromkeys(of for n, (of, _, _) in enumerate(parts) if mine[n])
-    acts = {name.removeprefix(f"{agent}."): n for n, name in enumerate(commanded)}
-    return Turns(
-        _pairs(
-            (places[f"{of}.{x}"], places[f"{of}.{y}"])
-            for of in owners
-            for x, y in _OBSERVED
-            if f"{of}.{x}" in places
-        ),
-        _pairs((acts[x], acts[y]) for x, y in _COMMANDED if x in acts),
+    own = {part: n for n, (of, _, part) in enumerate(parts) if of == agent}
+    scene = (
+        (places[f"{of}.{x}"], places[f"{of}.{y}"])
+        for of in owners
+        for x, y in _OBSERVED
+        if f"{of}.{x}" in places
     )
+    before = ((own[x], own[y]) for x, y in _PREVIOUS if x in own)
+    return Turns(_pairs(chain(scene, before)), motions)
 
 
 def _pairs(columns: Iterator[tuple[int, int]]) -> NDArray[np.int64]:

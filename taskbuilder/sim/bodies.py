@@ -335,7 +335,7 @@ def _boxes(client: Client, shape: MeshShape, part: Part) -> int:
 
 @contextmanager
 def _folder_for_looks(client: Client, parts: Mapping[str, Part]) -> Iterator[Path]:
-    """Where meshes are written anew; not made in vain, as removing it takes milliseconds."""
+    """A folder for meshes that are written anew; none if there are none, to save time."""
     looks = (part.look or part.shape for part in parts.values())
     if client.renderer == "raster" or not any(isinstance(look, MeshShape) for look in looks):
         yield Path()

@@ -87,7 +87,7 @@ class Gate:
             try:
                 yield
             finally:
-                server.serve = real  # type: ignore[misc]  # the class that it was
+                server.serve = real  # type: ignore[misc]  # mypy lets no class be assigned to, not even itself
         if not self.holds:
             raise UsageError("this version of viser is not known here; install viser==1.1.1")
 

@@ -9,14 +9,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from taskbuilder import parallel_env
+from taskbuilder.errors import UsageError
+from taskbuilder.learn.turning import turns_of
+
 torch = pytest.importorskip("torch")
 
-from taskbuilder import parallel_env  # noqa: E402  # needs PyTorch
-from taskbuilder.errors import UsageError  # noqa: E402
-from taskbuilder.learn.algorithms.bc import ALGORITHM, BcSettings  # noqa: E402
-from taskbuilder.learn.chunk_data import ChunkData  # noqa: E402
-from taskbuilder.learn.recordings import Demonstrations  # noqa: E402
-from taskbuilder.learn.turning import turns_of  # noqa: E402
+from taskbuilder.learn.algorithms.bc import ALGORITHM, BcSettings  # noqa: E402  # needs PyTorch
+from taskbuilder.learn.chunk_data import ChunkData  # noqa: E402  # needs PyTorch
+from taskbuilder.learn.recordings import Demonstrations  # noqa: E402  # beside those it goes into
 
 SCENE = """
 task: turned
@@ -111,3 +112,18 @@ def test_motions_of_joints_are_not_turned():
     turns = turns_of("arm", ["cube.x in arm.base", "cube.y in arm.base"], ["arm.joint_1_delta"])
     assert turns is not None
     assert not turns.of_tool
+
+
+def test_a_robot_that_sees_its_own_joints_turns_in_no_known_way():
+    """Its first joint would have to turn the other way."""
+    assert turns_of("arm", ["arm.joint_1", "cube.x in arm.base"], ["arm.dx", "arm.dy"]) is None
+    others = turns_of("arm", ["other.joint_1"], ["arm.dx", "arm.dy"])
+    assert others is not None
+    assert others.of_tool
+
+
+def test_what_it_did_before_turns_with_what_it_does():
+    names = ["other.previous_dx", "other.previous_dy", "arm.previous_dx", "arm.previous_dy"]
+    turns = turns_of("arm", names, ["arm.dx", "arm.dy"])
+    assert turns is not None
+    assert turns.observed.tolist() == [[2, 3]]

@@ -37,7 +37,7 @@ class Played:
         env: The environment, as it is after the episode.
         ladder: The ladder that is made from the expert's stages.
         episode: The episode.
-        digests: Of everything that there is, after the reset and after each control step.
+        digests: Of the whole state, after the reset and after each control step.
         saved: Control step -> the state then.
         heights: Of the ladder, after the reset and after each control step.
         stages: The stage that the ladder was at then.

@@ -262,7 +262,7 @@ class StageLadder:
             if due is not None and self._lost(at, robot):
                 tool = self._world.pose(f"{robot}.tcp")
                 gap = math.dist(tool.position, self._world.position(due.place))
-                yield due.taken_at + UNFINISHED * due.share * closeness(gap)
+                yield due.grasped_at + UNFINISHED * due.share * closeness(gap)
             else:
                 yield at.stage + shares.get(robot, mean)
 

@@ -19,14 +19,14 @@ class HeldObject:
     Attributes:
         body: The object.
         place: Frame that the robot took it at.
-        taken_at: Position in the script at which it was taken: its stage, and the share of the
+        grasped_at: Position in the script at which it was taken: its stage, and the share of the
             robot's orders in that stage that came before.
         share: Share that taking it has in the robot's orders of that stage.
     """
 
     body: str
     place: str
-    taken_at: float
+    grasped_at: float
     share: float
 
 

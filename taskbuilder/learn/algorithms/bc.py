@@ -192,7 +192,7 @@ def _check_turns(degrees: float, demonstrations: Demonstrations) -> None:
     """
     if demonstrations.pictures:
         raise UsageError(f"turn is {degrees:g}, but pictures are not turned; set turn=0")
-    if not demonstrations.turns_known:
+    if not demonstrations.turns or None in demonstrations.turns.values():
         raise UsageError(
             f"turn is {degrees:g}, but these observations turn in no known way; collect them with "
             "--frame base --rotation matrix, or set turn=0"
