@@ -1,14 +1,15 @@
 """Make the pictures of the documentation.
 
-    python docs/make_images.py [TASK | POLICY | robot:NAME | curves | objects ...]
+    python docs/make_images.py [TASK | POLICY | robot:NAME | curves | objects | stills ...]
 
-Writes, to docs/images/, for each task of the library the film of its expert, the film's strip and
-the chart of its reward, and for those of the README a picture, all from the first camera of the
-task file; the film of each policy of the zoo; the curves of each task's training; the stages
-reached in the ablation of Handover; a picture of each robot; objects.png, all objects of the shelf;
-and tasks.png, the three tasks of the README side by side. Given tasks or policies of the zoo, such
-as zoo:handover/demos, it makes theirs only, given `robot:` and a name the picture of that robot
-only, given `curves` the curves and the chart of the ablation only, and given `objects` those only.
+Writes, to docs/images/, for each task of the library the film of its expert, a still and the strip
+of the film and the chart of its reward, and for those of the README a picture, all from the first
+camera of the task file; the film of each policy of the zoo; the curves of each task's training; the
+stages reached in the ablation of Handover; a picture of each robot; objects.png, all objects of the
+shelf; and tasks.png, the three tasks of the README side by side. Given tasks or policies of the
+zoo, such as zoo:handover/demos, it makes theirs only, given `robot:` and a name the picture of that
+robot only, given `curves` the curves and the chart of the ablation only, and given `objects` those
+only. Given `stills` it takes the stills from the films that are there.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
 from kept_runs import unpack
 
-CURVES, OBJECTS, ROBOT = "curves", "objects", "robot:"
+CURVES, OBJECTS, STILLS, ROBOT = "curves", "objects", "stills", "robot:"
 COLORS, CHART_COLORS = 256, 64
 """Colours of a still and of a chart: a fifth of the size, and no difference to be seen."""
 
@@ -91,6 +92,9 @@ FILMS = (
 """Size, frames a second and colours of a film of the gallery: the first that is small enough."""
 FILM_BYTES = 300_000
 
+STILL_AT, STILL_QUALITY = 0.45, 80
+"""Where in a film its still is taken, as a share of its frames, and its quality as WebP."""
+
 _PAPER, _INK = (255, 255, 255), (58, 62, 66)
 _GAP, _CAPTION = 16, 40
 
@@ -104,8 +108,18 @@ def make_task(name: str) -> None:
         _call("demo", name, "--camera", camera, "--out", folder, *_drawn())
         with closing(parallel_env(name)) as env, closing(Expert(env)) as expert:
             _film(env, expert.play(0), camera, Path(folder, name))
-        for ending in (".gif", "-strip.png", "-rewards.png"):
+        for ending in (".gif", "-rewards.png"):
             _keep(Path(folder, f"{name}{ending}"), f"{name}{ending}")
+        _keep(Path(folder, f"{name}-strip.png"), f"{name}-strip.webp")
+    make_still(name)
+
+
+def make_still(name: str) -> None:
+    """Take the still of a film that is there, as large as the film."""
+    with Image.open(IMAGES / f"{name}.gif") as film:
+        film.seek(round(STILL_AT * (film.n_frames - 1)))
+        frame = film.convert("RGB")
+    frame.save(IMAGES / f"{name}.webp", quality=STILL_QUALITY, method=6)
 
 
 def _picture(name: str, camera: str, file: Path) -> None:
@@ -246,7 +260,10 @@ def _keep(file: Path, name: str) -> None:
             chart = file.stem.endswith(("rewards", "curves"))
             colors = CHART_COLORS if chart else COLORS
             small = picture.convert("RGB").quantize(colors, method=Image.Quantize.FASTOCTREE)
-        small.save(IMAGES / name, optimize=True)
+        if name.endswith(".webp"):
+            small.convert("RGB").save(IMAGES / name, lossless=True, quality=100, method=4)
+        else:
+            small.save(IMAGES / name, optimize=True)
     else:
         (IMAGES / name).write_bytes(_packed(file))
 
@@ -291,6 +308,10 @@ if __name__ == "__main__":
             make_ablation()
         elif name == OBJECTS:
             make_objects()
+        elif name == STILLS:
+            for task, entry in Catalogue().tasks.items():
+                if entry.module:
+                    make_still(task)
         elif name.startswith(ROBOT):
             make_robot(name.removeprefix(ROBOT))
         elif name.startswith("zoo:"):

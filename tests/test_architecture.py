@@ -180,10 +180,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "coacd": ("taskbuilder/importing/",),
     "xacro": ("taskbuilder/importing/",),
     "jinja2": ("taskbuilder/validate/html/templates.py",),
-    "matplotlib": (
-        *("taskbuilder/visual/charts.py", "taskbuilder/visual/curves.py"),
-        "taskbuilder/visual/profiles.py",
-    ),
+    "matplotlib": ("taskbuilder/visual/curves.py", "taskbuilder/visual/profiles.py"),
     "pyarrow": ("taskbuilder/data/formats/lerobot_tables.py",),
     "av": ("taskbuilder/data/videos.py", "taskbuilder/visual/video.py"),
     "h5py": ("taskbuilder/data/formats/robomimic.py",),

@@ -1,4 +1,5 @@
-// Choices above the galleries of tasks: which robots, and what their experts do.
+// Choices above the galleries of tasks: which robots, and what their experts do. A still plays its
+// film while the pointer or the focus is on its card, or after a tap.
 const cards = [...document.querySelectorAll(".gallery > [data-robots]")];
 const words = (card, key) => card.dataset[key].split(" ").filter(Boolean);
 
@@ -30,4 +31,19 @@ if (cards.length > 3) {
   const selects = [...bar.querySelectorAll("select")];
   bar.addEventListener("change", () => show(selects));
   cards[0].closest("section").before(bar);
+}
+
+for (const card of cards) {
+  const picture = card.querySelector("img");
+  const still = picture.src;
+  const film = still.replace(/\.webp$/, ".gif");
+  const play = (plays) => {
+    const wanted = plays ? film : still;
+    if (picture.src !== wanted) picture.src = wanted;
+  };
+  card.addEventListener("pointerenter", (event) => event.pointerType === "mouse" && play(true));
+  card.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && play(false));
+  card.addEventListener("focusin", () => play(true));
+  card.addEventListener("focusout", () => play(false));
+  picture.addEventListener("click", (event) => event.pointerType !== "mouse" && play(picture.src === still));
 }

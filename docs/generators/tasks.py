@@ -62,7 +62,7 @@ def title(name: str) -> str:
 
 
 def gallery(words: str) -> str:
-    """The films of the tasks of a suite, each linked to its page.
+    """Stills of the tasks of a suite, each linked to its page; `gallery.js` plays their films.
 
     Args:
         words: The suite; then, on pages that are not among those of the tasks, the latter's folder.
@@ -76,7 +76,7 @@ def gallery(words: str) -> str:
         if suite == "seed" or name not in seed:
             summary = library()[name].file.spec.summary
             link = f"[{title(name)}]({folder}{name}.md)"
-            card = f"![{summary}]({images}/{name}.gif)\n\n{link}: {summary}"
+            card = f"![{summary}]({images}/{name}.webp)\n\n{link}: {summary}"
             cards.append((card, _tags(library()[name])))
     return in_gallery(cards)
 
@@ -174,7 +174,7 @@ def _sections(task: Task) -> Iterator[str]:
             "stage, all robots act at the same time."
         )
         yield numbered(spec.expert)
-        yield f"![The stages of the expert](../images/{name}-strip.png)"
+        yield f"![The stages of the expert](../images/{name}-strip.webp)"
         yield f"![The reward while the expert plays](../images/{name}-rewards.png)"
     yield "## Proof"
     yield results.proof(name)

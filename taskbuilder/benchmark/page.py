@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +22,22 @@ from taskbuilder.benchmark.tables import (
     suite_table,
     task_table,
 )
+from taskbuilder.extras import extra_needed
 from taskbuilder.files import write_whole
 
 if TYPE_CHECKING:  # loads matplotlib
     from taskbuilder.visual.profiles import MethodLine
 
 PAGE, PICTURE, TABLE, DATA = "README.md", "benchmark.png", "results.csv", "results.json"
+
+
+def drawing_needed() -> AbstractContextManager[None]:
+    """Load what draws the picture within this block.
+
+    Raises:
+        UsageError: It is not installed.
+    """
+    return extra_needed("plot", "the picture of a benchmark")
 
 
 def write_report(several: Sequence[MethodResults], folder: Path) -> list[Path]:
@@ -38,8 +49,10 @@ def write_report(several: Sequence[MethodResults], folder: Path) -> list[Path]:
 
     Raises:
         OSError: A file cannot be written.
+        UsageError: The package that draws the picture is not installed.
     """
-    from taskbuilder.visual.profiles import benchmark_picture  # loads matplotlib
+    with drawing_needed():
+        from taskbuilder.visual.profiles import benchmark_picture  # loads matplotlib
 
     picture = benchmark_picture(_title(several), _subtitle(several), SCORES, _lines(several))
     text = json.dumps(as_data(several), indent=1, ensure_ascii=False) + "\n"

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from taskbuilder.benchmark.cells import Cell, Report, Work, lost, run_cell, share
-from taskbuilder.benchmark.page import write_report
+from taskbuilder.benchmark.page import drawing_needed, write_report
 from taskbuilder.benchmark.records import LOCK, SHARED, About, Method, SuiteTasks, begin
 from taskbuilder.benchmark.results import MethodResults, read_results
 from taskbuilder.benchmark.tracks import Track, find_track
@@ -116,6 +116,8 @@ def benchmark(
         command=command,
     )
     tasks = _tasks(about, only)
+    with drawing_needed():  # not after hours of training
+        import taskbuilder.visual.profiles  # noqa: F401
     folder = Path(out).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     own = None if policy is None or isinstance(policy, str | Path) else policy

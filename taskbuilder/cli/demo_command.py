@@ -23,6 +23,7 @@ from taskbuilder.jobs import Map, workers
 from taskbuilder.processes import cores
 from taskbuilder.rollout.record import Rollout
 from taskbuilder.task import Task
+from taskbuilder.visual.charts import Mark, reward_chart
 from taskbuilder.visual.film import save_film
 from taskbuilder.visual.rendering import check_views
 from taskbuilder.visual.still import save_image
@@ -143,8 +144,6 @@ def _as_data(task: Task, episodes: Sequence[Rollout]) -> dict[str, Any]:
 def _show(found: Subject, episode: Rollout, arguments: argparse.Namespace) -> list[Path]:
     """Write what an episode looked like, and say where."""
     task = found.task
-    from taskbuilder.visual.charts import Mark, reward_chart  # a second, when all else is in order
-
     stem = arguments.out / task.name.replace("/", "-")
     strip, chart = (stem.with_name(f"{stem.name}-{what}.png") for what in ("strip", "rewards"))
     cameras = arguments.camera or ()

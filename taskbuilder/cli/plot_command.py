@@ -11,6 +11,7 @@ import numpy as np
 
 from taskbuilder.cli.tasks import make_folder
 from taskbuilder.errors import UsageError, display_path
+from taskbuilder.extras import extra_needed
 from taskbuilder.files import write_whole
 from taskbuilder.learn.logs import RunLog, read_run
 from taskbuilder.learn.other_curves import OtherCurves, read_curves
@@ -36,8 +37,9 @@ def run(arguments: argparse.Namespace) -> int:
     runs = [read_run(folder) for folder in folders.values()]
     groups = group_runs(runs)
     others = [read_curves(path) for path in arguments.beside]
+    with extra_needed("plot", "plot"):  # a second, when all else is in order
+        from taskbuilder.visual.curves import learning_curves
     make_folder(arguments.out.parent)
-    from taskbuilder.visual.curves import learning_curves  # a second, when all else is in order
 
     names = names_of(groups)
     task = Path(runs[0].plan.task).stem

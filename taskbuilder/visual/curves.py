@@ -1,4 +1,7 @@
-"""Learning curves, as PNG or SVG; drawn with matplotlib in the style of `charts`."""
+"""Learning curves, as PNG or SVG, in the style of `charts`.
+
+Drawn with matplotlib, of the extra `plot`, which takes a second to load.
+"""
 
 from __future__ import annotations
 

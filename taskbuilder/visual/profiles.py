@@ -1,4 +1,4 @@
-"""The picture of a benchmark, as PNG; drawn with matplotlib in the style of `charts`."""
+"""The picture of a benchmark, as PNG, in the style of `charts`; drawn with matplotlib."""
 
 from __future__ import annotations
 

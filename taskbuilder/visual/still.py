@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -33,6 +32,7 @@ Pixels = NDArray[np.uint8]
 INK, GRAY, PAPER = (43, 40, 38), (122, 116, 110), (252, 251, 250)
 MARGIN = 24
 _TITLE, _CAPTION = 78, 30
+_FONTS = Path(__file__).with_name("fonts")
 _FONT_SCALE = 0.95  # DejaVu Sans runs wide
 
 
@@ -242,14 +242,11 @@ def _ascent(size: int, weight: int) -> int:
 
 @cache
 def _font(size: int, weight: int) -> FreeTypeFont:
-    """DejaVu Sans, which comes with matplotlib; OpenCV's own letters are plain before version 5."""
+    """DejaVu Sans, of which `fonts` has the letters of Latin, Greek and Cyrillic, and signs."""
     from PIL import ImageFont
 
-    found = find_spec("matplotlib")  # which takes a second to import
-    (home,) = (found and found.submodule_search_locations) or [""]
     face = "DejaVuSans-Bold.ttf" if weight > 500 else "DejaVuSans.ttf"
-    file = Path(home, "mpl-data", "fonts", "ttf", face)
-    return ImageFont.truetype(file, round(_FONT_SCALE * size))
+    return ImageFont.truetype(_FONTS / face, round(_FONT_SCALE * size))
 
 
 def save_image(path: Path, pixels: NDArray[Any]) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import io
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol
@@ -14,7 +16,7 @@ import cv2
 import numpy as np
 
 from taskbuilder.files import kept_aside, write_whole
-from taskbuilder.quiet import captured
+from taskbuilder.quiet import HINTS, captured
 from taskbuilder.visual.still import Pixels
 
 CODECS = ("vp09", "mp4v")
@@ -22,6 +24,10 @@ CODECS = ("vp09", "mp4v")
 
 OpenCV's packages have no H.264. With PyAV, films are H.264, which is written twenty times as fast.
 """
+
+HOW_TO_GET_H264 = 'pip install "taskbuilder[film]"'
+
+_log = logging.getLogger(HINTS)
 
 _H264 = {
     "crf": "18",  # what differs from the frames is not seen
@@ -109,8 +115,15 @@ def _open(path: Path, fps: int, frame: Pixels) -> _FilmWriter:
 
         av.Codec("libx264", "w")
     except (ImportError, ValueError):  # not installed, or built without this codec
+        _say_how_to_get_h264()
         return _OpenCV(path, fps, frame)
     return _PyAV(path, fps, frame)
+
+
+@cache
+def _say_how_to_get_h264() -> None:
+    """Say it once."""
+    _log.warning("films are VP9; with %s they are H.264, written much faster", HOW_TO_GET_H264)
 
 
 class _PyAV:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from PIL import Image
 from written_pages import written
 
 from taskbuilder import validate_task
@@ -74,3 +75,5 @@ def test_every_task_of_the_library_has_a_page_with_a_film(name):
     assert f"images/{name}.gif" in (DOCS / "tasks" / f"{name}.md").read_text(encoding="utf-8")
     film = DOCS / "images" / f"{name}.gif"
     assert 10_000 < film.stat().st_size <= MOST_FILM_BYTES, "run `python docs/make_images.py`"
+    with Image.open(film) as moving, Image.open(film.with_suffix(".webp")) as still:
+        assert still.size == moving.size, "run `python docs/make_images.py stills`"

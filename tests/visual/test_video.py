@@ -123,6 +123,15 @@ def test_without_any_codec_there_is_no_film(tmp_path, monkeypatch, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_films_without_pyav_say_once_how_to_get_h264(tmp_path, monkeypatch, caplog):
+    monkeypatch.setitem(sys.modules, "av", None)
+    video._say_how_to_get_h264.cache_clear()
+    for name in ("one", "two"):
+        write(tmp_path / f"{name}.mp4", moving(2))
+    (record,) = caplog.records
+    assert 'pip install "taskbuilder[film]"' in record.getMessage()
+
+
 def test_frames_of_another_size_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"shape \(24, 32, 3\) in a film of \(48, 64, 3\)"):
         write(tmp_path / "film.mp4", [*moving(1), *moving(1, (32, 24))])
