@@ -18,6 +18,7 @@ from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.environment import carried_task
 from taskbuilder.data.formats.lerobot_env import ENV_FILE, env_text
 from taskbuilder.data.formats.lerobot_tables import (
+    LANGUAGE,
     episode_table,
     frame_table,
     indexed_table,
@@ -32,7 +33,7 @@ from taskbuilder.data.formats.statistics import (
     image_stats,
     stats_of,
 )
-from taskbuilder.data.formats.subtasks import subtask_labels, subtask_numbers
+from taskbuilder.data.formats.subtasks import subtask_begins, subtask_labels, subtask_numbers
 from taskbuilder.data.videos import VideoSize, joined, png
 from taskbuilder.files import write_whole
 
@@ -44,6 +45,9 @@ VIDEO_PATH = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.m
 
 IMAGE_STATS_EVERY = 10
 """Statistics of pictures are of every tenth frame."""
+
+LANGUAGE_PERSISTENT = "language_persistent"
+"""The column in which LeRobot 0.6 and later look for sub-tasks."""
 
 Features = dict[str, dict[str, Any]]
 
@@ -163,6 +167,9 @@ class _Writer:
             "task_index": np.full(steps, text),
         }
         stats = {name: stats_of(_rows(values)) for name, values in columns.items()}
+        if LANGUAGE_PERSISTENT in self._columns:
+            rows = language_of(episode, columns["timestamp"])
+            columns[LANGUAGE_PERSISTENT] = [rows] * steps
         row: dict[str, Any] = {
             "episode_index": number,
             "tasks": [episode.instruction],
@@ -293,6 +300,8 @@ def features_of(task: Mapping[str, Any], *, pictures: bool = False) -> Features:
     features["timestamp"] = _scalar("float32")
     for name in ("frame_index", "episode_index", "index", "task_index"):
         features[name] = _scalar("int64")
+    if task["expert"]:
+        features[LANGUAGE_PERSISTENT] = _scalar(LANGUAGE)
     return features
 
 
@@ -366,6 +375,15 @@ def numbers_of(episode: RecordedEpisode) -> dict[str, Any]:
         "next.done": done,
         "next.success": arrays["success"][1:],
     }
+
+
+def language_of(episode: RecordedEpisode, timestamps: Any) -> list[dict[str, Any]]:
+    """The sub-tasks of an episode, each from the frame in which it begins to the next one."""
+    row = {"role": "assistant", "style": "subtask", "camera": None, "tool_calls": None}
+    return [
+        {**row, "content": label, "timestamp": timestamps[step]}
+        for step, label in subtask_begins(episode)
+    ]
 
 
 def _rows(values: Any) -> Any:

@@ -36,3 +36,14 @@ def subtask_numbers(episode: RecordedEpisode, labels: tuple[str, ...]) -> NDArra
     numbers = {0: 0, **{part["stage"]: places[part["label"]] for part in episode.subtasks}}
     found = [numbers[stage] for stage in episode.arrays["subtask"].tolist()]
     return np.array(found, dtype=np.int64)
+
+
+def subtask_begins(episode: RecordedEpisode) -> list[tuple[int, str]]:
+    """The control step at which each sub-task of an episode begins, and its label.
+
+    There is none before the first sub-task. After a stage that the expert could not complete, the
+    label is ``none``.
+    """
+    labels = {0: NO_SUBTASK, **{part["stage"]: part["label"] for part in episode.subtasks}}
+    stages = episode.arrays["subtask"]
+    return [(int(n), labels[int(stages[n])]) for n in np.flatnonzero(np.diff(stages, prepend=0))]
