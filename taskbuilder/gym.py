@@ -23,12 +23,13 @@ from typing import Any
 import gymnasium
 
 from taskbuilder._library import folder
+from taskbuilder.env.gym_names import JOINT_ENV, JOINT_VECTOR_ENV, gym_name
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.summaries import summarize
 
 
 def _register() -> None:
-    _register_task("Task", 0)
+    _register_task(gym_name())
     # Without wrappers, which would hide the instruction that LeRobot reads.
     gymnasium.register(
         "taskbuilder/LeRobot-v0",
@@ -39,17 +40,13 @@ def _register() -> None:
     library, catalogue = folder("tasks"), Catalogue()
     for name, entry in catalogue.tasks.items():
         if entry.root == library:
-            title = "".join(part.capitalize() for part in name.split("_"))
             for version in (0, summarize(entry, catalogue).version):
-                _register_task(title, version, task=name)
+                _register_task(gym_name(name, version), task=name)
 
 
-def _register_task(title: str, version: int, **options: Any) -> None:
+def _register_task(name: str, **options: Any) -> None:
     gymnasium.register(
-        f"taskbuilder/{title}-v{version}",
-        entry_point="taskbuilder.env.joint:JointEnv",
-        vector_entry_point="taskbuilder.env.joint_vector:JointVectorEnv",
-        kwargs=options,
+        name, entry_point=JOINT_ENV, vector_entry_point=JOINT_VECTOR_ENV, kwargs=options
     )
 
 

@@ -1,9 +1,10 @@
 """Versions of packaged tasks: a changed scene, reward or success needs a new number.
 
-``versions.json`` beside packaged task files has, for every version of each task, the digest of what
-an episode follows from: what the task file says but for its summary and its expert, the code of the
-description, and the files of the objects. Comments and docstrings do not count. Robots do not count
-either, because they belong to no task; results name the digests of their files.
+``versions.json`` beside packaged task files has every version of each task: since when there is it,
+what changed, and the digest of what an episode follows from. This is what the task file says but
+for its summary and its expert, the code of the description, and the files of the objects. Comments
+and docstrings do not count. Robots do not count either, because they belong to no task; results
+name the digests of their files.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from __future__ import annotations
 import ast
 import json
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import TypedDict
 
 from taskbuilder.digests import digest_of
 from taskbuilder.schema.catalogue import Catalogue
@@ -23,8 +26,25 @@ VERSIONS = "versions.json"
 _APART = ("version", "summary", "cooperation", "expert")
 """Keys of a task file that change neither scene, reward nor success."""
 
-Versions = Mapping[str, Mapping[str, str]]
-"""The digest of every version of each task: ``{"handover": {"1": "9f86…"}}``."""
+
+class TaskVersion(TypedDict):
+    """A version of a task.
+
+    Attributes:
+        content: The digest of its content.
+        since: The day on which it was recorded, such as ``2026-11-30``.
+        change: What changed, in a line; empty until somebody has written it.
+    """
+
+    content: str
+    since: str
+    change: str
+
+
+Versions = Mapping[str, Mapping[str, TaskVersion]]
+"""Every version of each task, by its name and number: ``{"handover": {"1": …}}``."""
+
+FIRST = "first version"
 
 
 def content_digest(file: TaskFile) -> str:
@@ -66,8 +86,29 @@ def read_versions(folder: Path) -> Versions:
     return versions
 
 
+def history(versions: Versions, task: str) -> list[tuple[int, TaskVersion]]:
+    """The versions of a task, from the first to that of today.
+
+    Raises:
+        ValueError: Nobody has written what changed in a version.
+    """
+    ordered = sorted(
+        ((int(number), version) for number, version in versions.get(task, {}).items()),
+        key=lambda each: each[0],
+    )
+    for number, version in ordered:
+        if not version["change"]:
+            raise ValueError(
+                f"tasks/{VERSIONS}: say what changed in version {number} of {task}, in one line "
+                'as the value of "change"'
+            )
+    return ordered
+
+
 def versions_text(folder: Path, catalogue: Catalogue | None = None) -> str:
     """What the file should hold: versions that are new are added, and none is changed.
+
+    What changed in a version after the first is left empty, for somebody to write.
 
     Args:
         folder: The folder of the tasks.
@@ -78,6 +119,11 @@ def versions_text(folder: Path, catalogue: Catalogue | None = None) -> str:
     for entry in catalogue.tasks.values():
         if entry.root == folder:
             file = read_task(entry, catalogue)
-            number = str(file.spec.version)
-            versions.setdefault(file.spec.task, {}).setdefault(number, content_digest(file))
+            recorded, number = versions.setdefault(file.spec.task, {}), str(file.spec.version)
+            if number not in recorded:
+                recorded[number] = {
+                    "content": content_digest(file),
+                    "since": datetime.now(UTC).date().isoformat(),
+                    "change": "" if recorded else FIRST,
+                }
     return json.dumps(versions, indent=1, sort_keys=True) + "\n"

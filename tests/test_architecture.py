@@ -183,7 +183,7 @@ ONLY_IN: dict[str, tuple[str, ...]] = {
     "matplotlib": ("taskbuilder/visual/curves.py", "taskbuilder/visual/profiles.py"),
     "pyarrow": ("taskbuilder/data/formats/lerobot_tables.py",),
     "av": ("taskbuilder/data/videos.py", "taskbuilder/visual/video.py"),
-    "h5py": ("taskbuilder/data/formats/robomimic.py",),
+    "h5py": ("taskbuilder/data/formats/robomimic.py", "taskbuilder/data/formats/minari.py"),
     "PIL": (
         *("taskbuilder/visual/still.py", "taskbuilder/visual/video.py"),
         "taskbuilder/validate/html/pictures.py",

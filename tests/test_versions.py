@@ -16,7 +16,7 @@ from taskbuilder.data.checking import check_dataset
 from taskbuilder.evaluation.certificate import seals
 from taskbuilder.policies.zoo import save_policy
 from taskbuilder.schema.catalogue import Catalogue
-from taskbuilder.versions import VERSIONS, content_digest, versions_text
+from taskbuilder.versions import FIRST, VERSIONS, content_digest, history, versions_text
 
 assert taskbuilder.gym
 
@@ -95,7 +95,16 @@ def test_a_record_is_added_to_and_never_changed(folder):
     rewrite(folder, "sideways.yaml", SCENE.replace("summary", "version: 2\nsummary"))
     second = json.loads(versions_text(folder, catalogue))["sideways"]
     assert set(second) == {"1", "2"}
+    assert [second[number]["change"] for number in ("1", "2")] == [FIRST, ""]
     assert second["1"] == json.loads(first)["sideways"]["1"] != second["2"]
+
+
+def test_a_history_is_in_order_and_says_what_changed():
+    made = {str(n): {"content": "", "since": "2026-11-30", "change": f"{n}"} for n in range(1, 12)}
+    assert [number for number, _ in history({"sideways": made}, "sideways")] == [*range(1, 12)]
+    made["11"]["change"] = ""
+    with pytest.raises(ValueError, match=r"tasks/versions\.json: say what changed in version 11"):
+        history({"sideways": made}, "sideways")
 
 
 def test_names_of_environments_end_with_the_version():

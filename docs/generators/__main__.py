@@ -8,6 +8,9 @@ from taskbuilder.schema.index import index_text
 from taskbuilder.schema.summaries import INDEX
 from taskbuilder.versions import VERSIONS, versions_text
 
+library = folder("tasks")
+(library / INDEX).write_text(index_text(library), encoding="utf-8")
+(library / VERSIONS).write_text(versions_text(library), encoding="utf-8")
 for page, text in tasks.missing_pages():
     page.write_text(text, encoding="utf-8")
 for page in pages():
@@ -16,6 +19,3 @@ for page in pages():
     except (LookupError, ValueError) as error:
         raise SystemExit(f"{page.name}: {error}") from None
     page.write_text(text, encoding="utf-8")
-library = folder("tasks")
-(library / INDEX).write_text(index_text(library), encoding="utf-8")
-(library / VERSIONS).write_text(versions_text(library), encoding="utf-8")

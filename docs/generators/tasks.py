@@ -13,6 +13,7 @@ from generators.expressions import expression
 from generators.stages import numbered
 from taskbuilder import load_suite
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
+from taskbuilder.env.gym_names import gym_name
 from taskbuilder.reference.markdown import code, fence, in_gallery, number, table
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.expert import each_order
@@ -23,6 +24,7 @@ from taskbuilder.schema.placing import Place
 from taskbuilder.schema.shapes import PartSpec, Shape
 from taskbuilder.schema.sites import Marker, SiteSpec
 from taskbuilder.task import Task, load_task
+from taskbuilder.versions import history, read_versions
 
 DOCS = Path(__file__).parents[1]
 
@@ -180,6 +182,14 @@ def _sections(task: Task) -> Iterator[str]:
     yield results.proof(name)
     yield "## Best policy so far"
     yield leaderboard.best(name)
+    yield "## Versions"
+    yield (
+        f"In Gymnasium, the task is `{gym_name(name, task.version)}`. A change of the scene, the "
+        "reward or success makes a [new version](../task-file.md#versions)."
+    )
+    recorded = history(read_versions(task.file.entry.root), name)
+    rows = ([str(number), each["since"], each["change"]] for number, each in recorded)
+    yield table(["version", "since", "what changed"], rows)
     yield "## Files"
     own = [thing for thing in spec.scene.objects.values() if thing.object is None]
     urdfs = dict.fromkeys(thing.urdf for thing in own if thing.urdf)

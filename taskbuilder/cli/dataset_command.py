@@ -23,6 +23,7 @@ from taskbuilder.data.checking import CheckResult, check_dataset
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.environment import make_from, tasks_to_trust, where_carried
 from taskbuilder.data.formats import ExportOptions, export_dataset
+from taskbuilder.data.names import FORMAT_NAMES
 from taskbuilder.data.summary import summarize_dataset
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.rollout.play import play
@@ -226,7 +227,7 @@ def _film(arguments: argparse.Namespace) -> int:
 
 def _export(arguments: argparse.Namespace) -> int:
     if not arguments.export:
-        raise UsageError("which format? give --format lerobot or --format robomimic")
+        raise UsageError(f"which format? give --format with one of {', '.join(FORMAT_NAMES)}")
     if not arguments.out:
         raise UsageError("where to? name a new folder by --out")
     dataset = load_dataset(arguments.folder)

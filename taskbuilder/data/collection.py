@@ -155,7 +155,7 @@ def export(
 
     Args:
         dataset: The data set, or its folder.
-        form: The format: ``lerobot`` or ``robomimic``.
+        form: The format: ``lerobot``, ``robomimic`` or ``minari``.
         out: Folder to write to; by default beside the data set, such as ``data/handover-lerobot``.
         pictures: Whether pictures are kept as PNG instead of videos, where the format has both.
 

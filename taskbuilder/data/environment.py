@@ -92,6 +92,19 @@ def options_of_dataset(about: Mapping[str, Any], *, cameras: bool) -> dict[str, 
     return options
 
 
+def played_options(about: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of the environment of a data set, with its cameras and its variation.
+
+    The variation is ``random`` if several were played.
+
+    Args:
+        about: What the data set says of itself.
+    """
+    played = about["collected"]["variations"]
+    variation = played[0] if played != "all" and len(set(played)) == 1 else "random"
+    return {**options_of_dataset(about, cameras=True), "variation": variation}
+
+
 def task_of_dataset(
     about: Mapping[str, Any],
     folder: Path,

@@ -163,6 +163,8 @@ class _Subtask(_Record):
 class _Episode(_Line):
     operators: Annotated[_Names, Field(max_length=1000)] = []
     control_hz: _Hertz
+    terminated: bool = False
+    truncated: bool = False
     subtasks: list[_Subtask]
     cameras: dict[_Identifier, _Video]
     files: dict[_FileName, _Digest]

@@ -418,7 +418,7 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     for name in options:
         check_choice("option", name, names)
     chosen: dict[str, Any] = {
-        **options,
+        **from_json(options),
         "robots": other_robots(options.get("robots", ())),
         "disturbances": disturbances(options.get("disturbances", ())),
     }

@@ -53,7 +53,9 @@ def test_what_is_in_the_way_is_left_alone(pictured, tmp_path):
     assert bytes_of(tmp_path) == {"mine.txt": b"mine"}
 
 
-@pytest.mark.parametrize(("form", "tag"), [("lerobot", "LeRobot"), ("robomimic", "robomimic")])
+@pytest.mark.parametrize(
+    ("form", "tag"), [("lerobot", "LeRobot"), ("robomimic", "robomimic"), ("minari", "minari")]
+)
 def test_an_export_has_a_card_with_the_licence(form, tag, mixed, tmp_path):
     out = export_dataset(load_dataset(mixed), form, tmp_path / "out")
     card = (out / "reach" / "README.md").read_text()

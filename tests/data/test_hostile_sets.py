@@ -77,6 +77,7 @@ def test_commands_refuse_it_in_a_line(name, hostile, outside, tmp_path, capsys):
         ["dataset", "check", str(hostile), "--replay", "0"],
         [*export, "lerobot"],
         [*export, "robomimic"],
+        [*export, "minari"],
     ):
         shutil.rmtree(tmp_path / "out", ignore_errors=True)
         assert main(words) in (0, 1, 2), words
@@ -112,6 +113,7 @@ def test_misshapen_arrays_are_refused_by_all_that_read_them(
         ["dataset", "film", str(hostile), "--episode", "0", *out],
         ["dataset", "export", str(hostile), "--format", "lerobot", *out],
         ["dataset", "export", str(hostile), "--format", "robomimic", *out],
+        ["dataset", "export", str(hostile), "--format", "minari", *out],
         ["train", "--algorithm", "bc", "--steps", "1", *data, *out],
     ):
         assert main(words) == 1

@@ -8,6 +8,7 @@ import json
 import sys
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -15,10 +16,13 @@ import pyarrow.parquet as pq
 import pytest
 from PIL import Image
 
+from taskbuilder.data.collecting import collect
 from taskbuilder.data.dataset import load_dataset
 from taskbuilder.data.formats import ExportOptions, export_dataset, lerobot
 from taskbuilder.data.formats.statistics import LEAST_STD, combined, stats_of
+from taskbuilder.data.plan import CollectPlan
 from taskbuilder.errors import UsageError
+from taskbuilder.policies.mixture import read_share
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*hardly varies")
 
@@ -132,6 +136,7 @@ def test_every_column_is_a_feature_of_its_type_and_shape(exported):
     told = json.loads(schema.metadata[b"huggingface"])["info"]["features"]
     assert list(told) == list(stored)
     kinds = {"float32": "float", "int64": "int64", "bool": "bool"}
+    assert stored.pop("language_persistent")["dtype"] == "language"
     for name, feature in stored.items():
         (size,) = feature["shape"]
         kind = kinds[feature["dtype"]]
@@ -181,6 +186,44 @@ def test_tasks_and_subtasks_are_labelled(exported, pictured):
         start += episode.steps
     assert parts[0] == "none"
     assert "done" in parts.values()
+
+
+def test_every_frame_has_the_sub_tasks_of_its_episode_as_language(exported, pictured):
+    """Each is active from its timestamp to that of the next one, as LeRobot resolves it."""
+    frames = pq.read_table(exported / "data/chunk-000/file-000.parquet").to_pylist()
+    start = 0
+    for episode in load_dataset(pictured):
+        own = frames[start : start + episode.steps]
+        start += episode.steps
+        rows = own[0]["language_persistent"]
+        assert all(frame["language_persistent"] == rows for frame in own)
+        told = [(row["content"], row["timestamp"]) for row in rows]
+        begins = [own[part["from_step"]]["timestamp"] for part in episode.subtasks]
+        labels = [part["label"] for part in episode.subtasks]
+        assert told == list(zip(labels, begins, strict=True))
+        assert {(row["role"], row["style"]) for row in rows} == {("assistant", "subtask")}
+        assert {(row["camera"], row["tool_calls"]) for row in rows} == {(None, None)}
+
+
+def test_a_sub_task_that_is_given_up_ends_as_none():
+    label = {"stage": 1, "label": "arm: grasp cube"}
+    given_up = SimpleNamespace(
+        subtasks=[label], arrays={"subtask": np.array([1, 1, 1, 0, 0], dtype=np.int64)}
+    )
+    rows = lerobot.language_of(given_up, np.arange(5) / 10)
+    assert [(row["content"], row["timestamp"]) for row in rows] == [
+        ("arm: grasp cube", 0.0),
+        ("none", pytest.approx(0.3)),
+    ]
+    nobody = SimpleNamespace(subtasks=[], arrays={"subtask": np.zeros(5, dtype=np.int64)})
+    assert lerobot.language_of(nobody, np.arange(5) / 10) == []
+
+
+def test_without_an_expert_there_is_no_column_of_language(good, tmp_path):
+    plan = CollectPlan((str(good),), 1, policies=(read_share("random"),), keep_failures=True)
+    collect(plan, tmp_path / "data")
+    out = export_dataset(load_dataset(tmp_path / "data"), "lerobot", tmp_path / "out")
+    assert "language_persistent" not in info_of(out)["features"]
 
 
 # --- pictures

@@ -1,4 +1,4 @@
-"""Exported data sets in LeRobot and robomimic, which `make data-interop` installs.
+"""Exported data sets in LeRobot, robomimic and Minari, which `make data-interop` installs.
 
 Where a library is not installed, its tests are not collected here.
 """
@@ -13,7 +13,7 @@ import pytest
 
 collect_ignore_glob = [
     f"in_{library}/*.py"
-    for library in ("lerobot", "robomimic")
+    for library in ("lerobot", "robomimic", "minari")
     if importlib.util.find_spec(library) is None
 ]
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Exported data sets in LeRobot and in robomimic, each in a virtual environment of its own. LeRobot's
-# takes 8 GB and many minutes. One of them alone: tests/data_interop/run.sh robomimic
+# Exported data sets in LeRobot, robomimic and Minari, each in a virtual environment of its own.
+# LeRobot's takes 8 GB and many minutes. One of them alone: tests/data_interop/run.sh minari
 # LeRobot needs Python 3.12 or later: PYTHON=python3.13 tests/data_interop/run.sh lerobot
 # The folder of the environments can be given, to use them again: VENVS=FOLDER tests/data_interop/run.sh
 set -euo pipefail
@@ -10,13 +10,14 @@ unset PYTHONPATH
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-[ $# -gt 0 ] || set -- lerobot robomimic
+[ $# -gt 0 ] || set -- lerobot robomimic minari
 
 for library in "$@"; do
   here=tests/data_interop/in_$library
   venv=${VENVS:-$scratch}/$library
   case $library in
     lerobot) python=${PYTHON:-python3.12} packages="lerobot[training,evaluation]" ;;
+    minari) python=python3 packages="minari[hdf5] pillow" ;;
     # The imports of robomimic 0.3.0 need six, which it does not ask for.
     *) python=python3 packages="$library six" ;;
   esac

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from taskbuilder import catalogue, load_task, validate_task
 from taskbuilder.schema.proofs import proof_of
 from taskbuilder.schema.suites import find_suites
-from taskbuilder.versions import content_digest, read_versions
+from taskbuilder.versions import content_digest, history, read_versions
 
 pytestmark = pytest.mark.in_process
 
@@ -74,10 +75,18 @@ def test_a_changed_task_has_a_new_version(name):
     file = load_task(name).file
     recorded = VERSIONS.get(name, {}).get(str(file.spec.version))
     assert recorded, "a new version: run `make docs`"
-    assert recorded == content_digest(file), (
+    assert recorded["content"] == content_digest(file), (
         "its scene, reward or success has changed: write the next version in the task file, "
         "then run `make docs`"
     )
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_the_last_version_of_a_task_is_that_of_today(name):
+    numbers = [number for number, _ in history(VERSIONS, name)]
+    assert numbers == [*range(1, load_task(name).version + 1)]
+    days = [date.fromisoformat(version["since"]) for _, version in history(VERSIONS, name)]
+    assert days == sorted(days)
 
 
 @pytest.mark.parametrize("suite", sorted(SUITES))

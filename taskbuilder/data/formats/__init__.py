@@ -12,6 +12,7 @@ from secrets import token_hex
 from taskbuilder.data.card import export_card_text
 from taskbuilder.data.dataset import Dataset
 from taskbuilder.data.formats.lerobot import write_lerobot
+from taskbuilder.data.formats.minari import write_minari
 from taskbuilder.data.formats.robomimic import write_robomimic
 from taskbuilder.data.layout import CARD
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
@@ -41,12 +42,17 @@ def _robomimic(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
     write_robomimic(dataset, folder)
 
 
+def _minari(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
+    write_minari(dataset, folder, warn=options.warn)
+
+
 DatasetWriter = Callable[[Dataset, Path, ExportOptions], None]
 """Writes the episodes of one task to an empty folder."""
 
 FORMATS: Mapping[str, DatasetWriter] = {
     "lerobot": _lerobot,
     "robomimic": _robomimic,
+    "minari": _minari,
 }
 """The library's own formats by name."""
 

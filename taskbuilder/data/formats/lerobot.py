@@ -18,6 +18,7 @@ from taskbuilder.data.dataset import Dataset, RecordedEpisode
 from taskbuilder.data.environment import carried_task
 from taskbuilder.data.formats.lerobot_env import ENV_FILE, env_text
 from taskbuilder.data.formats.lerobot_tables import (
+    LANGUAGE,
     episode_table,
     frame_table,
     indexed_table,
@@ -32,9 +33,9 @@ from taskbuilder.data.formats.statistics import (
     image_stats,
     stats_of,
 )
+from taskbuilder.data.formats.subtasks import subtask_begins, subtask_labels, subtask_numbers
 from taskbuilder.data.videos import VideoSize, joined, png
 from taskbuilder.files import write_whole
-from taskbuilder.schema.expert import DONE
 
 DATA_MB, VIDEO_MB, CHUNK = 100, 200, 1000
 """Sizes at which a new file begins, and files in a folder."""
@@ -45,7 +46,8 @@ VIDEO_PATH = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.m
 IMAGE_STATS_EVERY = 10
 """Statistics of pictures are of every tenth frame."""
 
-NO_SUBTASK = "none"
+LANGUAGE_PERSISTENT = "language_persistent"
+"""The column in which LeRobot 0.6 and later look for sub-tasks."""
 
 Features = dict[str, dict[str, Any]]
 
@@ -93,8 +95,7 @@ class _Writer:
         self._features = features_of(self._task, pictures=pictures)
         self._columns = {n: f for n, f in self._features.items() if f["dtype"] != "video"}
         self._texts: dict[str, int] = {}
-        labels = dict.fromkeys((NO_SUBTASK, *self._task["expert"], DONE))
-        self._subtasks = {label: number for number, label in enumerate(labels)}
+        self._subtasks = subtask_labels(self._task)
         self._frames = 0
         self._data = _Files(DATA_MB)
         self._tables: list[Any] = []
@@ -117,7 +118,7 @@ class _Writer:
         meta = self._folder / "meta"
         write_table(meta / "episodes/chunk-000/file-000.parquet", [episode_table(rows)])
         write_table(meta / "tasks.parquet", [indexed_table([*self._texts], "task", "task_index")])
-        subtasks = indexed_table([*self._subtasks], "subtask", "subtask_index")
+        subtasks = indexed_table(self._subtasks, "subtask", "subtask_index")
         write_table(meta / "subtasks.parquet", [subtasks])
         total = {name: combined([stats[name] for stats in every]) for name in every[0]}
         for feature in ("observation.state", "action"):
@@ -158,7 +159,7 @@ class _Writer:
         indices = np.arange(steps)
         columns = {
             **numbers_of(episode),
-            "subtask_index": self._subtask_index(episode),
+            "subtask_index": subtask_numbers(episode, self._subtasks),
             "timestamp": (indices / self._task["control_hz"]).astype(np.float32),
             "frame_index": indices,
             "episode_index": np.full(steps, number),
@@ -166,6 +167,9 @@ class _Writer:
             "task_index": np.full(steps, text),
         }
         stats = {name: stats_of(_rows(values)) for name, values in columns.items()}
+        if LANGUAGE_PERSISTENT in self._columns:
+            rows = language_of(episode, columns["timestamp"])
+            columns[LANGUAGE_PERSISTENT] = [rows] * steps
         row: dict[str, Any] = {
             "episode_index": number,
             "tasks": [episode.instruction],
@@ -198,11 +202,6 @@ class _Writer:
                 files.append(png(image))
             if number % IMAGE_STATS_EVERY == 0:
                 yield image
-
-    def _subtask_index(self, episode: RecordedEpisode) -> Any:
-        labels = {part["stage"]: part["label"] for part in episode.subtasks}
-        numbers = {0: 0, **{stage: self._subtasks[label] for stage, label in labels.items()}}
-        return np.array([numbers[stage] for stage in episode.arrays["subtask"].tolist()])
 
     def _add_video(self, camera: str, episode: RecordedEpisode, steps: int) -> dict[str, Any]:
         content = episode.video(camera)
@@ -301,6 +300,8 @@ def features_of(task: Mapping[str, Any], *, pictures: bool = False) -> Features:
     features["timestamp"] = _scalar("float32")
     for name in ("frame_index", "episode_index", "index", "task_index"):
         features[name] = _scalar("int64")
+    if task["expert"]:
+        features[LANGUAGE_PERSISTENT] = _scalar(LANGUAGE)
     return features
 
 
@@ -374,6 +375,15 @@ def numbers_of(episode: RecordedEpisode) -> dict[str, Any]:
         "next.done": done,
         "next.success": arrays["success"][1:],
     }
+
+
+def language_of(episode: RecordedEpisode, timestamps: Any) -> list[dict[str, Any]]:
+    """The sub-tasks of an episode, each from the frame in which it begins to the next one."""
+    row = {"role": "assistant", "style": "subtask", "camera": None, "tool_calls": None}
+    return [
+        {**row, "content": label, "timestamp": timestamps[step]}
+        for step, label in subtask_begins(episode)
+    ]
 
 
 def _rows(values: Any) -> Any:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from taskbuilder.carried import CarriedTask
-from taskbuilder.data.environment import options_of_dataset
+from taskbuilder.data.environment import played_options
 
 ENV_FILE = "env.py"
 """Where LeRobot looks for `make_env` in a repository on the Hub; it fetches this file alone."""
@@ -58,10 +58,7 @@ def env_text(about: Mapping[str, Any], carried: CarriedTask | None = None) -> st
         carried: The task, if it comes with the data set.
     """
     (task,) = about["tasks"]
-    played = about["collected"]["variations"]
-    variation = played[0] if played != "all" and len(set(played)) == 1 else "random"
-    options = {**options_of_dataset(about, cameras=True), "variation": variation}
-    lines = "".join(f"    {name}={value!r},\n" for name, value in options.items())
+    lines = "".join(f"    {name}={value!r},\n" for name, value in played_options(about).items())
     if carried is None:
         return _TEXT.format(task=task, options=lines)
     return _TEXT_WITH_TASK.format(

@@ -13,6 +13,18 @@ from numpy.typing import NDArray
 from taskbuilder.extras import extra_needed
 from taskbuilder.files import write_whole
 
+LANGUAGE = "language"
+"""What LeRobot calls the type of a column of texts with their times."""
+
+LANGUAGE_FIELDS = {
+    "role": "string",
+    "content": "string",
+    "style": "string",
+    "timestamp": "float32",
+    "camera": "string",
+}
+"""Types of what a row of language holds, besides calls of tools, of which there are none."""
+
 
 def require_parquet() -> None:
     """Check that Parquet can be written here.
@@ -29,7 +41,8 @@ def frame_table(features: Mapping[str, Any], columns: Mapping[str, Any]) -> Any:
 
     Args:
         features: The features of the data set, without videos.
-        columns: By feature: (frames,) or (frames, numbers), or a list of PNG files.
+        columns: By feature: (frames,) or (frames, numbers), a list of PNG files, or of the rows of
+            language of each frame.
     """
     import pyarrow as pa
 
@@ -46,6 +59,8 @@ def _column(feature: Mapping[str, Any], values: Any) -> Any:
     if feature["dtype"] == "image":
         rows = [{"bytes": png, "path": None} for png in values]
         return pa.array(rows, type=pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
+    if feature["dtype"] == LANGUAGE:
+        return _same_rows(values)
     kind = pa.from_numpy_dtype(np.dtype(feature["dtype"]))
     array: NDArray[Any] = np.asarray(values, dtype=feature["dtype"])
     flat = pa.array(array.reshape(-1), type=kind)
@@ -53,10 +68,25 @@ def _column(feature: Mapping[str, Any], values: Any) -> Any:
     return flat if array.ndim == 1 else pa.FixedSizeListArray.from_arrays(flat, size)
 
 
+def _same_rows(frames: Sequence[Sequence[Mapping[str, Any]]]) -> Any:
+    """The rows of language of an episode, the same in every frame."""
+    import pyarrow as pa
+
+    kinds = {"float32": pa.float32(), "string": pa.string()}
+    fields = [pa.field(name, kinds[dtype]) for name, dtype in LANGUAGE_FIELDS.items()]
+    fields.append(pa.field("tool_calls", pa.list_(pa.string())))
+    rows = pa.array(frames[:1], type=pa.list_(pa.struct(fields)))
+    return rows.take(pa.array(np.zeros(len(frames), dtype=np.int64)))
+
+
 def _hugging_face(feature: Mapping[str, Any]) -> dict[str, Any]:
     """A feature as the library `datasets` describes it."""
     if feature["dtype"] == "image":
         return {"_type": "Image"}
+    if feature["dtype"] == LANGUAGE:
+        texts = {"_type": "List", "feature": {"dtype": "string", "_type": "Value"}}
+        fields = {n: {"dtype": d, "_type": "Value"} for n, d in LANGUAGE_FIELDS.items()}
+        return {"_type": "List", "feature": {**fields, "tool_calls": texts}}
     value = {"dtype": feature["dtype"], "_type": "Value"}
     if feature["shape"] == [1]:
         return value

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lerobot.configs.recipe import TrainingRecipe
+from lerobot.datasets.language_render import render_sample
 from lerobot.datasets.lerobot_dataset import LeRobotDataset
 from lerobot.envs import utils
 from lerobot.envs.factory import make_env
@@ -79,6 +81,28 @@ def test_numbers_and_pictures_are_those_that_were_recorded(recorded, exported):
                 shown = frame[f"observation.images.{camera}"].numpy().transpose(1, 2, 0)
                 assert np.abs(shown * 255.0 - episode.images(camera)[step]).max() < 0.01
             assert frame["task"] == episode.instruction
+        row += episode.steps
+
+
+def test_sub_tasks_are_what_its_recipes_find(recorded, exported):
+    """At every frame, `${subtask}` is the label of the stage that was under way."""
+    loaded = LeRobotDataset(NAME, root=exported, video_backend=DECODER)
+    assert loaded.meta.has_language_columns
+    said = [{"role": "assistant", "content": "${subtask}", "stream": "low_level", "target": True}]
+    recipe = TrainingRecipe.from_dict({"messages": said})
+    row = 0
+    for episode in load_dataset(recorded):
+        for part in episode.subtasks:
+            for step in (part["from_step"], part["to_step"] - 1):
+                frame = loaded.hf_dataset[row + step]
+                rendered = render_sample(
+                    recipe=recipe,
+                    persistent=frame["language_persistent"],
+                    events=[],
+                    t=frame["timestamp"].item(),
+                    sample_idx=row + step,
+                )
+                assert rendered["messages"][0]["content"] == part["label"]
         row += episode.steps
 
 
