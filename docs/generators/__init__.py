@@ -68,6 +68,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "objects": objects.library,
     "phases": training.phases,
     "probes": results.probes,
+    "proof_times": results.proof_times,
     "recovery": training.recovery,
     "robots": robots.library,
     "scaffold": commands.scaffold,

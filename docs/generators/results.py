@@ -11,6 +11,9 @@ from taskbuilder.reference.markdown import table
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
+WHEN = ("before", "now")
+"""The two sides of a comparison."""
+
 
 def proof(task: str) -> str:
     """When and how a task was proved, and how its expert does it."""
@@ -83,6 +86,22 @@ def stopping(_: str) -> str:
     ]
     head = ["differences", "at four looks", "from 40 seeds at once", "with `--quick`"]
     return f"{table(head, rows)}\n\nEach row has {found['trials']:,} trials."
+
+
+def proof_times(_: str) -> str:
+    """CPU-seconds of proofs by family, in the earlier checkout and today."""
+    tasks = read("proof_times.json")["tasks"]
+    families = dict.fromkeys(name for both in tasks.values() for name in both["now"]["families"])
+
+    def row(name: str, *chosen: str) -> list[str]:
+        cells = [name]
+        for both in tasks.values():
+            spent = (sum(both[at]["families"].get(n, 0.0) for n in chosen) for at in WHEN)
+            cells.append(" → ".join(f"{seconds:.0f}" for seconds in spent))
+        return cells
+
+    rows = [*(row(name, name) for name in families), row("all", *families)]
+    return table(["family", *(f"`{task}`" for task in tasks)], rows)
 
 
 def _way(way: Mapping[str, Any]) -> str:
