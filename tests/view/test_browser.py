@@ -10,11 +10,13 @@ import pytest
 
 from taskbuilder import load_dataset
 from taskbuilder.cli import main
+from taskbuilder.geometry import Pose
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.view.page import LivePage
+from taskbuilder.view.page_end import NO_WEBGL
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice, Stage
-from tests.view.browser import IN_CHROMIUM, field, press, turning, wait_until
+from tests.view.browser import CHROMIUM, IN_CHROMIUM, SMALL, field, press, turning, wait_until
 
 pytestmark = IN_CHROMIUM
 
@@ -149,6 +151,48 @@ def test_an_exported_episode_plays_from_the_disk(tab, touch, tmp_path, capsys):
     tab.goto(file.as_uri())
     tab.locator("canvas").first.wait_for()
     tab.wait_for_function("document.querySelectorAll('canvas').length > 0")
+
+
+def test_yaml_is_copied_by_a_click(shown, tab, server):
+    tab.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    tab.goto(server.address)
+    press(tab, "tab", "Place")
+    wait_until(lambda: server.viser.get_clients())
+    shown.place.choice.value = "cube (object)"
+    wait_until(lambda: shown.place.placing)
+    shown.ask(lambda: shown.place.move(Pose((0.6, 0.2, 0.02))))
+    yaml = tab.locator(".language-yaml")
+    yaml.click(force=True)
+    tab.locator(".language-yaml.copied").wait_for()
+    lines = "# scene.objects.cube.position\n# was [0.5, 0.2, 0.02]\nposition: [0.6, 0.2, 0.02]\n"
+    assert tab.evaluate("navigator.clipboard.readText()") == lines
+    # Pages over http from elsewhere have no clipboard.
+    tab.evaluate(
+        """() => {
+            Object.defineProperty(navigator, "clipboard", {value: undefined});
+            document.addEventListener("copy", () => { window.copied = String(getSelection()); });
+        }"""
+    )
+    yaml.click(force=True)
+    tab.wait_for_function("window.copied")
+    assert tab.evaluate("window.copied") == lines
+
+
+def test_a_browser_without_webgl_and_its_terminal_say_so(shown, browser, server):
+    told = []
+    server.notify = told.append
+    blind = browser.browser_type.launch(
+        executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    )
+    with closing(blind):
+        tab = blind.new_page(viewport=SMALL)
+        tab.goto(server.address)
+        tab.get_by_role("heading", name="This browser cannot draw the scene").wait_for()
+        tab.get_by_text("Nothing is lost").wait_for()
+        wait_until(lambda: told)
+    assert told == [NO_WEBGL]
+    shown.ask(shown.episode.play)  # the page goes on
+    wait_until(lambda: shown.episode.recording)
 
 
 def test_four_windows_show_the_same_at_once(shown, tab_of, server, touch):
