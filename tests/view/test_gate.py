@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from taskbuilder.cli import main
 from taskbuilder.errors import UsageError
 from taskbuilder.view.gate import COOKIE
+from taskbuilder.view.page import LivePage
 from taskbuilder.view.page_end import NO_WEBGL, NO_WEBGL_PATH, PAGE_END, TITLE
 from taskbuilder.view.server import PageServer
 
@@ -154,6 +155,24 @@ def test_the_terminal_is_told_of_a_browser_without_webgl(open_server):
         assert got(server, NO_WEBGL_PATH)[0] == 200
     assert told == [NO_WEBGL]
     assert got(open_server, NO_WEBGL_PATH)[0] == 403  # without the token
+
+
+@pytest.mark.parametrize("errors", [False, True])
+def test_the_command_prints_the_address_and_what_is_wrong(errors, touch, capsys, monkeypatch):
+    def interrupted(page):
+        page._server.notify("something")
+        page._server.notify("something")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(LivePage, "run", interrupted)
+    if errors:
+        touch.write_text(touch.read_text().replace("shape:", "shap:"))
+    assert main(["view", str(touch), "--port", "0"]) == 0
+    printed = capsys.readouterr()
+    assert re.search(r"http://127\.0\.0\.1:\d+ shows .*touch\.yaml; Ctrl-C ends it", printed.out)
+    assert printed.err.endswith("something\n")
+    assert printed.err.count("something") == 1
+    assert ("touch.yaml:7:" in printed.err) is errors
 
 
 @pytest.mark.parametrize("host", ["192.0.2.77", "no such host", "", "x" * 300, "::2"])
