@@ -192,13 +192,15 @@ def region_placed(region: RegionPlacing) -> str:
 
 
 def difference(correction: Correction) -> str:
-    """What a correction changes in the lines of its file.
+    """What a correction changes in the lines of its file; "" for nothing.
 
     Args:
         correction: The correction of a task file.
     """
     before, after = correction.before.splitlines(), correction.after.splitlines()
-    _, _, *lines = unified_diff(before, after, lineterm="", n=0)  # after the names of both files
+    lines = list(unified_diff(before, after, lineterm="", n=0))[2:]  # after the names of both files
+    if not lines:  # it has moved by less than a file says
+        return ""
     # Each line begins with a sign, so that none ends the block.
     changed = "\n".join(line for line in lines if not line.startswith("@@"))
     name = plain(display_path(correction.file))
