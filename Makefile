@@ -34,6 +34,7 @@ docs:
 benchmarks:
 	python benchmarks/authoring.py
 	python benchmarks/watching.py --out benchmarks/results/watching.json
+	python benchmarks/reloading.py --out benchmarks/results/reloading.json
 	python benchmarks/physics_hz.py
 	python benchmarks/environments.py
 	python benchmarks/experts.py

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import webbrowser
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -31,7 +32,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.export:
         return _export(stage, choice, arguments.export)
     with ExitStack() as opened:
-        server = opened.enter_context(closing(PageServer(arguments.port, arguments.host)))
+        server = opened.enter_context(
+            closing(PageServer(arguments.port, arguments.host, notify=_TerminalNotifier()))
+        )
         page = opened.enter_context(closing(LivePage(stage, server, choice)))
         print(f"{server.address} shows {arguments.task}; Ctrl-C ends it", flush=True)
         if server.gate.token:
@@ -47,6 +50,18 @@ def run(arguments: argparse.Namespace) -> int:
         except KeyboardInterrupt:
             print("\nclosed the page")
     return 0
+
+
+class _TerminalNotifier:
+    """Prints what people have to know; what is said again and again only once in a row."""
+
+    def __init__(self) -> None:
+        self._last = ""
+
+    def __call__(self, words: str) -> None:
+        if words != self._last:
+            print(words, file=sys.stderr, flush=True)
+        self._last = words
 
 
 def _export(stage: Stage, choice: Choice, file: Path) -> int:

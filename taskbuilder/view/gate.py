@@ -6,6 +6,7 @@ the server of `websockets` that viser starts: it sees each request before viser 
 
 from __future__ import annotations
 
+import gzip
 import hmac
 import http
 import logging
@@ -54,17 +55,29 @@ class Gate:
         self.token = None if local else secrets.token_urlsafe(TOKEN_BYTES)
         self.port = 0
         self.holds = False
-        self._pages: dict[str, bytes] = {}
+        self._pages: dict[str, tuple[bytes, Callable[[], None]]] = {}
+        self._replacements: dict[str, str] = {}
+        self._rewritten: dict[bool, bytes] = {}
         self._sockets: dict[str, Socket] = {}
 
-    def add_page(self, path: str, html: str) -> None:
+    def add_page(self, path: str, html: str, on_request: Callable[[], None] = lambda: None) -> None:
         """Serve a page of our own.
 
         Args:
             path: Its path, such as ``/gamepad``.
             html: The page.
+            on_request: Called when a browser asks for it.
         """
-        self._pages[path] = html.encode()
+        self._pages[path] = html.encode(), on_request
+
+    def replace_text(self, old: str, new: str) -> None:
+        """Serve viser's own page with another text in it.
+
+        Args:
+            old: A text of the page.
+            new: What stands in its place.
+        """
+        self._replacements[old] = new
 
     def add_socket(self, path: str, socket: Socket) -> None:
         """Serve a socket of our own, to our own pages and to programs.
@@ -126,7 +139,9 @@ class Gate:
             return connection.respond(http.HTTPStatus.FORBIDDEN, REFUSED)
         if url.path in self._sockets:
             return None
-        response = self._page(connection, url.path) or viser(connection, request)
+        response = self._page(connection, url.path)
+        if response is None:
+            response = self._with_replacements(viser(connection, request))
         if response is not None and self.token is not None:
             response.headers["Referrer-Policy"] = "no-referrer"
             if given:
@@ -139,13 +154,26 @@ class Gate:
         if path not in self._pages:
             return None
         response = connection.respond(http.HTTPStatus.OK, "")
-        response.body = self._pages[path]
-        for name, value in {
-            "Content-Type": "text/html; charset=utf-8",
-            "Content-Length": str(len(response.body)),
-        }.items():
-            del response.headers[name]
-            response.headers[name] = value
+        response.body, on_request = self._pages[path]
+        _set(response, "Content-Type", "text/html; charset=utf-8")
+        _set(response, "Content-Length", str(len(response.body)))
+        on_request()
+        return response
+
+    def _with_replacements(self, response: Any) -> Any:
+        """Viser's answer, whose page has the texts that stand in the place of its own."""
+        if response is None or response.status_code != http.HTTPStatus.OK:
+            return response
+        if not response.headers["Content-Type"].startswith("text/html"):
+            return response
+        zipped = response.headers.get("Content-Encoding") == "gzip"
+        if zipped not in self._rewritten:
+            html = (gzip.decompress(response.body) if zipped else response.body).decode()
+            for old, new in self._replacements.items():
+                html = html.replace(old, new)
+            self._rewritten[zipped] = gzip.compress(html.encode()) if zipped else html.encode()
+        response.body = self._rewritten[zipped]
+        _set(response, "Content-Length", str(len(response.body)))
         return response
 
     async def _talk(self, viser: Socket, connection: Any) -> None:
@@ -171,6 +199,12 @@ class Gate:
         except ValueError:
             return False
         return host in LOCAL_NAMES and port == self.port
+
+
+def _set(response: Any, name: str, value: str) -> None:
+    """Give a header of a response its only value."""
+    del response.headers[name]
+    response.headers[name] = value
 
 
 def _netloc(origin: str) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.errors import TaskbuilderError
+from taskbuilder.errors import Finding, TaskbuilderError
 from taskbuilder.steering.session import Session
 from taskbuilder.view.episode_tab import EpisodeTab
 from taskbuilder.view.gamepads import Gamepads
@@ -30,6 +30,8 @@ POLL_S = 0.1
 
 MOST_REQUESTS = 100
 """Requests that wait; those of a browser that floods the page are dropped."""
+
+MENDED = "the files have no errors any more"
 
 Request = Callable[[], None]
 
@@ -54,7 +56,8 @@ class LivePage:
     """
 
     def __init__(self, stage: Stage, server: PageServer, choice: Choice) -> None:
-        self._stage, self._first_choice = stage, choice
+        self._stage, self._first_choice, self._server = stage, choice, server
+        self._notified: tuple[Finding, ...] = ()
         self.requests: queue.Queue[Request] = queue.Queue(MOST_REQUESTS)
         gui = server.viser.gui
         self._heading = gui.add_markdown("")
@@ -136,6 +139,7 @@ class LivePage:
         try:
             self._show_task()
         except TaskbuilderError as error:
+            self._server.notify(str(error))
             self.steering.show(None, str(error))
 
     def _show_task(self) -> None:
@@ -161,8 +165,12 @@ class LivePage:
         if count:
             words = "1 finding" if count == 1 else f"{count} findings"
             self.episode.outcome.content = f"✗ {words}: see the tab *Findings*."
+        before, self._notified = self._notified, self._stage.findings
+        if before != self._notified:
+            self._server.notify("\n".join(map(str, self._notified)) or MENDED)
 
     def _explain(self, error: TaskbuilderError) -> None:
+        self._server.notify(str(error))
         found = self._stage.explain(error)
         self.scene.light(subjects(found))
         self.findings.content = findings(found) if found else f"✗ {plain(str(error))}"

@@ -13,7 +13,7 @@ from taskbuilder.view.placing import Movable, Placing, movables
 from taskbuilder.view.regions import RegionPlacing
 from taskbuilder.view.scene import PICTURE_WIDTH
 from taskbuilder.view.scene_tab import Ask, SceneTab
-from taskbuilder.view.words import placed, plain, region_placed
+from taskbuilder.view.words import difference, placed, plain, region_placed
 from taskbuilder.world.pictures import capture
 from taskbuilder.world.visible import LinkPoses
 
@@ -92,18 +92,12 @@ class PlaceTab:
             self.words.content = "✗ People steer this episode; end it before you move things."
             return
         self._poses = LinkPoses(world)
-        region = thing.sort == "region"
-        make = RegionPlacing if region else Placing
+        make = RegionPlacing if thing.sort == "region" else Placing
         self.placing = make(world, self._scene.variation, thing)
         if not keep_words:
             self._say()
-        add = self._server.scene.add_transform_controls
-        self._gizmo = add("/placed", scale=0.25, depth_test=False, disable_rotations=region)
-        if region:
-            self._corner = add("/corner", scale=0.12, depth_test=False, disable_rotations=True)
-            self._corner.on_update(self._resized)
+        self._add_gizmos()
         self._follow()
-        self._gizmo.on_update(self._dragged)
         self._see(self.placing)
 
     def pick(self, name: str) -> None:
@@ -183,6 +177,19 @@ class PlaceTab:
 
     # --- display
 
+    def _add_gizmos(self) -> None:
+        """The arrows by which the thing is dragged; a region on a surface has none upwards."""
+        region, add = self.placing, self._server.scene.add_transform_controls
+        if isinstance(region, RegionPlacing):
+            axes = True, True, not region.is_flat
+            options = {"depth_test": False, "disable_rotations": True, "active_axes": axes}
+            self._gizmo = add("/placed", scale=0.2, **options)
+            self._corner = add("/corner", scale=0.1, **options)
+            self._corner.on_update(self._resized)
+        else:
+            self._gizmo = add("/placed", scale=0.25, depth_test=False)
+        self._gizmo.on_update(self._dragged)
+
     def _dragged(self, event: Any) -> None:
         pose, ends = _pose_of(event.target), event.phase == "end"
 
@@ -248,7 +255,7 @@ class PlaceTab:
         words = self._words_of(self.placing)
         try:
             if self.placing.values:
-                self._correction()
+                words = f"{words}\n\n{difference(self._correction())}"
         except (TaskbuilderError, OSError) as error:
             words = f"{words}\n\n✗ {plain(str(error))}"
         self.words.content = words

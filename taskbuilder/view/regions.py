@@ -81,6 +81,11 @@ class RegionPlacing:
         self._note()
 
     @property
+    def is_flat(self) -> bool:
+        """Whether it has no height, as on a surface."""
+        return len(self.size) == 2
+
+    @property
     def pose(self) -> Pose:
         """The middle of the region, in the world; its axes are those of its frame."""
         return self._at((0.0, 0.0, 0.0))
@@ -105,8 +110,8 @@ class RegionPlacing:
 
     def edges(self) -> NDArray[np.float32]:
         """(n, 2, 3) the edges of the region in the world, in metres."""
-        flat = len(self.size) == 2
-        corners = list(product((-0.5, 0.5), (-0.5, 0.5), (0.0,) if flat else (-0.5, 0.5)))
+        heights = (0.0,) if self.is_flat else (-0.5, 0.5)
+        corners = list(product((-0.5, 0.5), (-0.5, 0.5), heights))
         pairs = [
             (one, other)
             for one, other in product(corners, corners)

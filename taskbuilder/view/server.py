@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import io
 import socket
+from collections.abc import Callable
 from contextlib import closing, redirect_stdout
 from typing import Any
 
 from taskbuilder.errors import UsageError
 from taskbuilder.view.gate import LOCAL_NAMES, Gate
+from taskbuilder.view.page_end import NO_WEBGL, NO_WEBGL_PATH, PAGE_END, TITLE
 
 LOCAL = "127.0.0.1"
 PORT = 8765
@@ -31,10 +33,12 @@ class PageServer:
         port: The port; 0 for any that is free.
         host: The address that it listens on. On another one than 127.0.0.1, each connection needs
             a token, which is made anew and is a part of `address`.
+        notify: Called with what people at the terminal have to know, in a thread of the server.
 
     Attributes:
         viser: The server of viser.
         gate: Lets connections in.
+        notify: What it was made with.
         host: The address that it listens on.
         port: The port.
 
@@ -42,14 +46,19 @@ class PageServer:
         UsageError: Viser is not installed, the host is none of this machine, or the port is taken.
     """
 
-    def __init__(self, port: int = PORT, host: str = LOCAL) -> None:
+    def __init__(
+        self, port: int = PORT, host: str = LOCAL, *, notify: Callable[[str], None] = lambda _: None
+    ) -> None:
         try:
             import viser
         except ModuleNotFoundError:
             raise UsageError(HOW_TO_GET) from None
         _check_free(host, port)
-        self.host = host
+        self.host, self.notify = host, notify
         self.gate = Gate(local=host in LOCAL_NAMES)
+        self.gate.replace_text("<title>Viser</title>", f"<title>{TITLE}</title>")
+        self.gate.replace_text("</body>", f"{PAGE_END}</body>")
+        self.gate.add_page(NO_WEBGL_PATH, "", lambda: self.notify(NO_WEBGL))
         # The command says where the page is.
         with redirect_stdout(io.StringIO()), self.gate.installed():
             self.viser: Any = viser.ViserServer(host, port, verbose=False)

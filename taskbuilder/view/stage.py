@@ -9,7 +9,14 @@ from pathlib import Path
 
 from taskbuilder.data.growing import GrowingDataset
 from taskbuilder.env.parallel import TaskEnv, parallel_env
-from taskbuilder.errors import FileError, Finding, PlacementError, TaskbuilderError
+from taskbuilder.errors import (
+    FileError,
+    Finding,
+    Location,
+    PlacementError,
+    TaskbuilderError,
+    UnknownNameError,
+)
 from taskbuilder.policies.grammar import parse_policy
 from taskbuilder.policies.zoo import zoo_names
 from taskbuilder.schema.catalogue import Catalogue
@@ -21,6 +28,11 @@ from taskbuilder.validate.polling import Polled
 from taskbuilder.view.recording import RecordedState, Recording, record
 
 SCRIPTED = ("expert", "hold", "random")
+
+MISSING_FILE = (
+    "cannot be read: it is no longer there; the page goes on when it is back under this name"
+)
+"""What is said of a task file that is deleted or renamed while it is shown."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +75,26 @@ class Stage:
         self._reference, self._catalogue = reference, catalogue
         self._record, self._horizon = record, horizon
         self._polled = Polled()
+        self._file: Path | None = None
         self.task: Task | None = None
         self.findings: tuple[Finding, ...] = ()
         self.load()
 
     def load(self) -> bool:
-        """Read the files again; whether they could be read."""
+        """Read the files again; whether they could be read.
+
+        Raises:
+            UnknownNameError: There is no such task, and there was none before.
+        """
         catalogue = Catalogue(self._catalogue.folders)
-        entry = catalogue.task(self._reference)
+        try:
+            entry = catalogue.task(self._reference)
+        except UnknownNameError:
+            if self._file is None:
+                raise
+            self.findings = (Finding("TB001", MISSING_FILE, location=Location(self._file)),)
+            return False
+        self._file = entry.file
         self._polled.watch(used_files(entry, catalogue) | self._polled.files)
         try:
             self.task = load_task(self._reference, catalogue=catalogue)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from difflib import unified_diff
 from itertools import islice, zip_longest
 
 from taskbuilder.errors import Finding, display_path
+from taskbuilder.fixes import Correction
 from taskbuilder.geometry import Pose, to_rpy_deg
 from taskbuilder.steering.operator import Jog
 from taskbuilder.steering.session import Session, State
@@ -187,6 +189,22 @@ def region_placed(region: RegionPlacing) -> str:
         lines.append(f"{WRONG} it reaches beyond {plain(region.reaches_beyond)}")
     lines.append("Drag it by the arrows in its middle, and resize it by those at its corner.")
     return _with_changes("  \n".join(lines), region.changes())
+
+
+def difference(correction: Correction) -> str:
+    """What a correction changes in the lines of its file; "" for nothing.
+
+    Args:
+        correction: The correction of a task file.
+    """
+    before, after = correction.before.splitlines(), correction.after.splitlines()
+    lines = list(unified_diff(before, after, lineterm="", n=0))[2:]  # after the names of both files
+    if not lines:  # it has moved by less than a file says
+        return ""
+    # Each line begins with a sign, so that none ends the block.
+    changed = "\n".join(line for line in lines if not line.startswith("@@"))
+    name = plain(display_path(correction.file))
+    return f"When you press *Write*, {name} changes so:\n\n```diff\n{changed}\n```"
 
 
 def _with_changes(text: str, changed: Sequence[ValueChange]) -> str:

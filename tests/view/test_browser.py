@@ -3,76 +3,22 @@
 from __future__ import annotations
 
 import re
-import shutil
 import time
-from collections.abc import Iterator
 from contextlib import closing
 
-import numpy as np
 import pytest
 
 from taskbuilder import load_dataset
 from taskbuilder.cli import main
+from taskbuilder.geometry import Pose
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.view.page import LivePage
+from taskbuilder.view.page_end import NO_WEBGL
 from taskbuilder.view.server import PageServer
 from taskbuilder.view.stage import Choice, Stage
-from tests.view.test_gamepads import turning, wait_until
+from tests.view.browser import CHROMIUM, IN_CHROMIUM, SMALL, field, press, turning, wait_until
 
-sync_api = pytest.importorskip("playwright.sync_api")
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = [
-    pytest.mark.slow,  # the processor draws the page
-    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
-]
-
-PATIENCE_MS = 120_000
-SMALL = {"width": 640, "height": 360}
-"""A small picture, because the processor draws it."""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[object]:
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
-        )
-        yield browser
-        browser.close()
-
-
-@pytest.fixture
-def tab_of(browser):
-    """Opens windows."""
-    tabs, wrong = [], []
-
-    def make():
-        tab = browser.new_page(viewport=SMALL)
-        tab.set_default_timeout(PATIENCE_MS)
-        tab.on("pageerror", lambda error: wrong.append(error))  # Playwright marks it
-        tabs.append(tab)
-        return tab
-
-    yield make
-    for tab in tabs:
-        tab.close()
-    assert not wrong
-
-
-@pytest.fixture
-def tab(tab_of):
-    return tab_of()
-
-
-@pytest.fixture
-def shown(page_of, touch):
-    with turning(page_of(touch)) as page:
-        yield page
-
-
-def press(tab, role, name):
-    tab.get_by_role(role, name=name).first.click(force=True)
+pytestmark = IN_CHROMIUM
 
 
 def test_an_episode_is_played_and_scrubbed(shown, tab, server):
@@ -109,10 +55,6 @@ def test_names_with_markup_are_shown_as_they_are_written(shown, tab, server, tou
     tab.wait_for_function("document.body.innerText.includes('onerror=')")
     assert tab.title() != "7"
     assert tab.locator("a[href^='javascript']").count() == 0
-
-
-def field(tab, label):
-    return tab.locator(f"xpath=//*[text()='{label}']/following::input[1]").first
 
 
 def test_two_windows_steer_two_robots_of_one_episode(page_of, two_arms, tab_of, server, tmp_path):
@@ -211,40 +153,58 @@ def test_an_exported_episode_plays_from_the_disk(tab, touch, tmp_path, capsys):
     tab.wait_for_function("document.querySelectorAll('canvas').length > 0")
 
 
-def test_a_thing_is_dragged_and_written(shown, tab, server, touch):
+def test_yaml_is_copied_by_a_click(shown, tab, server):
+    tab.context.grant_permissions(["clipboard-read", "clipboard-write"])
     tab.goto(server.address)
-    tab.get_by_text("The arm brings its tool to the ball.").wait_for()
     press(tab, "tab", "Place")
-    tab.wait_for_timeout(3000)  # the scene is drawn
-    (client,) = server.viser.get_clients().values()
-    x, y, z = shown.scene.world.pose("cube").position
-    tab.mouse.click(*pixel(client.camera, SMALL, (x, y, z)))
-    tab.get_by_text(re.compile("at \\(0.500, 0.200")).wait_for()
-    tab.wait_for_timeout(3000)  # the arrows are drawn
-    start, end = (pixel(client.camera, SMALL, (x, y, z + up)) for up in (0.2, 0.3))
-    tab.mouse.move(*start)
-    tab.wait_for_timeout(1000)
-    tab.mouse.down()
-    for share in (0.3, 0.6, 1.0):
-        at = (a + share * (b - a) for a, b in zip(start, end, strict=True))
-        tab.mouse.move(*at)
-        tab.wait_for_timeout(500)
-    tab.mouse.up()
-    tab.get_by_text(re.compile("was \\[0.5, 0.2, 0.02\\]")).wait_for()
-    before = touch.read_text()
-    press(tab, "button", "Write")
-    tab.get_by_text(re.compile("Written to")).wait_for()
-    changed = [new for new in touch.read_text().splitlines() if new not in before.splitlines()]
-    assert len(changed) == 1
-    assert re.search(r"position: \[0\.5\d*, 0\.2\d*, 0\.[1-9]", changed[0])
+    wait_until(lambda: server.viser.get_clients())
+    shown.place.choice.value = "cube (object)"
+    wait_until(lambda: shown.place.placing)
+    shown.ask(lambda: shown.place.move(Pose((0.6, 0.2, 0.02))))
+    yaml = tab.locator(".language-yaml")
+    yaml.click(force=True)
+    tab.locator(".language-yaml.copied").wait_for()
+    lines = "# scene.objects.cube.position\n# was [0.5, 0.2, 0.02]\nposition: [0.6, 0.2, 0.02]\n"
+    assert tab.evaluate("navigator.clipboard.readText()") == lines
+    # Pages over http from elsewhere have no clipboard.
+    tab.evaluate(
+        """() => {
+            Object.defineProperty(navigator, "clipboard", {value: undefined});
+            document.addEventListener("copy", () => { window.copied = String(getSelection()); });
+        }"""
+    )
+    yaml.click(force=True)
+    tab.wait_for_function("window.copied")
+    assert tab.evaluate("window.copied") == lines
 
 
-def pixel(camera, size, point):
-    """Where a point is in the picture of a window."""
-    right = np.cross(ahead := camera.look_at - camera.position, camera.up_direction)
-    axes = [v / np.linalg.norm(v) for v in (right, np.cross(right, ahead), ahead)]
-    x, y, depth = (float(axis @ (np.array(point) - camera.position)) for axis in axes)
-    # The panel covers a part of the window on the right; the scene fills the rest.
-    width, height = camera.aspect * size["height"], size["height"]
-    scale = height / 2.0 / np.tan(camera.fov / 2.0) / depth
-    return width / 2.0 + scale * x, height / 2.0 - scale * y
+def test_a_browser_without_webgl_and_its_terminal_say_so(shown, browser, server):
+    told = []
+    server.notify = told.append
+    blind = browser.browser_type.launch(
+        executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    )
+    with closing(blind):
+        tab = blind.new_page(viewport=SMALL)
+        tab.goto(server.address)
+        tab.get_by_role("heading", name="This browser cannot draw the scene").wait_for()
+        tab.get_by_text("Nothing is lost").wait_for()
+        wait_until(lambda: told)
+    assert told == [NO_WEBGL]
+    shown.ask(shown.episode.play)  # the page goes on
+    wait_until(lambda: shown.episode.recording)
+
+
+def test_four_windows_show_the_same_at_once(shown, tab_of, server, touch):
+    tabs = [tab_of() for _ in range(4)]
+    for tab in tabs:
+        tab.goto(server.address)
+    for tab in tabs:
+        tab.get_by_text("The arm brings its tool to the ball.").wait_for()
+    press(tabs[0], "button", "Play an episode")
+    for tab in tabs:
+        tab.get_by_text(re.compile("expert: success after")).wait_for()
+    touch.write_text(touch.read_text().replace("brings its tool to", "touches"))
+    for tab in tabs:
+        tab.get_by_text("The arm touches the ball.").wait_for()
+    assert len(server.viser.get_clients()) == 4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import threading
 from contextlib import contextmanager, suppress
 
 import pytest
@@ -13,6 +12,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect as connect_now
 
 from taskbuilder.view.gamepads import PadMessage, read_message
+from tests.view.browser import turning, wait_until
 from tests.view.test_gate import got
 
 ATTACKS = (
@@ -33,19 +33,6 @@ ATTACKS = (
     '{"name": "' + "x" * 600 + '"}',
     b"\x00\x01",
 )
-
-
-@contextmanager
-def turning(page):
-    """Turn the loop of a page in a thread of its own."""
-    stop = threading.Event()
-    thread = threading.Thread(target=lambda: page.run(stop.is_set))
-    thread.start()
-    try:
-        yield page
-    finally:
-        stop.set()
-        thread.join()
 
 
 class Hand:
@@ -72,14 +59,6 @@ def hand(server):
         made = Hand(connection)
         made.until(lambda told: told.get("robots"))
         yield made
-
-
-def wait_until(holds, seconds=60.0):
-    for _ in range(int(seconds / 0.05)):
-        if holds():
-            return
-        threading.Event().wait(0.05)
-    assert holds()
 
 
 def test_a_message_says_what_a_gamepad_does():

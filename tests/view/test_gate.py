@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gzip
 import http.client
 import re
 from contextlib import closing, suppress
@@ -15,6 +16,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from taskbuilder.cli import main
 from taskbuilder.errors import UsageError
 from taskbuilder.view.gate import COOKIE
+from taskbuilder.view.page import LivePage
+from taskbuilder.view.page_end import NO_WEBGL, NO_WEBGL_PATH, PAGE_END, TITLE
 from taskbuilder.view.server import PageServer
 
 PATHS = ("/", "/index.html", "/gamepad", "/nothing", "/?token=", "/?token=wrong", "/..%2f..%2fetc")
@@ -128,6 +131,48 @@ def test_on_this_machine_alone_no_token_is_needed(server):
     assert "Set-Cookie" not in headers
     assert greeted(server)
     assert got(server, "/../../../../etc/passwd")[0] == 404
+
+
+def test_the_page_has_our_title_and_our_script_however_it_is_sent(server):
+    status, headers, text = got(server, "/")
+    assert status == 200
+    assert int(headers["Content-Length"]) == len(text.encode())
+    assert f"<title>{TITLE}</title>" in text
+    assert text.count(PAGE_END) == 1
+    assert text.rstrip().endswith("</body>\n</html>")
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
+    with closing(connection):
+        connection.request("GET", "/", headers={"Accept-Encoding": "gzip"})
+        zipped = connection.getresponse().read()
+    assert gzip.decompress(zipped).decode() == text
+
+
+def test_the_terminal_is_told_of_a_browser_without_webgl(open_server):
+    told = []
+    with closing(PageServer(0, notify=told.append)) as server:
+        assert got(server, NO_WEBGL_PATH, Origin="https://elsewhere.example")[0] == 403
+        assert told == []
+        assert got(server, NO_WEBGL_PATH)[0] == 200
+    assert told == [NO_WEBGL]
+    assert got(open_server, NO_WEBGL_PATH)[0] == 403  # without the token
+
+
+@pytest.mark.parametrize("errors", [False, True])
+def test_the_command_prints_the_address_and_what_is_wrong(errors, touch, capsys, monkeypatch):
+    def interrupted(page):
+        page._server.notify("something")
+        page._server.notify("something")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(LivePage, "run", interrupted)
+    if errors:
+        touch.write_text(touch.read_text().replace("shape:", "shap:"))
+    assert main(["view", str(touch), "--port", "0"]) == 0
+    printed = capsys.readouterr()
+    assert re.search(r"http://127\.0\.0\.1:\d+ shows .*touch\.yaml; Ctrl-C ends it", printed.out)
+    assert printed.err.endswith("something\n")
+    assert printed.err.count("something") == 1
+    assert ("touch.yaml:7:" in printed.err) is errors
 
 
 @pytest.mark.parametrize("host", ["192.0.2.77", "no such host", "", "x" * 300, "::2"])

@@ -90,6 +90,65 @@ def test_a_file_that_is_deleted_while_it_is_shown_is_a_finding(page_of, touch):
     turn(page, lambda: "No findings" not in page.findings.content)
 
 
+def test_a_task_file_that_is_deleted_while_it_is_shown_is_a_finding_until_it_is_back(
+    page_of, touch, server
+):
+    told = []
+    server.notify = told.append
+    page = page_of(touch)
+    text = touch.read_text()
+    touch.unlink()
+    turn(page, lambda: "no longer there" in page.findings.content)
+    assert "1 finding" in page.episode.outcome.content
+    assert "/scene/cube" in parts(server)  # what was there last is still to be seen
+    page.ask(page.episode.play)
+    turn(page, lambda: page.episode.recording is not None)  # and can be played
+    touch.write_text(text.replace("cube:", "block:"))
+    turn(page, lambda: "/scene/block" in parts(server))
+    assert "No findings" in page.findings.content
+    gone, back = told
+    assert re.search(r"touch\.yaml: error\[TB001\] cannot be read: it is no longer there", gone)
+    assert back == "the files have no errors any more"
+
+
+def test_the_terminal_says_what_the_page_says_of_errors_but_only_once(page_of, touch, server):
+    told = []
+    server.notify = told.append
+    touch.write_text(touch.read_text().replace("mass: 0.1", "mass: -1"))
+    page = page_of(touch)
+    assert len(told) == 1
+    assert "touch.yaml:7:" in told[0]
+    touch.write_text(touch.read_text() + "# saved again\n")
+    page._reload()
+    assert len(told) == 1
+
+
+def test_a_data_set_that_the_changed_task_does_not_fit_is_told_and_kept(
+    page_of, touch, tmp_path, server
+):
+    told = []
+    server.notify = told.append
+    page = page_of(touch, record=tmp_path / "data")
+    before = (tmp_path / "data" / "dataset.json").read_bytes()
+    text = touch.read_text()
+    touch.write_text(text.replace("mass: 0.1", "mass: 0.2"))
+    turn(page, lambda: page.steering.session is None)
+    assert "begun in another way" in page.steering._status.content.replace("\\", "")
+    assert "begun in another way" in told[-1]
+    assert (tmp_path / "data" / "dataset.json").read_bytes() == before
+    touch.write_text(text)
+    turn(page, lambda: page.steering.session is not None)
+
+
+def test_a_data_set_of_another_task_is_refused(page_of, touch, tmp_path):
+    page_of(touch, record=tmp_path / "data").close()
+    other = tmp_path / "other.yaml"
+    other.write_text(touch.read_text().replace("task: touch", "task: other"))
+    other.with_suffix(".py").write_text(touch.with_suffix(".py").read_text())
+    with pytest.raises(UsageError, match=r"begun in another way[\s\S]*tasks"):
+        page_of(other, record=tmp_path / "data")
+
+
 def test_an_expert_that_cannot_do_its_stages_is_told(page_of, touch):
     touch.write_text(touch.read_text().replace("[0.45, 0, 0.4]", "[3.0, 0, 0.4]"))
     page = page_of(touch)

@@ -7,9 +7,10 @@ import re
 import pytest
 
 from taskbuilder.errors import Finding
+from taskbuilder.fixes import Correction
 from taskbuilder.geometry import Pose
 from taskbuilder.view.recording import ConditionState
-from taskbuilder.view.words import conditions, findings, plain, pose_yaml, stages
+from taskbuilder.view.words import conditions, difference, findings, plain, pose_yaml, stages
 
 ATTACKS = (
     "<img src=x onerror=alert(1)>",
@@ -39,6 +40,15 @@ def test_names_in_lists_are_plain(text):
     for markdown in made:
         assert plain(text) in markdown
         assert "<" not in markdown.replace(r"\<", "")
+
+
+def test_the_difference_has_the_changed_lines_alone_and_none_ends_its_block(tmp_path):
+    before = "a: 1\n# ```\nb: [1,\n```\n  2]\nc: 3\n"
+    after = before.replace("```\n  2", "  3")
+    words = difference(Correction(tmp_path / "x_y.yaml", before, after))
+    assert "x\\_y.yaml changes so:" in words
+    assert words.endswith("so:\n\n```diff\n-```\n-  2]\n+  3]\n```")
+    assert difference(Correction(tmp_path / "x.yaml", before, before)) == ""
 
 
 def test_a_pose_can_be_copied_into_a_task_file():

@@ -39,7 +39,11 @@ def test_an_object_is_moved_written_and_taken_back(page_of, touch):
     placing = take(page, "cube (object)")
     page.ask(lambda: page.place.move(shifted(placing.pose, (0.1, 0.0, 0.0))))
     turn(page, lambda: "position: [0.6, 0.2, 0.02]" in page.place.words.content)
-    assert "# scene.objects.cube.position\n# was [0.5, 0.2, 0.02]\n" in page.place.words.content
+    words = page.place.words.content
+    assert "# scene.objects.cube.position\n# was [0.5, 0.2, 0.02]\n" in words
+    line = "    cube: {shape: {box: [0.04, 0.04, 0.04]}, mass: 0.1, position: [0.5, 0.2, 0.02]}"
+    changed = f"-{line}\n+{line.replace('[0.5, 0.2', '[0.6, 0.2')}"
+    assert words.endswith(f"touch.yaml changes so:\n\n```diff\n{changed}\n```")
     page.ask(lambda: page.place.do(WRITE))
     wanted = text.replace("position: [0.5, 0.2, 0.02]", "position: [0.6, 0.2, 0.02]")
     turn(page, lambda: touch.read_text() == wanted)
@@ -121,19 +125,6 @@ def test_a_click_takes_what_can_be_moved(page_of, touch):
     assert str(page.place.placing.thing) == "arm (base)"
 
 
-REGION = "place: {surface: table, center: [0.4, 0.2], size: [0.1, 0.2]}"
-
-
-@pytest.fixture
-def with_region(touch):
-    """The task with a table, on which the cube is placed at random."""
-    text = touch.read_text().replace("position: [0.5, 0.2, 0.02]", REGION)
-    table = "table: {shape: {box: [0.8, 0.8, 0.1]}, fixed: true, position: [0.7, 0, 0.05]}"
-    text = text.replace("    cube:", f"    {table}\n    cube:")
-    touch.write_text(text)
-    return touch
-
-
 def test_a_region_is_moved_resized_written_and_taken_back(page_of, with_region, server):
     text = with_region.read_text()
     page = page_of(with_region)
@@ -157,6 +148,9 @@ def test_a_region_is_moved_resized_written_and_taken_back(page_of, with_region, 
     turn(page, lambda: page.scene.world is not world)  # the page follows the file
     assert with_region.read_text() == wanted
     assert page.place.placing.size == pytest.approx((0.2, 0.04))
+    for gizmo in ("/placed", "/corner"):  # it lies on the table, so nothing points upwards
+        handle = server.viser.scene._handle_from_node_name[gizmo]
+        assert tuple(handle.active_axes) == (True, True, False)
     page.ask(lambda: page.place.do(UNDO))
     turn(page, lambda: with_region.read_text() == text)
 
@@ -180,12 +174,14 @@ def test_a_region_is_put_back_and_one_beyond_its_surface_is_told(page_of, with_r
     assert not {"/placed", "/corner", "/region"} & parts(server)
 
 
-def test_a_region_in_the_air_has_a_height(page_of, touch):
+def test_a_region_in_the_air_has_a_height(page_of, touch, server):
     region = "{place: {center: [0.45, 0, 0.4], size: [0.1, 0.2, 0.3]}}"
     touch.write_text(touch.read_text().replace("{position: [0.45, 0, 0.4]}", region))
     page = page_of(touch)
     placing = take(page, "ball (region)")
     assert len(placing.edges()) == 12
+    gizmo = server.viser.scene._handle_from_node_name["/placed"]
+    assert tuple(gizmo.active_axes) == (True, True, True)
     page.ask(lambda: page.place.move(shifted(placing.pose, (0.0, 0.0, 0.1))))
     turn(page, lambda: "center: [0.45, 0, 0.5]" in page.place.words.content)
     page.ask(lambda: page.place.resize(shifted(placing.corner, (0.0, 0.0, -0.05))))
