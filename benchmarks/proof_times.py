@@ -5,9 +5,9 @@
 
 The tasks are proved one after the other, each in a process of its own, first with the earlier
 checkout and then with this one. The time is that of the processor and not of the clock, and
-includes the processes that replay episodes. It includes loading, but not the start of Python. Results go to
-benchmarks/results/proof_times.json, a task at a time, and from there to docs/validation.md
-(`make docs`).
+includes the processes that replay episodes. It includes loading, but not the start of Python.
+Results go to benchmarks/results/proof_times.json, a task at a time, and from there to
+docs/validation.md (`make docs`).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ print(json.dumps({"ok": report.ok, "families": families}))
 
 def proved(task: str, checkout: Path) -> dict[str, Any]:
     """Prove a task with the modules of a checkout."""
-    alone = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", PROOF, task],
         cwd=checkout,
@@ -70,7 +70,8 @@ def main() -> None:
     for task in asked.tasks or TASKS:
         before, now = (proved(task, checkout) for checkout in (asked.before.resolve(), ROOT))
         kept["tasks"][task] = {"before": before, "now": now}
-        print(task, *(f"{sum(one['families'].values()):.0f} s" for one in (before, now)), flush=True)
+        times = (sum(side["families"].values()) for side in (before, now))
+        print(task, *(f"{seconds:.0f} s" for seconds in times), flush=True)
         kept |= {
             "command": "python benchmarks/proof_times.py --before EARLIER",
             "before": revision(asked.before),
