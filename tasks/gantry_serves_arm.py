@@ -11,7 +11,7 @@ class GantryServesArm(d.Description):
     taken = d.Held("cap", by="arm")
     foot_stands = d.On("foot", "plinth") & d.Upright("foot", within_deg=5)
     cap_on = d.On("cap", "foot") & d.Near("cap", "on_foot", within=0.025)
-    built = foot_stands & cap_on & d.Released("foot") & d.Released("cap") & d.Stationary("cap")
+    built = foot_stands & cap_on & d.Released("foot") & d.Released("cap")
 
     success = d.Sustained(built, seconds=1.0)
     failure = (
