@@ -18,7 +18,7 @@ from taskbuilder.data.names import FORMAT_NAMES
 from taskbuilder.data.plan import CollectPlan
 from taskbuilder.errors import UsageError
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*hardly varies")
+pytestmark = pytest.mark.filterwarnings("ignore:.*hardly varies", "ignore:depth images are left")
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "data-sets.md"
 

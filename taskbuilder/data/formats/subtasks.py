@@ -34,8 +34,8 @@ def subtask_numbers(episode: RecordedEpisode, labels: tuple[str, ...]) -> NDArra
     """
     places = {label: number for number, label in enumerate(labels)}
     numbers = {0: 0, **{part["stage"]: places[part["label"]] for part in episode.subtasks}}
-    found = [numbers[stage] for stage in episode.arrays["subtask"].tolist()]
-    return np.array(found, dtype=np.int64)
+    rows = [numbers[stage] for stage in episode.arrays["subtask"].tolist()]
+    return np.array(rows, dtype=np.int64)
 
 
 def subtask_begins(episode: RecordedEpisode) -> list[tuple[int, str]]:
