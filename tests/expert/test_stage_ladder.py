@@ -117,7 +117,12 @@ def test_what_a_robot_holds_is_known_before_and_after_each_order():
     stages = ladder_stages([{"arm": tuple(take)}, {"arm": Order(release=True)}], ["arm", "other"])
     before, between, after = stages[0].holds["arm"]
     assert before is between is None
-    assert (after.body, after.place, after.grasped_at, after.share) == ("cube", "cube.top", 0.5, 0.5)
+    assert (after.body, after.place, after.grasped_at, after.share) == (
+        "cube",
+        "cube.top",
+        0.5,
+        0.5,
+    )
     assert stages[1].holds == {"arm": (after, None), "other": (None,)}
 
 
