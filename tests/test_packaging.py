@@ -105,6 +105,9 @@ def test_a_wheel_has_every_module(wheel):
 def test_a_wheel_has_all_that_is_read_as_data(wheel):
     needed = {"py.typed", "tasks/handover.yaml", *(f"validate/html/{name}" for name in PAGES)}
     needed |= {"policies/models/handover/demos.npz", "objects/mug/object.yaml"}
+    needed |= {
+        f"visual/fonts/{name}" for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf", "LICENSE")
+    }
     assert [name for name in needed if not (wheel / "taskbuilder" / name).is_file()] == []
 
 

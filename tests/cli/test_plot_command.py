@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import cv2
@@ -36,6 +37,16 @@ def count(picture, color):
 
 def rgb(text):
     return tuple(int(text[start : start + 2], 16) for start in (1, 3, 5))
+
+
+def test_without_matplotlib_the_extra_is_named(run, runs, monkeypatch):
+    runs("a")
+    monkeypatch.delitem(sys.modules, "taskbuilder.visual.curves", raising=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    ran = run("plot", "a", "--out", "curves.png")
+    assert ran.status == 2
+    assert 'plot needs matplotlib; install the extra: pip install "taskbuilder[plot]"' in ran.err
+    assert not Path("curves.png").exists()
 
 
 def test_a_run_is_drawn_with_all_that_it_logged(run, runs):

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from taskbuilder.visual.charts import Mark, reward_chart, spread
+from taskbuilder.visual.charts import Mark, reward_chart, spread, ticks
 
 
 def drawn(terms, marks=(), steps=20):
@@ -54,6 +54,26 @@ def test_the_same_episode_makes_the_same_bytes():
 def test_any_number_of_terms_and_steps_can_be_drawn(terms, steps):
     marks = [Mark(step, "a stage with a long name") for step in range(min(steps, 9))]
     assert drawn([f"term {n}" for n in range(terms)], marks, steps).shape == (550, 990, 3)
+
+
+def test_what_is_not_finite_breaks_a_line_and_no_more():
+    pay = np.linspace(-1.0, 1.0, 20)
+    broken = np.where(np.arange(20) == 10, np.nan, pay)
+    whole, gap = (reward_chart("t", "s", {}, team) for team in (pay, broken))
+    assert whole != gap
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "whole", "found"),
+    [
+        (-1.6, 2.7, False, [-1.0, 0.0, 1.0, 2.0]),
+        (0.0, 0.35, False, [0.0, 0.1, 0.2, 0.3]),
+        (0.0, 1.0, True, [0.0, 1.0]),
+        (0.0, 500.0, True, [0.0, 100.0, 200.0, 300.0, 400.0, 500.0]),
+    ],
+)
+def test_ticks_are_round_numbers(low, high, whole, found):
+    assert ticks(low, high, 5, whole=whole) == found
 
 
 @pytest.mark.parametrize(
