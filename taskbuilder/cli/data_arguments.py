@@ -207,6 +207,13 @@ def add_dataset(adder: CommandAdder) -> None:
         action="store_true",
         help="export: write PNG images instead of videos, if the format supports both",
     )
+    parser.add_argument(
+        "--no-language",
+        dest="language",
+        action="store_false",
+        help="export: for LeRobot 0.5 and earlier, which refuse the column language_persistent; "
+        "leave it out",
+    )
     parser.add_argument("--out", type=Path, metavar="DIR", help="film, export: folder to write to")
     add_json(parser)
 

@@ -231,7 +231,7 @@ def _export(arguments: argparse.Namespace) -> int:
     if not arguments.out:
         raise UsageError("where to? name a new folder by --out")
     dataset = load_dataset(arguments.folder)
-    options = ExportOptions(pictures=arguments.pictures, warn=warn)
+    options = ExportOptions(arguments.pictures, arguments.language, warn)
     out = export_dataset(dataset, arguments.export, arguments.out, options)
     told = {"format": arguments.export, "folder": display_path(out), "episodes": len(dataset)}
     if arguments.json:

@@ -150,6 +150,7 @@ def export(
     out: str | Path | None = None,
     *,
     pictures: bool = False,
+    language: bool = True,
 ) -> Path:
     """Export a data set to another format.
 
@@ -158,6 +159,7 @@ def export(
         form: The format: ``lerobot``, ``robomimic`` or ``minari``.
         out: Folder to write to; by default beside the data set, such as ``data/handover-lerobot``.
         pictures: Whether pictures are kept as PNG instead of videos, where the format has both.
+        language: Whether sub-tasks are written as language, which LeRobot 0.5 and earlier refuse.
 
     Returns:
         The folder.
@@ -169,4 +171,4 @@ def export(
     """
     loaded = dataset if isinstance(dataset, Dataset) else load_dataset(dataset)
     folder = loaded.folder.with_name(f"{loaded.folder.name}-{form}") if out is None else Path(out)
-    return export_dataset(loaded, form, folder, ExportOptions(pictures=pictures))
+    return export_dataset(loaded, form, folder, ExportOptions(pictures, language))

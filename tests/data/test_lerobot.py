@@ -226,6 +226,15 @@ def test_without_an_expert_there_is_no_column_of_language(good, tmp_path):
     assert "language_persistent" not in info_of(out)["features"]
 
 
+def test_language_is_left_out_for_earlier_versions(pictured, tmp_path):
+    out = export_dataset(
+        load_dataset(pictured), "lerobot", tmp_path / "out", ExportOptions(language=False)
+    )
+    assert "language_persistent" not in info_of(out)["features"]
+    assert "language_persistent" not in frames_of(out)
+    assert "subtask_index" in frames_of(out)
+
+
 # --- pictures
 
 

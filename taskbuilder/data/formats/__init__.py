@@ -25,16 +25,24 @@ class ExportOptions:
 
     Attributes:
         pictures: Keep pictures as PNG instead of videos, where the format has both.
+        language: Whether sub-tasks are written as language, which LeRobot 0.5 and earlier refuse.
         warn: Called with what users should know about an export; by default, it is shown as a
             warning of Python's.
     """
 
     pictures: bool = False
+    language: bool = True
     warn: Callable[[str], None] = warnings.warn
 
 
 def _lerobot(dataset: Dataset, folder: Path, options: ExportOptions) -> None:
-    write_lerobot(dataset, folder, pictures=options.pictures, warn=options.warn)
+    write_lerobot(
+        dataset,
+        folder,
+        pictures=options.pictures,
+        language=options.language,
+        warn=options.warn,
+    )
 
 
 def _robomimic(dataset: Dataset, folder: Path, options: ExportOptions) -> None:

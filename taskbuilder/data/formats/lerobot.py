@@ -57,6 +57,7 @@ def write_lerobot(
     folder: Path,
     *,
     pictures: bool = False,
+    language: bool = True,
     warn: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Write the episodes of one task as a LeRobot data set.
@@ -65,6 +66,7 @@ def write_lerobot(
         dataset: Episodes of one task.
         folder: An empty folder.
         pictures: Keep pictures as PNG in the tables instead of videos.
+        language: Whether sub-tasks are written as language, too.
         warn: Called with what users should know about the export.
 
     Raises:
@@ -73,7 +75,9 @@ def write_lerobot(
         OSError: It cannot be written.
     """
     require_parquet()
-    _Writer(dataset, folder, pictures=pictures, warn=warn).write()
+    (task,) = dataset.about["tasks"].values()
+    features = features_of(task, pictures=pictures, language=language)
+    _Writer(dataset, folder, features, pictures=pictures, warn=warn).write()
 
 
 def _idle_words(names: Sequence[str]) -> str:
@@ -85,14 +89,20 @@ def _idle_words(names: Sequence[str]) -> str:
 
 class _Writer:
     def __init__(
-        self, dataset: Dataset, folder: Path, *, pictures: bool, warn: Callable[[str], None]
+        self,
+        dataset: Dataset,
+        folder: Path,
+        features: Features,
+        *,
+        pictures: bool,
+        warn: Callable[[str], None],
     ) -> None:
         self._dataset, self._folder, self._pictures = dataset, folder, pictures
         self._warn = warn
         (name,) = dataset.about["tasks"]
         self._carried = carried_task(dataset.about, dataset.folder, name)
         (self._task,) = dataset.about["tasks"].values()
-        self._features = features_of(self._task, pictures=pictures)
+        self._features = features
         self._columns = {n: f for n, f in self._features.items() if f["dtype"] != "video"}
         self._texts: dict[str, int] = {}
         self._subtasks = subtask_labels(self._task)
@@ -268,7 +278,9 @@ def camera_key(camera: str) -> str:
     return f"observation.images.{camera}"
 
 
-def features_of(task: Mapping[str, Any], *, pictures: bool = False) -> Features:
+def features_of(
+    task: Mapping[str, Any], *, pictures: bool = False, language: bool = True
+) -> Features:
     """The features of a task, in the order of the columns.
 
     Policies of LeRobot take what begins with ``observation`` or ``action``. Everything else is
@@ -277,6 +289,7 @@ def features_of(task: Mapping[str, Any], *, pictures: bool = False) -> Features:
     Args:
         task: What the data set says of the task.
         pictures: Keep pictures as PNG instead of videos.
+        language: Whether sub-tasks are written as language, too.
     """
     robots: Mapping[str, Any] = task["robots"]
     state = [name for agent in robots for name in joint_state_names(task, agent)]
@@ -300,7 +313,7 @@ def features_of(task: Mapping[str, Any], *, pictures: bool = False) -> Features:
     features["timestamp"] = _scalar("float32")
     for name in ("frame_index", "episode_index", "index", "task_index"):
         features[name] = _scalar("int64")
-    if task["expert"]:
+    if language and task["expert"]:
         features[LANGUAGE_PERSISTENT] = _scalar(LANGUAGE)
     return features
 
