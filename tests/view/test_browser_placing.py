@@ -61,25 +61,28 @@ def test_a_thing_is_clicked_dragged_and_written(shown, tab, server, touch):
     assert re.search(r"position: \[0\.5\d*, 0\.2\d*, 0\.[1-9]", changed)
 
 
-def test_a_tool_a_site_and_a_camera_are_dragged_and_written(shown, tab, server, touch):
-    client = opened(tab, server)
-    step_back(client)
-    for label, key in (
+@pytest.mark.parametrize(
+    ("label", "key"),
+    [
         ("arm (tool at the start)", "home: {tcp: {position: "),
         ("ball (site)", "ball: {position: "),
         ("front (camera)", "front: {position: "),
-    ):
-        placing, before = taken(shown, tab, label), touch.read_text()
-        pose = placing.pose
-        drag(tab, client, *(pose.apply((0.0, along, 0.0)) for along in (0.19, 0.27)))
-        wait_until(lambda placing=placing: placing.values)
-        moved = pose.inverse().apply(placing.pose.position)
-        assert moved == pytest.approx((0.0, 0.08, 0.0), abs=0.03)
-        press(tab, "button", "Write")
-        wait_until(lambda before=before: touch.read_text() != before)
-        (changed,) = changed_lines(before, touch.read_text())
-        assert key in changed
-        wait_until(lambda placing=placing: shown.place.placing is not placing)
+    ],
+)
+def test_a_tool_a_site_and_a_camera_are_dragged_and_written(label, key, shown, tab, server, touch):
+    client = opened(tab, server)
+    step_back(client)
+    placing, before = taken(shown, tab, label), touch.read_text()
+    pose = placing.pose
+    drag(tab, client, *(pose.apply((0.0, along, 0.0)) for along in (0.19, 0.27)))
+    wait_until(lambda: placing.values)
+    moved = pose.inverse().apply(placing.pose.position)
+    assert moved == pytest.approx((0.0, 0.08, 0.0), abs=0.03)
+    press(tab, "button", "Write")
+    wait_until(lambda: touch.read_text() != before)
+    (changed,) = changed_lines(before, touch.read_text())
+    assert key in changed
+    wait_until(lambda: shown.place.placing is not placing)
 
 
 def test_a_region_is_moved_resized_written_and_taken_back(page_of, with_region, tab, server):
