@@ -19,7 +19,6 @@ import argparse
 import json
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -60,7 +59,7 @@ def served(folder: Path) -> Iterator[tuple[int, str]]:
             assert process.stdout is not None
             yield process.pid, process.stdout.readline().split()[0]
         finally:
-            process.send_signal(signal.SIGINT)
+            process.terminate()
 
 
 def resident_mb(pid: int) -> float:

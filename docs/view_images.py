@@ -127,7 +127,11 @@ PICTURES: Mapping[str, Callable[[Window], None]] = {
 @contextmanager
 def handover(record: Path) -> Iterator[tuple[LivePage, PageServer, Callable[[], None]]]:
     """A page of Handover, whose loop runs; its server; and what ends the loop."""
-    stage = Stage("handover", Catalogue.discover(), record=record)
+    catalogue = Catalogue.discover()
+    entry = catalogue.task("handover")
+    for file in (entry.file, entry.description_file):
+        shutil.copy(file, ".")  # so that the page names no folder of this machine
+    stage = Stage(entry.file.name, catalogue, record=record)
     with closing(PageServer(0)) as server, closing(LivePage(stage, server, Choice())) as page:
         stop = threading.Event()
         thread = threading.Thread(target=lambda: page.run(stop.is_set))
