@@ -73,6 +73,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "robots": robots.library,
     "scaffold": commands.scaffold,
     "robust": training.robust,
+    "solver": results.solver,
     "stopping": results.stopping,
     "suite_tasks": suites.tasks,
     "suites": suites.over,

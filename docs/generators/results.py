@@ -105,6 +105,33 @@ def proof_times(_: str) -> str:
     return table(["family", *(f"`{task}`" for task in tasks)], rows)
 
 
+def solver(task: str) -> str:
+    """What the limits of the solver cost in a task, and what they let slip."""
+    found = read("solver.json")
+    head = [
+        "iterations at most",
+        "residual",
+        "iterations, nothing held",
+        "iterations, something held",
+        "slip, median and maximum",
+        "CPU time of a control step, expert and random",
+    ]
+    rows = []
+    for row in found["rows"]:
+        measured = row["tasks"][task]
+        slip, step = measured["slip_mm"], measured["step_ms"]
+        today = [row["iterations"], row["residual"]] == found["today"]
+        cells = [
+            str(row["iterations"]),
+            f"{row['residual']:.0e}",
+            *(f"{measured['iterations'][when]:.0f}" for when in ("free", "held")),
+            f"{slip['median']:.1f} mm, {slip['max']:.1f} mm",
+            f"{step['expert']:.1f} ms, {step['random']:.1f} ms",
+        ]
+        rows.append([f"**{cell}**" for cell in cells] if today else cells)
+    return table(head, rows)
+
+
 def _way(way: Mapping[str, Any]) -> str:
     """A way to play a task, in words."""
     match way["kind"]:

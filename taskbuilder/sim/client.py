@@ -16,8 +16,8 @@ from taskbuilder.sim.renderers import Renderer, load_egl
 from taskbuilder.sim.scenery import Scenery
 from taskbuilder.sim.single import Single
 
-# Thirty let a held stick slip by 16 mm where 60 do by half a millimetre; a hundred take a fifth
-# more time while something is held, and gain nothing.
+# Thirty let a held stick slip by a centimetre where 60 do by half a millimetre; a hundred take a
+# third more time while something is held, and gain nothing (benchmarks/solver.py).
 SOLVER_ITERATIONS = 60
 # What the solver may leave unsolved when it stops early. Bullet's 1e-7 takes a tenth more time;
 # with 1e-5 a held cube slips by another millimetre.
