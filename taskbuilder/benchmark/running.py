@@ -117,7 +117,7 @@ def benchmark(
     )
     tasks = _tasks(about, only)
     with drawing_needed():  # not after hours of training
-        import taskbuilder.visual.profiles  # noqa: F401
+        import taskbuilder.visual.profiles  # noqa: F401  # only tried: it is used at the end
     folder = Path(out).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     own = None if policy is None or isinstance(policy, str | Path) else policy

@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _TerminalNotifier:
-    """Prints what people have to know; what is said again and again only once in a row."""
+    """Prints messages on standard error; the same one again is printed once."""
 
     def __init__(self) -> None:
         self._last = ""
