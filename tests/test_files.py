@@ -126,6 +126,8 @@ def interrupted_at(moment, call):
 
     before = sys.gettrace()
     gc.disable()  # what is told of collections would be traced too, and can raise nothing
+    # Python 3.12 looks for this when tracing begins, and not later.
+    sys._getframe().f_trace_opcodes = True
     sys.settrace(trace)
     try:
         call()
