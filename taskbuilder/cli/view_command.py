@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         server = opened.enter_context(
             closing(PageServer(arguments.port, arguments.host, notify=_TerminalNotifier()))
         )
-        page = opened.enter_context(closing(LivePage(stage, server, choice)))
+        # The address comes first: a browser loads the page while the scene is built.
         print(f"{server.address} shows {arguments.task}; Ctrl-C ends it", flush=True)
         if server.gate.token:
             print(
@@ -46,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.open:
             webbrowser.open(server.address)
         try:
+            page = opened.enter_context(closing(LivePage(stage, server, choice)))
             page.run()
         except KeyboardInterrupt:
             print("\nclosed the page")
