@@ -6,8 +6,8 @@ Two scripted people steer the arms of Handover in two windows of Chromium withou
 the keys of the page alone. They look where the tools are and press the keys that bring them on, but
 not well: they aim up to a centimetre beside the place, each key comes up to 0.15 s late, and one in
 twenty is not pressed. `taskbuilder multiply` makes 200 demonstrations from these ten. Behaviour
-cloning with the preset `precise` learns from them, and from 200 of the expert; both policies play
-the same 100 episodes, on seeds that nothing was chosen by.
+cloning with the preset `precise`, but for `turn`, learns from them, and from 200 of the expert;
+both policies play the same 100 episodes, on seeds that nothing was chosen by.
 
 Everything is in runs/steered, and what is there is not made again. Results go to
 benchmarks/results/steered.json. The browser and Playwright have to be installed.
@@ -44,6 +44,7 @@ KEYS = (("KeyL", "KeyJ"), ("KeyI", "KeyK"), ("KeyU", "KeyO"))
 
 NEAR_M, SLOW_M = 0.012, 0.03
 BESIDE_M, LATE_S, LOST = 0.01, 0.15, 0.05
+SETTINGS = {"turn": 0}  # scenes cannot be turned in the frames in which people's episodes are kept
 TRAIN_SEED, EXPERT_SEED, FIRST_SEED, PLAYED = 11, 600_000, 3_000_000, 100
 
 
@@ -154,7 +155,7 @@ def learn(name: str, data: Path) -> dict[str, Any]:
     out = FOLDER / f"bc-{name}"
     if not (out / "policy.npz").exists():
         taskbuilder.train(
-            data=data, algorithm="bc", preset="precise", seed=TRAIN_SEED, out=out, film_every=0
+            data=data, algorithm="bc", preset="precise", settings=SETTINGS, seed=TRAIN_SEED, out=out
         )
     result = taskbuilder.evaluate(out, PLAYED, first_seed=FIRST_SEED, horizon=HORIZON, jobs=1)
     return {"episodes": PLAYED, "success_at_end": result.success_at_end_rate}
@@ -179,7 +180,7 @@ def main() -> int:
     if not by_hand.exists():
         keep(steered=steer(by_hand, asked.episodes))
     few = taskbuilder.load_dataset(by_hand)
-    lengths = [len(episode.actions) for episode in few]
+    lengths = [episode.steps for episode in few]
     keep(steps_by_hand={"median": statistics.median(lengths), "most": max(lengths)})
     made = taskbuilder.multiply(few, many, episodes=asked.many, jobs=1)
     attempts = len(made) + len(made.contents["not_kept"])

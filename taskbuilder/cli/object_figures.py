@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from taskbuilder.errors import FileError, display_path
+from taskbuilder.geometry import Vec3
 from taskbuilder.jobs import LostError, worker_processes
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.object_files import MESHES, ObjectModel
@@ -72,6 +72,9 @@ class ObjectFigures:
                 "tilt_deg": round(self.rest.tilt_deg, 1),
                 "rpy_deg": list(self.rest.rpy_deg),
                 "still": self.rest.still,
+                "rocks": self.rest.rocks,
+                "steady": self.rest.steady,
+                "twitches": self.rest.twitches,
             },
         }
 
@@ -84,8 +87,8 @@ def measured(model: ObjectModel, catalogue: Catalogue) -> ObjectFigures:
         catalogue: Where robots are found.
     """
     solid = Surfaces.of(model)
-    lies = _rest(model, solid)
-    as_it_lies = solid.lying(lies.rpy_deg) if lies and lies.still and not lies.upright else solid
+    lies = _rest(model)
+    as_it_lies = solid.lying(lies.rpy_deg) if lies and lies.turned else solid
     found = [hold for way in (0, 1) if (hold := as_it_lies.hold(way)) is not None]
     robots = list(_robots(catalogue))
     return ObjectFigures(
@@ -138,9 +141,9 @@ def print_lines_of_task(name: str, file: Path, figures: ObjectFigures) -> None:
 def _turned(figures: ObjectFigures) -> str:
     """The orientation in which it lies, as a key and a comma before it; "" if that is its own."""
     found = figures.rest
-    if found is None or found.upright or not found.still:
+    if found is None or not found.turned:
         return ""
-    return f", rpy_deg: {list(found.rpy_deg)}"
+    return f", rpy_deg: {_degrees(found.rpy_deg)}"
 
 
 def _written(name: str, hold: FingerHold) -> str:
@@ -215,23 +218,36 @@ def _lies(figures: ObjectFigures) -> list[str]:
     found = figures.rest
     if found is None:
         return []
-    if found.upright and found.still:
-        return ["on a table: it stands as it is"]
-    if found.upright or not found.still:
-        return ["on a table: it does not come to rest within three seconds"]
-    return [
-        f"on a table: it tilts by {found.tilt_deg:.0f}°; place it with rpy_deg: "
-        f"{list(found.rpy_deg)}"
-    ]
+    rpy = _degrees(found.rpy_deg)
+    if not found.steady:
+        words = "it does not come to rest within three seconds"
+        if found.still:
+            words = f"it tilts by {found.tilt_deg:.0f}°, and rocks on each of its sides"
+    elif not found.turned:
+        words = "it stands as it is"
+    elif found.rocks:
+        words = f"it rocks; lay it on another side, as with rpy_deg: {rpy}"
+    else:
+        words = f"it tilts by {found.tilt_deg:.0f}°; place it with rpy_deg: {rpy}"
+    lines = [f"on a table: {words}"]
+    if found.twitches:
+        lines.append(
+            "on a table: it twitches although nothing touches it, as the physics engine loses "
+            "points of contact of its hull; import it with --collision boxes"
+        )
+    return lines
 
 
-def _rest(model: ObjectModel, solid: Surfaces) -> Rest | None:
-    low = float(solid.low[2])
+def _degrees(rpy_deg: Vec3) -> str:
+    return f"[{', '.join(f'{angle:g}' for angle in rpy_deg)}]"
+
+
+def _rest(model: ObjectModel) -> Rest | None:
     if model.entry.trusted:
-        return rest(model, low)
+        return rest(model)
     try:
         with worker_processes([{}], limit_s=LIMIT_S, prepared=rest.__module__) as spread:
-            (found,) = spread(partial(rest, low=low), [model])
+            (found,) = spread(rest, [model])
     except LostError:
         return None
     lies: Rest = found

@@ -82,7 +82,8 @@ ENTRIES = {
         "which all robots held still. At the end of the two seconds, the success condition no "
         "longer held. For example, the load may fly through its goal. A policy could learn to do "
         "the same. Define success as a state that lasts, and let the expert come to rest in this "
-        "state.",
+        "state. If nothing holds the object and it lies still in films, the physics engine makes "
+        "it [twitch](physics.md#objects-that-twitch).",
         Example(
             "description",
             'success = Near("cube", "goal", within=0.05) & ~Stationary("cube", speed=0.02)',

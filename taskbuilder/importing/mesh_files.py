@@ -157,12 +157,17 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
     oddities: list[str] = []
     pieces = tuple(_pieces(scene, oddities))
     if not pieces:
-        raise AssetError(
-            codes.BAD_MESH, f"{path.name}: has no triangles; export it with its surface"
-        )
+        how = next((how for name, how in _PACKED.items() if name in data), None)
+        without = f"is compressed ({how}), which is not read; export it without compression"
+        said = without if how else "has no triangles; export it with its surface"
+        raise AssetError(codes.BAD_MESH, f"{path.name}: {said}")
     _require_few(path, sum(len(piece.faces) for piece in pieces))
     unit, up = _stated(suffix, data)
     return MeshFile(path, pieces, unit, up, tuple(oddities))
+
+
+_PACKED = {b"KHR_draco_mesh_compression": "Draco", b"EXT_meshopt_compression": "meshopt"}
+"""Extensions of glTF that compress triangles."""
 
 
 def _stated_count(suffix: str, data: bytes) -> int:

@@ -270,6 +270,8 @@ def check_new(folder: Path) -> None:
 def locked(folder: Path, *, new: bool) -> Iterator[None]:
     """Lock a folder against training by other processes.
 
+    A new run that is refused before its first checkpoint leaves the folder to the next one.
+
     Raises:
         UsageError: The folder is locked, or a new run would replace an existing one.
     """
@@ -279,7 +281,14 @@ def locked(folder: Path, *, new: bool) -> Iterator[None]:
     with (folder / ".lock").open("w") as file:
         if not claim(file):
             raise UsageError(f"{display_path(folder)} is being trained in already")
-        yield
+        try:
+            yield
+        except UsageError:
+            from taskbuilder.learn.checkpoints import FOLDER
+
+            if new and not (folder / FOLDER).exists():
+                (folder / RUN_FILE).unlink(missing_ok=True)
+            raise
 
 
 def create(

@@ -239,7 +239,19 @@ def _sample(world: PlacementWorld, name: str, place: Place, rng: np.random.Gener
     pose = frame @ Pose((point[0], point[1], 0.0), turn)
     x, y, _ = pose.position
     top = world.box(place.surface).seen_from(world.pose(place.surface)).high[2]
-    return Pose((x, y, top + _lift(world, name, pose.quaternion)), pose.quaternion)
+    above = Pose((x, y, top + _lift(world, name, pose.quaternion)), pose.quaternion)
+    return _lowered(world, name, above, place) if any(place.rpy_deg) else above
+
+
+def _lowered(world: PlacementWorld, name: str, pose: Pose, place: Place) -> Pose:
+    """A pose above a surface, lowered to it: corners of a tilted box are below what is in it."""
+    owner = world.objects.get((place.surface or "").partition(".")[0])
+    if name not in world.objects or owner is None:
+        return pose
+    body, (x, y, z) = world.objects[name].body, pose.position
+    body.place(pose)
+    gap = closest_distance(body, owner.body, max(world.box(name).half))
+    return Pose((x, y, z - max(0.0, (gap or LIFT) - LIFT)), pose.quaternion)
 
 
 def _lift(world: PlacementWorld, name: str, turn: Quat) -> float:

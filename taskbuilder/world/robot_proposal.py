@@ -30,6 +30,7 @@ from taskbuilder.world.hands import (
 from taskbuilder.world.home_proposal import ProposedHome, find_home
 from taskbuilder.world.suction_proposal import Cup, find_cup
 
+_SWINGS_M = 0.02  # fingertips that come so much further out by half of the way swing on an arc
 _PAD_M = 0.015  # from the tip of a finger back to the middle of its pad
 _FROM_FIXED_JAW_M = 0.024  # at most: objects up to twice as wide pass between the jaws
 _JAW_ALIGNED = 0.87  # a jaw is bent; within 30° of an axis of its link, that axis is meant
@@ -162,10 +163,9 @@ def propose(
 
 def _tool(urdf: Urdf, hand: Hand) -> tuple[str, Pose]:
     """The frame between the pads: z out of the hand, y from one finger to the other."""
-    opened = {name: ends[0] for name, ends in hand.ends.items()}
     if not hand.fingers[-1].joints:
         return hand.link, _jaw_tool(urdf, hand)
-    tips = [finger_points(urdf, hand.link, finger, opened) for finger in hand.fingers]
+    tips = _tips(urdf, hand, 0.0)
     places = np.array([(tip.min(axis=0) + tip.max(axis=0)) / 2.0 for tip in tips])
     middle = places.mean(axis=0)
     closing = places[0] - places[1]
@@ -174,7 +174,11 @@ def _tool(urdf: Urdf, hand: Hand) -> tuple[str, Pose]:
     z = snapped(out / max(float(np.linalg.norm(out)), 1e-9))
     z = z - (z @ y) * y
     z = z / max(float(np.linalg.norm(z)), 1e-9)
-    reach = max(float((tip @ z).max()) for tip in tips)
+    reach, half_closed = (
+        max(float((tip @ z).max()) for tip in _tips(urdf, hand, share)) for share in (0.0, 0.5)
+    )
+    if abs(half_closed - reach) > _SWINGS_M:  # what is held is not where the open tips are
+        reach = half_closed
     point = middle + (reach - _PAD_M - middle @ z) * z
     pose = _frame(point, y, z)
     for link in frames_on(urdf, hand.link):
@@ -184,6 +188,12 @@ def _tool(urdf: Urdf, hand: Hand) -> tuple[str, Pose]:
         if near and along and _OF_A_TOOL.search(link):
             return link, Pose()
     return hand.link, pose
+
+
+def _tips(urdf: Urdf, hand: Hand, closed: float) -> list[Points]:
+    """Points of each finger, with the gripper closed to a share."""
+    at = {name: (1.0 - closed) * ends[0] + closed * ends[1] for name, ends in hand.ends.items()}
+    return [finger_points(urdf, hand.link, finger, at) for finger in hand.fingers]
 
 
 def _jaw_tool(urdf: Urdf, hand: Hand) -> Pose:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import pytest
 
@@ -105,7 +107,59 @@ def test_a_urdf_is_measured_and_grasp_points_are_proposed(run, box):
     assert "panda" in data["sides"]["x"]["grippers"]
     assert "sawyer" not in data["sides"]["x"]["grippers"]
     assert data["flat_radius"] == pytest.approx(0.02, abs=0.003)
-    assert data["rest"] == {"tilt_deg": 0.0, "rpy_deg": [0, 0, 0], "still": True}
+    assert data["rest"] == {
+        "tilt_deg": 0.0,
+        "rpy_deg": [0, 0, 0],
+        "still": True,
+        "rocks": False,
+        "steady": True,
+        "twitches": False,
+    }
+
+
+HULL = """<robot name="hull"><link name="body"><inertial><origin xyz="{center}"/>
+<mass value="0.1"/><inertia ixx="3e-4" iyy="4e-5" izz="3e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><mesh filename="hull.obj"/></geometry></collision></link></robot>"""
+
+
+@pytest.fixture
+def between(tmp_path):
+    """A URDF of the hull between two polygons with as many corners, (n, 3) each."""
+
+    def write(low, high, center="0 0 0"):
+        n = len(low)
+        caps = [(0, i + 1, i) for i in range(1, n - 1)]
+        caps += [(n, n + i, n + i + 1) for i in range(1, n - 1)]
+        sides = [(i, (i + 1) % n, n + (i + 1) % n) for i in range(n)]
+        sides += [(i, n + (i + 1) % n, n + i) for i in range(n)]
+        lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in [*low, *high]]
+        lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in [*caps, *sides]]
+        (tmp_path / "hull.obj").write_text("\n".join(lines))
+        file = tmp_path / "hull.urdf"
+        file.write_text(HULL.format(center=center))
+        return file
+
+    return write
+
+
+def test_what_rocks_on_a_round_underside_is_laid_on_another_side(run, between):
+    round_side = [-0.02 + 0.004 * number for number in range(16)]
+    profile = [(x, 0.1 - math.sqrt(0.01 - x * x)) for x in round_side]
+    profile += [(0.04, 0.03), (-0.02, 0.03)]
+    ends = ([(x, y, z) for x, z in profile] for y in (-0.08, 0.08))
+    ran = run("objects", "check", str(between(*ends, center="0.01 0 0.015")))
+    assert "on a table: it rocks; lay it on another side, as with rpy_deg: [180, 0, 0]" in ran.out
+    assert "yaw_deg: [-180, 180], rpy_deg: [180, 0, 0]}" in ran.out
+
+
+def test_a_hull_that_twitches_is_told(run, between):
+    turns = [2.0 * math.pi * number / 32 for number in range(32)]
+    low = [(0.03 * math.cos(turn), 0.09 * math.sin(turn), -0.01) for turn in turns]
+    high = [(0.8 * x, 0.8 * y, 0.01) for x, y, _ in low]
+    ran = run("objects", "check", str(between(low, high)))
+    assert "on a table: it stands as it is" in ran.out
+    assert "it twitches although nothing touches it" in ran.out
+    assert "import it with --collision boxes" in ran.out
 
 
 def test_the_folder_of_an_import_is_an_object(run, box):

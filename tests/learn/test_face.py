@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from made_runs import sideways, write_task
 
-from taskbuilder import learn
+from taskbuilder import collect, learn
 from taskbuilder.errors import UsageError
 from taskbuilder.learn import evaluate, load_policy, record, resume, train
 from taskbuilder.task import load_task
@@ -51,6 +51,17 @@ def test_what_does_not_fit_is_refused_before_anything_is_made(wrong, message, tm
     with pytest.raises(UsageError, match=re.escape(message)):
         train(task, out=tmp_path / "run", **{**SHORT, **wrong})
     assert not (tmp_path / "run").exists()
+
+
+def test_a_refused_run_leaves_its_folder_to_the_next_one(tmp_path):
+    data, out = tmp_path / "data", tmp_path / "run"
+    collect("reach", data, episodes=2, jobs=1)
+    short = {"data": data, "out": out, "algorithm": "bc", "preset": "precise", "steps": 2}
+    with pytest.raises(UsageError, match="turn is 5, but these observations turn in no known way"):
+        train(**short)
+    assert not (out / "run.json").exists()
+    train(**short, settings={"turn": 0, "hidden": [8]}, evaluate_episodes=1)
+    assert (out / "policy.npz").exists()
 
 
 def test_a_policy_is_evaluated_where_it_was_trained_or_where_it_is_asked_to_play(tmp_path):

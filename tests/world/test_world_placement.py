@@ -12,6 +12,8 @@ from taskbuilder.errors import PlacementError
 from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.sim.contacts import closest_distance
 from taskbuilder.world.building import build_world
+from taskbuilder.world.placement import LIFT, place_all
+from taskbuilder.world.randomness import EpisodeRandomness
 
 GAP = 0.005  # by default
 
@@ -271,3 +273,16 @@ def test_a_thing_is_not_put_into_what_it_is_placed_relative_to(build):
     world = build(ROOM + BOX.replace("0.0505", "0.04"))
     with pytest.raises(PlacementError, match="box"):
         world.reset(0)
+
+
+@pytest.mark.parametrize("rpy_deg", [[90, 0, 0], [25, 0, 0], [0, 70, 0], [10, -30, 0]])
+def test_a_tilted_thing_is_put_on_its_surface_and_not_dropped_on_it(build, rpy_deg):
+    """Its bounding box, which is tilted with it, reaches further down than it does."""
+    place = f"{{surface: table, center: [0, 0], size: [0.2, 0.2], rpy_deg: {rpy_deg}}}"
+    world = build(
+        ROOM + "    can: {shape: {cylinder: {radius: 0.04, length: 0.1}}, mass: 0.2, "
+        f"place: {place}}}\n"
+    )
+    place_all(world, EpisodeRandomness(0).placement())
+    gap = closest_distance(world.objects["can"].body, world.objects["table"].body, within=0.05)
+    assert gap == pytest.approx(LIFT, abs=1e-4)

@@ -146,10 +146,13 @@ def standing(world: World, name: str, place: Place) -> str:
     moves = world.objects[name].body.velocity()
     found = upset(world, name, place)
     if found is None or found.tilt_deg is None or max(map(norm, moves)) > _STILL:
-        return "its shape does not bear it in that orientation; write another rpy_deg under place"
+        return (
+            "its shape does not bear it in that orientation; write another rpy_deg under place, "
+            "such as that which taskbuilder objects check says"
+        )
     frame = world.pose(place.frame) if place.frame != "world" else Pose()
     roll, pitch, _ = to_rpy_deg((frame.inverse() @ world.pose(name)).quaternion)
-    rpy = f"[{round(roll)}, {round(pitch)}, {place.rpy_deg[2]:g}]"
+    rpy = f"[{round(roll, 1) + 0.0:g}, {round(pitch, 1) + 0.0:g}, {place.rpy_deg[2]:g}]"
     return f"it comes to lie with rpy_deg: {rpy}, so write that under place"
 
 
