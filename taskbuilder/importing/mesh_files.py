@@ -150,6 +150,7 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
     except Exception as error:
         if type(error).__name__ == "UsageError":
             raise
+        _require_unpacked(path, data)
         raise AssetError(
             codes.BAD_MESH, f"{path.name} cannot be read ({type(error).__name__}: {error}); "
             "export it again",
@@ -157,10 +158,10 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
     oddities: list[str] = []
     pieces = tuple(_pieces(scene, oddities))
     if not pieces:
-        how = next((how for name, how in _PACKED.items() if name in data), None)
-        without = f"is compressed ({how}), which is not read; export it without compression"
-        said = without if how else "has no triangles; export it with its surface"
-        raise AssetError(codes.BAD_MESH, f"{path.name}: {said}")
+        _require_unpacked(path, data)
+        raise AssetError(
+            codes.BAD_MESH, f"{path.name}: has no triangles; export it with its surface"
+        )
     _require_few(path, sum(len(piece.faces) for piece in pieces))
     unit, up = _stated(suffix, data)
     return MeshFile(path, pieces, unit, up, tuple(oddities))
@@ -168,6 +169,13 @@ def load_mesh(path: Path, packages: Packages) -> MeshFile:
 
 _PACKED = {b"KHR_draco_mesh_compression": "Draco", b"EXT_meshopt_compression": "meshopt"}
 """Extensions of glTF that compress triangles."""
+
+
+def _require_unpacked(path: Path, data: bytes) -> None:
+    for name, how in _PACKED.items():
+        if name in data:
+            said = f"is compressed ({how}), which is not read; export it without compression"
+            raise AssetError(codes.BAD_MESH, f"{path.name}: {said}")
 
 
 def _stated_count(suffix: str, data: bytes) -> int:

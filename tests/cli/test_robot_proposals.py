@@ -8,14 +8,17 @@ from contextlib import closing
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 import yaml
 
 from taskbuilder import parallel_env
+from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.expert.script.player import Expert
 from taskbuilder.rollout import play
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.schema.robots import load_robot
+from taskbuilder.world.hands import link_points
 from taskbuilder.world.robot_proposal import propose
 
 LINKS = (  # length of each link along z, and the axis of the joint that carries it
@@ -83,6 +86,17 @@ def turning_fingers() -> str:
     return text
 
 
+def swinging_fingers() -> str:
+    """Two fingers that turn from 75° apart to straight, so that their tips come out by 80 mm."""
+    text = ""
+    for side, sign in (("a", 1), ("b", -1)):
+        text += link(f"finger_{side}", 0.11, 0.012, 0.05)
+        limits = 'lower="0" upper="1.3"'
+        at, axis = f"{0.007 * sign} 0 0.06", f"0 {sign} 0"
+        text += joint(f"turn_{side}", "l6", f"finger_{side}", at, axis, "revolute", limits)
+    return text
+
+
 @pytest.fixture
 def urdf(tmp_path: Path) -> Callable[[str], Path]:
     def write(inside: str) -> Path:
@@ -134,6 +148,21 @@ def test_the_proposal_is_a_robot_that_grasps(hand, urdf, run, tmp_path):
     with closing(parallel_env("lift.yaml")) as env, closing(Expert(env)) as expert:
         played = play(env, expert, 0)
     assert played.success, played.trouble
+
+
+def test_the_tcp_of_fingers_that_swing_is_where_they_meet(urdf):
+    file = urdf(arm() + swinging_fingers())
+    model = read_urdf(file, [file.parent])
+    proposal = propose(model)
+    opened, closed = (
+        [link_points(model, proposal.tcp_link, finger, at)[:, 2] for (finger,) in proposal.fingers]
+        for at in (
+            {name: ends[number] for name, ends in proposal.gripper.items()} for number in (0, 1)
+        )
+    )
+    tcp = proposal.tcp.position[2]
+    assert max(map(np.max, opened)) < tcp
+    assert all(finger.min() < tcp < finger.max() for finger in closed)
 
 
 def jaw() -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from made_robots import ascii_stl, box_mesh, open_box
@@ -88,6 +90,33 @@ def test_meshes_that_cannot_be_used_are_findings(name, content, said, tmp_path):
     file = tmp_path / name
     file.write_bytes(content)
     with pytest.raises(FileError, match=said):
+        import_object(ImportSource(file))
+
+
+@pytest.mark.parametrize(
+    ("extension", "said"),
+    [("KHR_draco_mesh_compression", "Draco"), ("EXT_meshopt_compression", "meshopt")],
+)
+def test_a_compressed_mesh_is_said_to_be_compressed(extension, said, tmp_path):
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1, "extensions": {extension: {}}}
+    counts = [{"componentType": 5126, "count": 3, "type": "VEC3"}]
+    counts += [{"componentType": 5123, "count": 3, "type": "SCALAR"}]
+    text = json.dumps(
+        {
+            "asset": {"version": "2.0"},
+            "extensionsUsed": [extension],
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [primitive]}],
+            "accessors": counts,
+        }
+    ).encode()
+    text += b" " * (-len(text) % 4)
+    chunk = len(text).to_bytes(4, "little") + b"JSON" + text
+    file = tmp_path / "packed.glb"
+    header = b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunk)).to_bytes(4, "little")
+    file.write_bytes(header + chunk)
+    with pytest.raises(FileError, match=rf"compressed \({said}\)"):
         import_object(ImportSource(file))
 
 
