@@ -233,7 +233,8 @@ def _lies(figures: ObjectFigures) -> list[str]:
     if found.twitches:
         lines.append(
             "on a table: it twitches although nothing touches it, as the physics engine loses "
-            "points of contact of its hull; import it with --collision boxes"
+            "points of contact of its hull; ask for rest with room, such as "
+            "Stationary(…, turn_deg=45), or import it with --collision boxes"
         )
     return lines
 

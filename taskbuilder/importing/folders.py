@@ -142,14 +142,19 @@ def read_robot(source: ImportSource) -> ReadRobot:
         UsageError: Options are wrong, or the extra is not installed.
     """
     changes = Changes()
-    packages, description = _read(source, changes)
+    unknown: list[dict[str, Finding]] = [{}]
+    packages, description = _read(source, changes, unknown[0] if source.mounts else None)
     description = with_followers(description, changes)
     parts = []
     for mount in source.mounts:
         other = Packages.around(mount.file, source.packages, source.root)
-        part = with_followers(read_description(other, source.arguments, changes), changes)
+        unknown.append({})
+        part = read_description(other, source.arguments, changes, unknown[-1])
+        part = with_followers(part, changes)
         parts.append((with_located_meshes(part, other), mount.flange))
         packages.admit(other.roots)
+    if nowhere := [name for name in unknown[0] if all(name in each for each in unknown)]:
+        raise FileError([unknown[0][name] for name in nowhere])
     suction = source.suction
     if suction is None and parts and is_cup(parts[-1][0]):
         suction = 0.0
@@ -282,11 +287,13 @@ def _again(first: Proposal, second: Proposal | None) -> Proposal:
 _BEGINNING = 20  # characters in which remarks on the same thing agree
 
 
-def _read(source: ImportSource, changes: Changes) -> tuple[Packages, ImportedBody]:
+def _read(
+    source: ImportSource, changes: Changes, unknown: dict[str, Finding] | None = None
+) -> tuple[Packages, ImportedBody]:
     if not source.file.exists():
         raise UsageError(f"there is no file {source.file}")
     packages = Packages.around(source.file, source.packages, source.root)
-    return packages, read_description(packages, source.arguments, changes)
+    return packages, read_description(packages, source.arguments, changes, unknown)
 
 
 def _of_mesh(file: Path) -> ImportedBody:

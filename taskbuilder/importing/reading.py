@@ -17,6 +17,7 @@ from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.sdf import read_sdf
 from taskbuilder.importing.urdf import read_urdf_text
 from taskbuilder.importing.xacro import expand
+from taskbuilder.wording import quoted
 
 MAX_BYTES = 16 * 2**20
 _MAGIC = (b"PK\x03\x04", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"7z\xbc\xaf", b"Rar!")
@@ -26,7 +27,10 @@ _OTHERS = (".usd", ".usda", ".usdc", ".usdz", ".step", ".stp", ".iges", ".igs", 
 
 
 def read_description(
-    packages: Packages, arguments: Mapping[str, str], changes: Changes
+    packages: Packages,
+    arguments: Mapping[str, str],
+    changes: Changes,
+    unknown: dict[str, Finding] | None = None,
 ) -> ImportedBody:
     """Read the file that packages were looked up around.
 
@@ -34,6 +38,7 @@ def read_description(
         packages: The packages around the file, which it names.
         arguments: Values of the arguments of a xacro file.
         changes: Where changes are noted.
+        unknown: Where arguments that it does not have are noted; see `expand`.
 
     Raises:
         FileError: It cannot be read, or something is wrong with it.
@@ -42,9 +47,18 @@ def read_description(
     file = packages.file
     data = _content(file)
     if file.suffix.lower() == ".xacro" or b"xmlns:xacro" in data[:4000] or b"<xacro:" in data:
-        text, _ = expand(packages, arguments)
+        text, _ = expand(packages, arguments, unknown)
         changes.note("file", "format", file.name, "URDF", "xacro was expanded" + _given(arguments))
         return read_urdf_text(file, text, changes)
+    others = {
+        name: Finding(codes.XACRO, f"has no argument {quoted(name)}, as it is no xacro file", "",
+            Location(file))
+        for name in arguments
+    }  # fmt: skip
+    if others and unknown is None:
+        raise FileError([next(iter(others.values()))])
+    if unknown is not None:
+        unknown.update(others)
     root = parse(file, data, lines=False)
     if root.tag == "robot":
         return read_urdf_text(file, data, changes)

@@ -36,12 +36,18 @@ _REFUSED_EVENTS = (
 )
 
 
-def expand(packages: Packages, arguments: Mapping[str, str]) -> tuple[bytes, tuple[Path, ...]]:
+def expand(
+    packages: Packages,
+    arguments: Mapping[str, str],
+    unknown: dict[str, Finding] | None = None,
+) -> tuple[bytes, tuple[Path, ...]]:
     """The URDF text that a xacro file stands for.
 
     Args:
         packages: The packages around the file.
         arguments: Values of its arguments.
+        unknown: Where arguments that it does not have are noted by name, as another file may have
+            them; None to refuse them.
 
     Returns:
         The text, and the package folders that it used.
@@ -82,6 +88,14 @@ def expand(packages: Packages, arguments: Mapping[str, str]) -> tuple[bytes, tup
         file = Path(said.get("file") or packages.file)
         message = excerpt(said["error"])
         raise FileError([Finding(said["code"], message, "", Location(file, said.get("line", 0)))])
+    others = {
+        name: Finding(codes.XACRO, message, "", Location(packages.file))
+        for name, message in said["unknown"].items()
+    }
+    if others and unknown is None:
+        raise FileError([next(iter(others.values()))])
+    if unknown is not None:
+        unknown.update(others)
     folders = {name: Path(folder) for name, folder in said["packages"].items()}
     packages.given = {**folders, **packages.given}
     return said["text"].encode(), tuple(folders.values())
@@ -136,14 +150,12 @@ def _expanded(packages: Packages, arguments: Mapping[str, str]) -> dict[str, Any
         return _said(*_explained(error, arguments), guard)
     finally:
         guard.on = False
-    unknown = _unknown(arguments, guard.files)
-    if unknown:
-        return _said(codes.XACRO, unknown, guard) | {"file": str(packages.file)}
-    return {"text": text, "packages": found}
+    return {"text": text, "packages": found, "unknown": _unknown(arguments, guard.files)}
 
 
-def _unknown(arguments: Mapping[str, str], files: Collection[str]) -> str:
-    """What is wrong with arguments that no file names, which xacro itself ignores."""
+def _unknown(arguments: Mapping[str, str], files: Collection[str]) -> dict[str, str]:
+    """What is wrong with arguments that no file names, which xacro itself ignores; by name."""
+    wrong = {}
     texts = [Path(file).read_text(encoding="utf-8", errors="replace") for file in files]
     for name in arguments:
         known = dict.fromkeys(found for text in texts for found in _ARGUMENT.findall(text))
@@ -151,8 +163,8 @@ def _unknown(arguments: Mapping[str, str], files: Collection[str]) -> str:
         used = re.compile(rf"\$\(arg\s+{word}\s*\)|\barg\(\s*[\"']{word}[\"']")
         if name not in known and not any(used.search(text) for text in texts):
             right = suggestion(name, known, what="its arguments")
-            return f"has no argument {quoted(name)}; {right}"
-    return ""
+            wrong[name] = f"has no argument {quoted(name)}; {right}"
+    return wrong
 
 
 _ARGUMENT = re.compile(r"<xacro:arg\s[^>]*?name\s*=\s*[\"']([^\"']+)")

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from taskbuilder.data.dataset import RecordedEpisode
 from taskbuilder.description.description import Description
 from taskbuilder.description.node import Condition, walk
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.expert.planning.reach import Reach
-from taskbuilder.geometry import Pose
+from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.rollout.play import play
 from taskbuilder.rollout.players import RecordedActions
 from taskbuilder.world.world import World
+
+GRIPPING_S = 0.6
+"""How long a gripper may take to close or open, in seconds."""
+
+MOVED_M, MOVED_RAD = 5e-4, math.radians(0.5)
+"""What moves less stands still."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,7 @@ class ReplayedDemonstration:
 
 
 def demonstration_of(env: TaskEnv, episode: RecordedEpisode) -> ReplayedDemonstration:
-    """Play an episode of a data set again.
+    """Play an episode of a data set again; pauses of people are left out.
 
     Args:
         env: The environment of its variation.
@@ -76,7 +85,7 @@ def demonstration_of(env: TaskEnv, episode: RecordedEpisode) -> ReplayedDemonstr
     watch = _PoseRecorder()
     rollout = play(env, RecordedActions(episode.actions), episode.seed, watch=watch)
     description = env.task.description
-    return ReplayedDemonstration(
+    demonstration = ReplayedDemonstration(
         name=episode.name,
         variation=episode.variation,
         tools=watch.tools,
@@ -86,6 +95,48 @@ def demonstration_of(env: TaskEnv, episode: RecordedEpisode) -> ReplayedDemonstr
         milestones=tuple(_milestones(description, rollout.reached, watch.frames)),
         stage_ends=tuple(_stage_ends(episode, len(env.task.file.spec.expert))),
     )
+    if not episode.operators:
+        return demonstration
+    gripping = math.ceil(GRIPPING_S * env.task.file.spec.timing.control_hz)
+    return without_pauses(demonstration, gripping)
+
+
+def without_pauses(demonstration: ReplayedDemonstration, gripping: int) -> ReplayedDemonstration:
+    """A demonstration without the control steps in which nothing moves.
+
+    Args:
+        demonstration: The demonstration.
+        gripping: Control steps that are kept after a gripper was told to move.
+    """
+    kept, told = [0], -gripping
+    for step in range(1, demonstration.steps + 1):
+        openings = demonstration.openings.values()
+        if any(each[step] != each[step - 1] for each in openings):
+            told = step
+        things = (*demonstration.tools.values(), *demonstration.frames.values())
+        moves = any(_moved(each[kept[-1]], each[step]) for each in things)
+        if moves or step - told < gripping or step == demonstration.steps:
+            kept.append(step)
+
+    def cut(values: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
+        return {name: [each[step] for step in kept] for name, each in values.items()}
+
+    return replace(
+        demonstration,
+        tools=cut(demonstration.tools),
+        openings=cut(demonstration.openings),
+        held=cut(demonstration.held),
+        frames=cut(demonstration.frames),
+        milestones=tuple(
+            replace(each, step=bisect_left(kept, each.step)) for each in demonstration.milestones
+        ),
+        stage_ends=tuple(bisect_left(kept, end) for end in demonstration.stage_ends),
+    )
+
+
+def _moved(before: Pose, after: Pose) -> bool:
+    turn = turn_between(before.quaternion, after.quaternion)
+    return math.dist(before.position, after.position) > MOVED_M or turn > MOVED_RAD
 
 
 class _PoseRecorder:

@@ -159,7 +159,7 @@ def test_a_hull_that_twitches_is_told(run, between):
     ran = run("objects", "check", str(between(low, high)))
     assert "on a table: it stands as it is" in ran.out
     assert "it twitches although nothing touches it" in ran.out
-    assert "import it with --collision boxes" in ran.out
+    assert "or import it with --collision boxes" in ran.out
 
 
 def test_the_folder_of_an_import_is_an_object(run, box):

@@ -8,7 +8,7 @@ from made_robots import BOX, arm, ascii_stl, box_mesh, joint, link, snapshot, tw
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.cli import main
 from taskbuilder.errors import FileError, UsageError
-from taskbuilder.importing.folders import ImportSource, import_object, import_robot
+from taskbuilder.importing.folders import ImportSource, import_object, import_robot, read_robot
 from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.writing import write_folder
@@ -158,6 +158,30 @@ def test_the_flange_is_read(write):
             import_robot(
                 ImportSource(write(arm()), mounts=(Mount(write(arm(), name="g.urdf"), text),))
             )
+
+
+def test_an_argument_may_be_that_of_the_arm_or_of_the_gripper(tmp_path):
+    known = '<xacro:arg name="{}" default="1"/>'
+    opened = '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    files = [tmp_path / "arm.urdf.xacro", tmp_path / "hand.urdf.xacro", tmp_path / "hand.urdf"]
+    palm = two_fingers().replace('link="l6"', 'link="palm"') + link("palm", BOX)
+    files[0].write_text(f"{opened}{known.format('size')}{arm()}</robot>")
+    files[1].write_text(f"{opened}{known.format('width')}{palm}</robot>")
+    files[2].write_text(f'<robot name="x">{palm}</robot>')
+    for hand, arguments, wrong in (
+        (files[1], {"size": "2", "width": "3"}, ""),
+        (files[2], {"size": "2"}, ""),
+        (files[1], {"size": "2", "heigth": "3"}, 'has no argument "heigth"'),
+        (files[2], {"width": "2"}, 'has no argument "width"'),
+    ):
+        source = ImportSource(files[0], arguments=arguments, mounts=(Mount(hand, "l6"),))
+        if not wrong:
+            read_robot(source)
+            continue
+        with pytest.raises(FileError, match=wrong):
+            read_robot(source)
+    with pytest.raises(FileError, match='has no argument "size", as it is no xacro file'):
+        read_robot(ImportSource(files[2], arguments={"size": "1"}))
 
 
 def test_an_argument_that_a_xacro_file_does_not_have(tmp_path):
