@@ -7,7 +7,8 @@ the keys of the page alone. They look where the tools are and press the keys tha
 not well: they aim up to a centimetre beside the place, each key comes up to 0.15 s late, and one in
 twenty is not pressed. `taskbuilder multiply` makes 200 demonstrations from these ten. Behaviour
 cloning with the preset `precise`, but for `turn`, learns from them, and from 200 of the expert;
-both policies play the same 100 episodes, on seeds that nothing was chosen by.
+each policy plays the same 100 episodes, on seeds that nothing was chosen by, for as many control
+steps as the episodes that it learned from had at most.
 
 Everything is in runs/steered, and what is there is not made again. Results go to
 benchmarks/results/steered.json. The browser and Playwright have to be installed.
@@ -157,7 +158,7 @@ def learn(name: str, data: Path) -> dict[str, Any]:
         taskbuilder.train(
             data=data, algorithm="bc", preset="precise", settings=SETTINGS, seed=TRAIN_SEED, out=out
         )
-    result = taskbuilder.evaluate(out, PLAYED, first_seed=FIRST_SEED, horizon=HORIZON, jobs=1)
+    result = taskbuilder.evaluate(out, PLAYED, first_seed=FIRST_SEED, jobs=1)
     return {"episodes": PLAYED, "success_at_end": result.success_at_end_rate}
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
-from taskbuilder.assets.model import Urdf
+from taskbuilder.assets.model import Urdf, UrdfJoint
 from taskbuilder.assets.paths import AssetError
 from taskbuilder.cli.object_figures import (
     ObjectFigures,
@@ -26,6 +27,7 @@ from taskbuilder.errors import (
     display_path,
     in_reading_order,
 )
+from taskbuilder.schema.bodies import Grasp
 from taskbuilder.schema.catalogue import Catalogue, CatalogueEntry, looks_like_path
 from taskbuilder.schema.object_files import MESHES, ObjectModel, bare_object, load_object
 from taskbuilder.visual.object_picture import take_object_picture
@@ -213,16 +215,31 @@ def _print_object(model: ObjectModel, mass: float | None) -> None:
     weight = f" · {mass:.3g} kg" if mass is not None else ""
     print(paint(f"{model.entry.name}{weight} · {display_path(model.entry.file)}", "bold"))
     print(f"  {spec.summary}")
-    rows = [
-        [name, "grasp point", f"at {list(grasp.at)}, approach {grasp.approach}"]
-        for name, grasp in spec.grasps.items()
-    ]
+    rows = [[name, "grasp point", _grasped(grasp)] for name, grasp in spec.grasps.items()]
     if isinstance(main, Urdf):
-        rows += [[j.name, f"{j.type} joint", f"moves {j.child}"] for j in main.moving_joints]
+        rows += [[each.name, f"{each.type} joint", _moving(each)] for each in main.moving_joints]
     if rows:
         print()
         print_table([["name", "kind", "how"], *rows], indent="  ")
     print()
+
+
+def _grasped(point: Grasp) -> str:
+    """A grasp point, in words."""
+    frame = f" in the frame of {point.link}" if point.link else ""
+    across = f", across {point.across}" if point.across else ""
+    return f"at {list(point.at)}{frame}, approach {point.approach}{across}"
+
+
+def _moving(joint: UrdfJoint) -> str:
+    """What a joint moves, and how far."""
+    if joint.lower is None or joint.upper is None:
+        return f"moves {joint.child}, without limits"
+    if joint.type == "prismatic":
+        span = f"{joint.lower * 1000:.0f} to {joint.upper * 1000:.0f} mm"
+    else:
+        span = f"{math.degrees(joint.lower):.0f} to {math.degrees(joint.upper):.0f}°"
+    return f"moves {joint.child} from {span}"
 
 
 # --- import

@@ -196,7 +196,7 @@ def with_objects(scene: SceneSpec, models: Mapping[str, ObjectModel]) -> SceneSp
 def merged(spec: ObjectSpec, file: BodySpec) -> ObjectSpec:
     """An object of a scene with all that its file says and the scene does not.
 
-    Grasp points and joints are merged by name.
+    Of grasp points and joints, those that the task names are replaced, each as a whole.
     """
     written = spec.model_fields_set
     said = file.model_fields_set & BodySpec.model_fields.keys()

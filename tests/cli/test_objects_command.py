@@ -117,6 +117,14 @@ def test_a_urdf_is_measured_and_grasp_points_are_proposed(run, box):
     }
 
 
+def test_grasp_points_and_joints_are_told_with_their_frames_and_limits(run):
+    lines = run("objects", "check", "box").out.splitlines()
+    (knob,) = (line for line in lines if line.split()[:1] == ["knob"])
+    assert knob.endswith("at [0.0, -0.129, 0.004] in the frame of lid, approach down, across x")
+    (hinge,) = (line for line in lines if line.split()[:1] == ["hinge"])
+    assert hinge.endswith("moves lid from 0 to 110°")
+
+
 HULL = """<robot name="hull"><link name="body"><inertial><origin xyz="{center}"/>
 <mass value="0.1"/><inertia ixx="3e-4" iyy="4e-5" izz="3e-4" ixy="0" ixz="0" iyz="0"/></inertial>
 <collision><geometry><mesh filename="hull.obj"/></geometry></collision></link></robot>"""
