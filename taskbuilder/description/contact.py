@@ -65,7 +65,7 @@ class Released(Condition):
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         robots = world.robot_names if self.by is None else (self.by,)
         touching = [robot for robot in robots if world.fingers_touch(self.body, robot)]
-        return f"fingers of {listed(touching)} touch it" if touching else "no finger touches it"
+        return f"touched by {listed(touching)}" if touching else "no finger or tool touches it"
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,7 @@ def reasons(node: Condition, moment: EvaluatedState, *, wanted: bool, of: str) -
     if blame.every or len(found) == 1:
         listed = [reason for each in found for reason in each]
         return [*dict.fromkeys(listed), *_kept(node, moment, wanted, of)]
-    return [_one_of(node, found, moment, of)]
+    return [_one_of(node, found, moment, of, wanted=wanted)]
 
 
 def _kept(node: Condition, moment: EvaluatedState, wanted: bool, of: str) -> Iterator[Reason]:
@@ -129,7 +129,12 @@ def _kept(node: Condition, moment: EvaluatedState, wanted: bool, of: str) -> Ite
 
 
 def _one_of(
-    node: Condition, found: Sequence[Sequence[Reason]], moment: EvaluatedState, of: str
+    node: Condition,
+    found: Sequence[Sequence[Reason]],
+    moment: EvaluatedState,
+    of: str,
+    *,
+    wanted: bool,
 ) -> Reason:
     """Several reasons of which one would have to go, as one; of a failure, what made it up."""
     shown = found[:MOST_ALTERNATIVES]
@@ -137,7 +142,7 @@ def _one_of(
     more = len(found) - len(shown)
     if more:
         said.append(f"{more} more")
-    part, word = ("all of", "and") if of == "failure" else ("one of", "or")
+    part, word = ("all of", "and") if of == "failure" and not wanted else ("one of", "or")
     return Reason(of, part, f"; {word} ".join(said), moment.since(node))
 
 

@@ -32,6 +32,8 @@ MOST_REQUESTS = 100
 """Requests that wait; those of a browser that floods the page are dropped."""
 
 MENDED = "the files have no errors any more"
+BUILDING = "Building the scene …"
+STALE = "✗ The files have errors since; this is the task as it was. See the tab *Findings*."
 
 Request = Callable[[], None]
 
@@ -60,7 +62,7 @@ class LivePage:
         self._notified: tuple[Finding, ...] = ()
         self.requests: queue.Queue[Request] = queue.Queue(MOST_REQUESTS)
         gui = server.viser.gui
-        self._heading = gui.add_markdown("")
+        self._heading = gui.add_markdown(BUILDING)
         tabs = gui.add_tab_group()
         episode, scene = tabs.add_tab("Episode"), tabs.add_tab("Scene")
         self.scene = SceneTab(
@@ -135,6 +137,8 @@ class LivePage:
         read = self._stage.load()
         self._say_findings()
         if not read:
+            if self._stage.task is not None:
+                self._heading.content = f"{heading(self._stage.task)}\n\n{STALE}"
             return
         try:
             self._show_task()

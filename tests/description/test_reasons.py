@@ -129,7 +129,7 @@ def test_what_touches_and_what_holds_is_told_by_name(world, why):
     world.holds = {("cube", "left")}
     world.finger_touches = {("cube", "left"), ("cube", "right")}
     assert why(~Held("cube", by="left")) == ["Held(cube, by=left): left holds it (from the start)"]
-    assert why(Released("cube"))[0].startswith("Released(cube): fingers of left and right touch it")
+    assert why(Released("cube"))[0].startswith("Released(cube): touched by left and right")
     assert why(EmptyHanded("left"))[0].startswith("EmptyHanded(left): it holds cube")
 
 
@@ -211,6 +211,11 @@ def test_a_failure_names_all_that_made_it_up(facts):
     ]
     (told,) = facts((A & B) | (B & C), "ab", wanted=False, of="failure")
     assert told == f"failure held at step 0: all of: {_name('a')}: holds; and {_name('b')}: holds"
+
+
+def test_of_a_failure_that_has_not_come_about_one_part_would_be_enough(facts):
+    (told,) = facts(A | B, "", wanted=True, of="failure")
+    assert told.endswith(f"one of: {_name('a')}: does not hold; or {_name('b')}: does not hold")
 
 
 def test_the_figure_of_a_failure_that_has_just_come_about_is_told(world, why):

@@ -100,12 +100,14 @@ def test_a_task_file_that_is_deleted_while_it_is_shown_is_a_finding_until_it_is_
     touch.unlink()
     turn(page, lambda: "no longer there" in page.findings.content)
     assert "1 finding" in page.episode.outcome.content
+    assert "this is the task as it was" in page._heading.content
     assert "/scene/cube" in parts(server)  # what was there last is still to be seen
     page.ask(page.episode.play)
     turn(page, lambda: page.episode.recording is not None)  # and can be played
     touch.write_text(text.replace("cube:", "block:"))
     turn(page, lambda: "/scene/block" in parts(server))
     assert "No findings" in page.findings.content
+    assert "as it was" not in page._heading.content
     gone, back = told
     assert re.search(r"touch\.yaml: error\[TB001\] cannot be read: it is no longer there", gone)
     assert back == "the files have no errors any more"
