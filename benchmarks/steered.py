@@ -186,7 +186,8 @@ def main() -> int:
     made = taskbuilder.multiply(few, many, episodes=asked.many, jobs=1)
     attempts = len(made) + len(made.contents["not_kept"])
     keep(multiplied={"kept": len(made), "attempts": attempts, "share": len(made) / attempts})
-    taskbuilder.collect(TASK, scripted, episodes=asked.many, first_seed=EXPERT_SEED, jobs=1)
+    if not scripted.exists():
+        taskbuilder.collect(TASK, scripted, episodes=asked.many, first_seed=EXPERT_SEED, jobs=1)
     for name, data in (("multiplied", many), ("expert", scripted)):
         keep(**{f"learned_from_{name}": learn(name, data)})
     return 0
