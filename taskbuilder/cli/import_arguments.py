@@ -16,6 +16,13 @@ def add_measures(parser: ArgumentParser) -> None:
         metavar="KG",
         help="import: mass of the whole, in place of the file's",
     )
+    parser.add_argument(
+        "--scale",
+        type=_positive,
+        default=1.0,
+        metavar="FACTOR",
+        help="import: by how much a mesh is made larger (default 1)",
+    )
 
 
 def add_import(parser: ArgumentParser) -> None:

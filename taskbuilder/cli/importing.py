@@ -149,6 +149,7 @@ def _source(arguments: argparse.Namespace, *, robot: bool) -> ImportSource:
         collision=arguments.collision,
         unit=UNITS[unit] if unit else None,
         up=arguments.up,
+        scale=getattr(arguments, "scale", 1.0),
     )
     out: Path | None = arguments.out
     return ImportSource(

@@ -257,6 +257,11 @@ def import_object(source: ImportSource) -> Imported:
     """
     changes = Changes()
     mesh = is_mesh(source.file)
+    if source.meshes.scale != 1.0 and not mesh:
+        raise UsageError(
+            f"{source.file.name} is no mesh, and --scale is for meshes; write scale under shape in "
+            "the task file"
+        )
     if mesh:
         packages = Packages.around(source.file, source.packages, source.root)
         description = _of_mesh(packages.file)

@@ -57,6 +57,7 @@ class MeshOptions:
         upright: Whether stated up axes are turned to z, as for objects; in robots, only where
             the collision shape says so.
         slack: How far off a hull may be; see `fit`.
+        scale: By how much meshes are made larger, after their unit.
     """
 
     triangles: int = 8000
@@ -65,6 +66,7 @@ class MeshOptions:
     up: Up | None = None
     upright: bool = False
     slack: float = 1.0
+    scale: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +260,9 @@ class Geometry:
                 f"link {link.name}", "mesh scale", _spaced(shape.size), "baked into the mesh",
                 "a mirrored mesh would be drawn inside out",
             )  # fmt: skip
-        return np.asarray(np.diag(scale * unit) @ turn, np.float64)
+        if self.options.scale != 1.0:
+            self.changes.note(name, "scale", "1", f"{self.options.scale:g}", "as given")
+        return np.asarray(np.diag(scale * unit * self.options.scale) @ turn, np.float64)
 
     def _unit(self, mesh: MeshFile, name: str, scale: float) -> float:
         extent = float(np.ptp(mesh.bounds, axis=0).max()) * scale

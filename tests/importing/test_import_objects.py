@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -118,6 +119,20 @@ def test_a_compressed_mesh_is_said_to_be_compressed(extension, said, tmp_path):
     file.write_bytes(header + chunk)
     with pytest.raises(FileError, match=rf"compressed \({said}\)"):
         import_object(ImportSource(file))
+
+
+def test_a_mesh_is_made_larger_as_asked_and_a_description_is_not(tmp_path):
+    file = tmp_path / "thing.stl"
+    file.write_bytes(ascii_stl(box_mesh((0.02, 0.04, 0.06))))
+    larger = ImportSource(file, meshes=MeshOptions(scale=2.5))
+    imported, urdf = imported_urdf(larger, tmp_path / "out")
+    assert urdf.link("body").collisions[0].size == pytest.approx((0.05, 0.1, 0.15), abs=1e-5)
+    (row,) = (row for row in imported.changes.rows if row.what == "scale")
+    assert (row.before, row.after) == ("1", "2.5")
+    description = tmp_path / "thing.urdf"
+    description.write_text('<robot name="thing"><link name="body"/></robot>')
+    with pytest.raises(UsageError, match="scale under shape in the task file"):
+        import_object(replace(larger, file=description))
 
 
 def test_units_that_cannot_be_guessed(tmp_path):
