@@ -76,23 +76,12 @@ def fingers(axis: str = "1 0 0") -> str:
     return text
 
 
-def turning_fingers() -> str:
+def turning_fingers(length: float = 0.08, turn: float = 0.5) -> str:
     text = ""
     for side, sign in (("a", 1), ("b", -1)):
-        text += link(f"finger_{side}", 0.08, 0.012, 0.05)
-        limits = 'lower="0" upper="0.5"'
+        text += link(f"finger_{side}", length, 0.012, 0.05)
+        limits = f'lower="0" upper="{turn}"'
         at, axis = f"{0.01 * sign} 0 0.06", f"0 {sign} 0"
-        text += joint(f"turn_{side}", "l6", f"finger_{side}", at, axis, "revolute", limits)
-    return text
-
-
-def swinging_fingers() -> str:
-    """Two fingers that turn from 75° apart to straight, so that their tips come out by 80 mm."""
-    text = ""
-    for side, sign in (("a", 1), ("b", -1)):
-        text += link(f"finger_{side}", 0.11, 0.012, 0.05)
-        limits = 'lower="0" upper="1.3"'
-        at, axis = f"{0.007 * sign} 0 0.06", f"0 {sign} 0"
         text += joint(f"turn_{side}", "l6", f"finger_{side}", at, axis, "revolute", limits)
     return text
 
@@ -151,7 +140,7 @@ def test_the_proposal_is_a_robot_that_grasps(hand, urdf, run, tmp_path):
 
 
 def test_the_tcp_of_fingers_that_swing_is_where_they_meet(urdf):
-    file = urdf(arm() + swinging_fingers())
+    file = urdf(arm() + turning_fingers(0.11, 1.3))  # the tips come out by 80 mm
     model = read_urdf(file, [file.parent])
     proposal = propose(model)
     opened, closed = (
