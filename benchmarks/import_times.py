@@ -21,7 +21,7 @@ import numpy as np
 from machine import describe_machine
 
 from taskbuilder.importing.folders import ImportSource, import_object, import_robot
-from taskbuilder.importing.geometry import MeshOptions
+from taskbuilder.importing.mesh_options import MeshOptions
 
 ROWS, COLUMNS = 320, 400
 """Of a bumpy ball, which has two triangles for each: 256,000."""

@@ -16,8 +16,8 @@ from taskbuilder.cli.robot_trials import tried_gripper
 from taskbuilder.errors import FileError, UsageError, display_path
 from taskbuilder.importing.arms import import_arms
 from taskbuilder.importing.folders import Imported, ImportSource, import_object, import_robot
-from taskbuilder.importing.geometry import MeshOptions
 from taskbuilder.importing.mesh_files import UNITS
+from taskbuilder.importing.mesh_options import MeshOptions
 from taskbuilder.importing.mounting import Mount
 from taskbuilder.importing.naming import ROBOT_NAME
 from taskbuilder.importing.postures import read_postures

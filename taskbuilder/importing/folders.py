@@ -16,9 +16,10 @@ from taskbuilder.errors import FileError, Finding, Location, UsageError
 from taskbuilder.geometry import Pose
 from taskbuilder.importing.changes import Changes
 from taskbuilder.importing.description import ImportedBody, ImportedShape, Link
-from taskbuilder.importing.geometry import Geometry, MeshOptions
+from taskbuilder.importing.geometry import Geometry
 from taskbuilder.importing.limits import held_as_unused, with_followers, with_limits
 from taskbuilder.importing.masses import with_masses
+from taskbuilder.importing.mesh_options import MeshOptions
 from taskbuilder.importing.mounting import Mount, is_cup, mounted, with_located_meshes
 from taskbuilder.importing.naming import folder_name, proposed_name
 from taskbuilder.importing.packages import Packages

@@ -21,7 +21,7 @@ from taskbuilder.importing.description import (
     Role,
     links_without_collision,
 )
-from taskbuilder.importing.fitting import Choice, Fit, fit
+from taskbuilder.importing.fitting import Fit, fit
 from taskbuilder.importing.mesh_files import (
     UNITS,
     MeshFile,
@@ -30,6 +30,7 @@ from taskbuilder.importing.mesh_files import (
     load_picture,
     textured,
 )
+from taskbuilder.importing.mesh_options import MeshOptions
 from taskbuilder.importing.mesh_output import compound_obj, decimated, obj_files
 from taskbuilder.importing.packages import Packages
 from taskbuilder.importing.primitives import box_corners, primitive_part
@@ -43,30 +44,6 @@ _Z_UP: Mapping[Up, Floats] = {
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
     "z": np.eye(3),
 }
-
-
-@dataclass(frozen=True)
-class MeshOptions:
-    """How meshes are imported.
-
-    Attributes:
-        triangles: The most triangles of a mesh that is drawn.
-        collision: How collision shapes are made of meshes.
-        unit: Metres of one unit of meshes whose format states none; None to look at their size.
-        up: Their up axis; None for what is found.
-        upright: Whether stated up axes are turned to z, as for objects; in robots, only where
-            the collision shape says so.
-        slack: How far off a hull may be; see `fit`.
-        scale: By how much meshes are made larger, after their unit.
-    """
-
-    triangles: int = 8000
-    collision: Choice = "auto"
-    unit: float | None = None
-    up: Up | None = None
-    upright: bool = False
-    slack: float = 1.0
-    scale: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -430,4 +407,4 @@ def _spaced(values: Sequence[float]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-__all__ = ["Geometry", "MeshOptions", "link_parts"]
+__all__ = ["Geometry", "link_parts"]

@@ -13,7 +13,7 @@ from taskbuilder.assets.mesh import read_mesh
 from taskbuilder.assets.urdf import read_urdf
 from taskbuilder.errors import FileError, UsageError
 from taskbuilder.importing.folders import ImportSource, import_object
-from taskbuilder.importing.geometry import MeshOptions
+from taskbuilder.importing.mesh_options import MeshOptions
 from taskbuilder.importing.surfaces import welded_mesh
 from taskbuilder.importing.writing import write_folder
 
