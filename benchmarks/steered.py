@@ -49,6 +49,14 @@ SETTINGS = {"turn": 0}  # scenes cannot be turned in the frames in which people'
 TRAIN_SEED, EXPERT_SEED, FIRST_SEED, PLAYED = 11, 600_000, 3_000_000, 100
 
 
+def episode_of(page: LivePage) -> Any:
+    """The episode that people steer; one has begun."""
+    session = page.steering.session
+    if session is None or session.env is None:
+        raise RuntimeError("no episode has begun")
+    return session.env.episode
+
+
 class Person:
     """Presses keys in a window, not well, until the tool of a robot is where it should be."""
 
@@ -87,19 +95,19 @@ class Person:
             self._tab.keyboard.press(key)
 
     def _wait(self, steps: int) -> None:
-        episode = self._page.steering.session.env.episode  # type: ignore[union-attr]
+        episode = episode_of(self._page)
         until = episode.steps + steps
         while self._page.steering.runs and episode.steps < until:
             time.sleep(0.01)
 
     @property
     def _world(self) -> Any:
-        return self._page.steering.session.env.episode.world  # type: ignore[union-attr]
+        return episode_of(self._page).world
 
 
 def hand_over(page: LivePage, left: Person, right: Person) -> None:
     """The left arm picks the stick up, the right one takes it over and brings it to the goal."""
-    world = page.steering.session.env.episode.world  # type: ignore[union-attr]
+    world = episode_of(page).world
 
     def at(frame: str, above: float = 0.0) -> Callable[[], Vec3]:
         return lambda: add(world.position(frame), (0.0, 0.0, above))

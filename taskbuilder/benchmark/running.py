@@ -117,7 +117,7 @@ def benchmark(
     )
     tasks = _tasks(about, only)
     with drawing_needed():  # not after hours of training
-        import taskbuilder.visual.profiles  # noqa: F401  # only tried: it is used at the end
+        import taskbuilder.visual.profiles  # noqa: F401 - to find out now whether it can be imported; the report at the end needs it
     folder = Path(out).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     own = None if policy is None or isinstance(policy, str | Path) else policy
