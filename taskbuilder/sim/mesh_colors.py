@@ -3,6 +3,9 @@
 A face has the diffuse colour of its material or, if the material has a texture, the colour of the
 texture at the middle of the face. Similar colours of a texture are made one. That is exact for
 palettes, which is how robots are painted, and coarse for photographs.
+
+Of a mesh that is painted, a texture keeps its pattern and not its hue: it becomes shades of grey,
+by which the paint is multiplied. A cup that a task file makes orange is then orange in pictures.
 """
 
 from __future__ import annotations
@@ -48,7 +51,8 @@ def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArr
 
     Args:
         mesh: The mesh.
-        diffuse: Whether the diffuse colours of materials count; if not, only textures do.
+        diffuse: Whether the colours of materials count. If not, as the mesh is painted, diffuse
+            colours are left out, and textures are shades of grey.
 
     Returns:
         Colours from 0 to 1, and the number of each triangle's; white without a material.
@@ -67,7 +71,7 @@ def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArr
         own = np.isin(used, numbers)
         found, which = _from_texture(mesh, own, look) if isinstance(look, Path) else ([look], 0)
         color_of[own] = len(colors) + which
-        colors += found
+        colors += found if diffuse else _shades(found)
     return colors, color_of
 
 
@@ -105,6 +109,13 @@ def _from_texture(
     _, group = np.unique(colors // (256 // _LEVELS), axis=0, return_inverse=True)
     group = group.reshape(-1)
     return [_mean(colors[group == number]) for number in range(group.max() + 1)], group
+
+
+def _shades(colors: list[Color]) -> list[Color]:
+    """Colours as shades of grey, the brightest white: by their luma of ITU-R BT.601."""
+    lumas = [0.299 * red + 0.587 * green + 0.114 * blue for red, green, blue in colors]
+    brightest = max(lumas) or 1.0
+    return [(luma / brightest, luma / brightest, luma / brightest) for luma in lumas]
 
 
 def _mean(colors: Texture) -> Color:

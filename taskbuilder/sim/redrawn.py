@@ -1,7 +1,8 @@
-"""Meshes written anew for Bullet's renderers, which draw two kinds of mesh wrong.
+"""Meshes written anew for Bullet's renderers, which draw three kinds of mesh wrong.
 
-They draw a mesh with a negative scale inside out, or lit from the wrong side, and they ignore the
-diffuse colours of materials. The rasteriser needs none of this.
+They draw a mesh with a negative scale inside out, or lit from the wrong side, they ignore the
+diffuse colours of materials, and they keep the hue of a texture under paint. The rasteriser needs
+none of this.
 """
 
 from __future__ import annotations
@@ -28,8 +29,9 @@ def redrawn(look: MeshLook, folder: Path) -> tuple[MeshLook, ...]:
     signs = np.sign(look.scale)
     mirrored = bool((signs < 0.0).any())
     materials = materials_of(mesh)
-    colored = unpainted and any(material.color for material in materials)
-    if not mirrored and (not colored or any(material.texture for material in materials)):
+    textured = any(material.texture for material in materials)
+    colored = any(material.color for material in materials)
+    if not mirrored and (textured or not colored if unpainted else not textured):
         return (look,)
     tints, tint_of = face_colors(mesh, diffuse=unpainted)
     base = look.color or WHITE

@@ -1,7 +1,8 @@
 """The poses that the expert's stages require, and whether robots can take them up.
 
 They come from the expert's dry run, which has no physics. Objects that move on the way are where
-they are foreseen to be, so collisions are only looked for with what is fixed.
+they are foreseen to be, so collisions are only looked for with what stands still: fixed objects
+without the links that their joints move.
 """
 
 from __future__ import annotations
@@ -132,8 +133,10 @@ class _Judge:
         body = self._world.robots[robot].body
         nearest: dict[tuple[str, str], float] = {}
         for name, obj in self._world.objects.items():
-            if obj.spec.fixed and not obj.joints:
-                for gap in gaps(body, obj.body, LOOK_M):
+            if not obj.spec.fixed:
+                continue
+            for gap in gaps(body, obj.body, LOOK_M):
+                if gap.link_b not in obj.moving_links:
                     pair = gap.link_a, name
                     nearest[pair] = min(gap.distance, nearest.get(pair, LOOK_M))
         return nearest

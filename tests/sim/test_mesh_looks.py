@@ -78,16 +78,20 @@ def load(client, folder, text, name="thing"):
     return load_urdf(client, copy, fixed_base=True)
 
 
-def hues(client) -> list[tuple[bool, ...]]:
-    """For each of the three cubes, which of red, green and blue its front has."""
+def fronts(client) -> list[np.ndarray]:
+    """The colour of the front of each of the three cubes."""
     image = capture(client, VIEW, light=LAMP)
     found = []
     for x in CENTERS:
         in_camera = (VIEW.extrinsics @ np.array([x, -0.05, 0.0, 1.0]))[:3]
         u, v, w = image.intrinsics @ in_camera
-        pixel = image.rgb[round(v / w), round(u / w)]
-        found.append(tuple((pixel > 60).tolist()))
+        found.append(image.rgb[round(v / w), round(u / w)])
     return found
+
+
+def hues(client) -> list[tuple[bool, ...]]:
+    """For each of the three cubes, which of red, green and blue its front has."""
+    return [tuple((pixel > 60).tolist()) for pixel in fronts(client)]
 
 
 RED, GREEN, BLUE = (True, False, False), (False, True, False), (False, False, True)
@@ -138,6 +142,20 @@ def test_each_material_has_its_own_texture(tmp_path):
         create_body(client, {"mesh": Part(MeshShape(tmp_path / "cubes.obj"), Pose(), WHITE)})
         # The first and third cubes have texture points in the left half, the second in the right.
         assert hues(client) == [GREEN, BLUE, GREEN]
+
+
+def test_a_painted_texture_keeps_its_pattern_and_not_its_hue(client, tmp_path):
+    (tmp_path / "cubes.obj").write_text(cubes())
+    picture = np.zeros((4, 8, 3), np.uint8)
+    picture[:, :4], picture[:, 4:] = (0, 250, 0), (0, 120, 0)
+    cv2.imwrite(str(tmp_path / "leaves.png"), picture)
+    names = ("first paint", "second", "third")
+    (tmp_path / "cubes.mtl").write_text("\n".join(f"newmtl {n}\nmap_Kd leaves.png" for n in names))
+    paint = '<material name="paint"><color rgba="0.9 0 0 1"/></material>'
+    load(client, tmp_path, urdf("cubes.obj", material=paint))
+    assert hues(client) == [RED] * 3
+    light, dark, _ = (int(pixel[0]) for pixel in fronts(client))
+    assert light > 1.5 * dark
 
 
 def test_a_mesh_without_its_material_file_is_white(client, tmp_path):

@@ -57,6 +57,27 @@ def test_a_pose_in_a_wall_is_in_collision_by_so_much(touch):
     assert "mm from wall" in expert_poses([pose])
 
 
+CABINET = """<robot name="cabinet">
+  <link name="case"><collision><geometry><box size="0.02 0.6 0.6"/></geometry></collision></link>
+  <link name="flap"><collision><geometry><box size="0.02 0.6 0.6"/></geometry></collision></link>
+  <joint name="hinge" type="prismatic"><parent link="case"/><child link="flap"/>
+    <origin xyz="{flap} 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.3" effort="1" velocity="1"/>
+  </joint>
+</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("case", "flap", "verdict"), [(0.45, 0.4, "in collision"), (0.85, -0.4, "in reach")]
+)
+def test_of_an_object_with_joints_only_what_stands_still_is_in_the_way(touch, case, flap, verdict):
+    (touch.parent / "cabinet.urdf").write_text(CABINET.format(flap=flap))
+    cabinet = f"cabinet: {{shape: {{urdf: cabinet.urdf}}, fixed: true, position: [{case}, 0, 0.4]}}"
+    touch.write_text(touch.read_text().replace("  objects:\n", f"  objects:\n    {cabinet}\n"))
+    (pose,) = poses_of(touch)
+    assert pose.verdict == verdict
+
+
 def test_a_table_under_an_arm_is_no_collision(touch):
     table = "table: {shape: {box: [2.0, 2.0, 0.02]}, fixed: true, position: [0, 0, -0.01]}"
     touch.write_text(touch.read_text().replace("  objects:\n", f"  objects:\n    {table}\n"))
