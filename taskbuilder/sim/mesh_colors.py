@@ -62,6 +62,7 @@ def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArr
     color_of = np.zeros(count, np.intp)
     used = np.asarray(mesh.face_materials, np.intp) if mesh.materials else np.zeros(count, np.intp)
     looks = materials_of(mesh)
+    areas = _areas(mesh)
     alike: dict[Path | Color, list[int]] = {}
     for number in np.unique(used):
         alike.setdefault(looks[number].shown(diffuse=diffuse) if looks else WHITE, []).append(
@@ -71,7 +72,9 @@ def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArr
         own = np.isin(used, numbers)
         found, which = _from_texture(mesh, own, look) if isinstance(look, Path) else ([look], 0)
         color_of[own] = len(colors) + which
-        colors += found if diffuse else _shades(found)
+        colors += (
+            found if diffuse else _shades(found, np.broadcast_to(which, own.sum()), areas[own])
+        )
     return colors, color_of
 
 
@@ -111,11 +114,27 @@ def _from_texture(
     return [_mean(colors[group == number]) for number in range(group.max() + 1)], group
 
 
-def _shades(colors: list[Color]) -> list[Color]:
-    """Colours as shades of grey, the brightest white: by their luma of ITU-R BT.601."""
-    lumas = [0.299 * red + 0.587 * green + 0.114 * blue for red, green, blue in colors]
-    brightest = max(lumas) or 1.0
-    return [(luma / brightest, luma / brightest, luma / brightest) for luma in lumas]
+def _shades(
+    colors: list[Color], which: NDArray[np.intp], areas: NDArray[np.float64]
+) -> list[Color]:
+    """Colours as shades of grey, by their luma of ITU-R BT.601; from the mean on, they are white.
+
+    Args:
+        colors: The colours.
+        which: (triangles,) number of the colour of each triangle.
+        areas: (triangles,) by which the mean is weighted.
+    """
+    lumas = np.array(colors) @ (0.299, 0.587, 0.114)
+    mean = float(np.average(lumas[which], weights=areas)) if areas.any() else 0.0
+    shades = np.minimum(lumas / mean, 1.0) if mean else np.ones(len(colors))
+    return [(shade, shade, shade) for shade in shades.tolist()]
+
+
+def _areas(mesh: Mesh) -> NDArray[np.float64]:
+    """(triangles,) areas."""
+    corners = np.array(mesh.points).reshape(-1, 3)[np.array(mesh.corners).reshape(-1, 3)]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return np.asarray(np.linalg.norm(np.cross(first, second), axis=1) / 2.0)
 
 
 def _mean(colors: Texture) -> Color:
