@@ -11,7 +11,7 @@ import pytest
 from taskbuilder.schema.expert import Together
 from taskbuilder.schema.order import Order
 from taskbuilder.task import load_task
-from taskbuilder.validate.checks.belonging import find_takable
+from taskbuilder.validate.checks.belonging import find_near, takes
 from taskbuilder.validate.env_cache import EnvCache, Start
 from taskbuilder.validate.solo import play_solo, sharers, solos
 
@@ -71,7 +71,8 @@ def in_reach(folder, stages, scene=BAR):
     (folder / "bar.yaml").write_text(scene + stages)
     (folder / "bar.py").write_text(DESCRIPTION)
     with closing(EnvCache(load_task(folder / "bar.yaml"))) as cache:
-        return find_takable(cache, Start(0, 0))
+        start = Start(0, 0)
+        return [pair for pair in find_near(cache, start) if takes(cache, (start, pair))]
 
 
 @pytest.mark.parametrize("taken", [TAKEN_AT_ONCE, TAKEN_IN_TURN])

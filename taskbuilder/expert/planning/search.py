@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 
@@ -16,6 +17,10 @@ from taskbuilder.expert.planning.subspaces import Coordinates
 
 SHORTCUTS, MANY_SHORTCUTS = 24, 60
 """Attempts to shorten a simple path, and a path from the trees."""
+
+CANDIDATES = 20
+"""Paths of the trees that are followed in fine steps. The library's experts need one. Where the
+trees meet again and again and no path holds, the tool does not get to the goal on any."""
 
 Waypoints = list[Waypoint]
 
@@ -87,7 +92,8 @@ class Search:
         if len(self.space.begin) == 1:
             return None  # a single line leads round nothing
         ends = (self._start, self._goal)
-        for line in rrt.connect(self.space, ends, self._free, self._rng):
+        lines = rrt.connect(self.space, ends, self._free, self._rng)
+        for line in islice(lines, CANDIDATES):
             path = self._along(self._start, line)
             if path is not None:
                 return self._shorten(path, MANY_SHORTCUTS)
