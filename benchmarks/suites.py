@@ -7,12 +7,13 @@ runs/suites/SUITE-imitation-bc, and keeps what submissions keep in a folder of t
 benchmarks/results/suites: the page, the picture and the numbers. Beside them, records.tar.xz has
 the records of all cells and their certificates, so that a later run goes on where this one ended,
 on another machine, too. Everything is kept after each cell. A cell takes about eight minutes of CPU
-time.
+time. What was measured of a task that has a new version since is forgotten.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 import shutil
 import sys
@@ -22,8 +23,17 @@ from pathlib import Path
 
 import taskbuilder
 from taskbuilder.benchmark.page import DATA, PAGE, PICTURE, TABLE, write_report
-from taskbuilder.benchmark.records import ABOUT, CELLS, SHARED, TASKS, CellRecord
+from taskbuilder.benchmark.records import (
+    ABOUT,
+    CELLS,
+    SHARED,
+    TASKS,
+    CellRecord,
+    read_about,
+    write,
+)
 from taskbuilder.benchmark.results import read_results, success_at_end
+from taskbuilder.schema.summaries import summarize
 
 RESULTS = Path(__file__).parent / "results" / "suites"
 RECORDS = "records.tar.xz"
@@ -56,6 +66,8 @@ def run(suite: str, only: list[str], folder: Path, jobs: int) -> None:
     if not (folder / ABOUT).exists() and (kept / RECORDS).exists():
         with tarfile.open(kept / RECORDS) as archive:
             archive.extractall(folder, filter="data")
+    if (folder / ABOUT).exists():
+        renew(folder)
 
     def keep(cell: CellRecord) -> None:
         print(f"{cell.task}: {cell.status} {100.0 * success_at_end(cell):.1f} %", flush=True)
@@ -78,6 +90,22 @@ def run(suite: str, only: list[str], folder: Path, jobs: int) -> None:
         command=shlex.join(["python", *sys.argv]),
         report=keep,
     )
+
+
+def renew(folder: Path) -> None:
+    """Forget what was measured of tasks that have a new version since."""
+    about, catalogue = read_about(folder), taskbuilder.catalogue()
+    now = {task: summarize(catalogue.task(task), catalogue).version for task in about.suite.tasks}
+    for task, version in now.items():
+        if version == about.suite.version(task):
+            continue
+        print(f"{task}: version {version} is to be measured", flush=True)
+        for place in (CELLS, TASKS, SHARED):
+            for old in (folder / place).glob("*"):
+                if re.fullmatch(rf"{task}(-\d+)?(\.json)?", old.name):
+                    shutil.rmtree(old) if old.is_dir() else old.unlink()
+    suite = about.suite.model_copy(update={"versions": tuple(now.values())})
+    write(folder / ABOUT, about.model_copy(update={"suite": suite}))
 
 
 def pack(folder: Path, archive: Path) -> None:
