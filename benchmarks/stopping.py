@@ -2,6 +2,7 @@
 
     python benchmarks/stopping.py [--trials 20000]
     python benchmarks/stopping.py --replay handover tests/broken_tasks/holding_pays.yaml ...
+    python benchmarks/stopping.py --compare f482f017 94d06666
 
 A trial draws the differences between the expert's return and a probe's, whose true mean is zero, so
 that no comparison should find a lead. They come from normal, skewed and two-valued distributions.
@@ -12,12 +13,17 @@ seeds the looks need. Writes benchmarks/results/stopping.json.
 With --replay, tasks are played instead: every probe from all seeds, whatever the looks decide. The
 verdict on each comparison at the looks is held against that from all seeds at once, which is an
 interval of 95 %. Writes a row for each task to benchmarks/results/stopping_replayed.json.
+
+With --compare, the proofs of two commits are compared: f482f017 is the last whose proofs played
+every probe from all 40 seeds, and in 94d06666 all tasks were proved with looks. Only tasks whose
+files are the same count. Writes benchmarks/results/stopping_compared.json.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -40,6 +46,8 @@ from taskbuilder.validate.sequential import ENOUGH, ERROR, InterimLook, Looks, l
 
 RESULTS = Path(__file__).parent / "results" / "stopping.json"
 REPLAYED = RESULTS.with_name("stopping_replayed.json")
+COMPARED = RESULTS.with_name("stopping_compared.json")
+PROOFS = RESULTS.with_name("proofs")
 FAMILIES = ("needs its robots", "pays for success")
 AT_ONCE = Looks((InterimLook(ENOUGH, ERROR),), both_ways=True)
 SEED = 7_400_000
@@ -171,11 +179,12 @@ def replayed(task: str) -> dict[str, Any]:
     ):
         report = validate_task(task, only=FAMILIES, apart=False)
     probes = [probe for family in report.families for probe in family.probes]
-    expert = next(probe for probe in probes if probe.baseline == EXPERT)
+    experts = [probe for probe in probes if probe.baseline == EXPERT]
+    expert = experts[0] if experts else None
     plan = looks(ENOUGH, len(load_task(task).file.scenes))
     differ, needed = [], Counter()
     for probe in probes:
-        if probe is expert:
+        if expert is None or probe is expert:
             continue
         seeds = 0
         for discounted in (False, True):
@@ -188,7 +197,7 @@ def replayed(task: str) -> dict[str, Any]:
     return {
         "ok": report.ok,
         "codes": sorted({finding.code for finding in report.findings}),
-        "probes": len(probes) - 1,
+        "probes": sum(needed.values()),
         "differ": differ,
         "probes_by_seeds": {str(seeds): needed[seeds] for seeds in sorted(needed)},
         "cpu_s": round(time.process_time() - started, 1),
@@ -202,16 +211,62 @@ def replay(tasks: list[str]) -> None:
         name = load_task(task).name
         rows[name] = replayed(task)
         print(name, rows[name], flush=True)
-        text = json.dumps(rows, indent=1, ensure_ascii=False, sort_keys=True)
-        REPLAYED.write_text(text + "\n", encoding="utf-8")
+        write(REPLAYED, rows, ordered=True)
+
+
+def compared(before: str, after: str) -> dict[str, Any]:
+    """Compare the proofs of two commits: the verdicts on each check of both."""
+    same, changed, differ, checks = [], [], [], 0
+    for file in sorted(PROOFS.glob("*.json")):
+        texts = [shown(commit, file) for commit in (before, after)]
+        if "" in texts:
+            continue  # a task that came later
+        old, new = map(json.loads, texts)
+        if old["checksum"] != new["checksum"]:
+            changed.append(file.stem)
+            continue
+        same.append(file.stem)
+        verdicts, later = verdicts_of(old), verdicts_of(new)
+        both = verdicts.keys() & later.keys()
+        checks += len(both)
+        differ += [f"{file.stem}: {' '.join(c)}" for c in sorted(both) if verdicts[c] != later[c]]
+    return {
+        "command": f"python benchmarks/stopping.py --compare {before} {after}",
+        "tasks": len(same), "checks": checks, "differ": differ, "changed_between": changed,
+    }  # fmt: skip
+
+
+def shown(commit: str, file: Path) -> str:
+    """A file as a commit has it; "" if it does not."""
+    command = ["git", "show", f"{commit}:./{file.name}"]
+    run = subprocess.run(command, cwd=file.parent, capture_output=True, text=True, check=False)
+    return run.stdout if run.returncode == 0 else ""
+
+
+def verdicts_of(proof: Mapping[str, Any]) -> dict[tuple[str, str], bool]:
+    """Of the families whose comparisons stop: whether each check passed."""
+    return {
+        (check["code"], check["name"]): check["ok"]
+        for check in proof["checks"]
+        if check["family"] in FAMILIES
+    }
+
+
+def write(file: Path, data: Mapping[str, Any], *, ordered: bool = False) -> None:
+    text = json.dumps(data, indent=1, ensure_ascii=False, sort_keys=ordered)
+    file.write_text(text + "\n", encoding="utf-8")
 
 
 def main() -> None:
-    """Simulate, or replay, and write what was found."""
+    """Simulate, replay or compare, and write what was found."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, default=20_000)
     parser.add_argument("--replay", nargs="+", metavar="TASK")
+    parser.add_argument("--compare", nargs=2, metavar="COMMIT")
     asked = parser.parse_args()
+    if asked.compare:
+        write(COMPARED, compared(*asked.compare))
+        return
     if asked.replay:
         replay(asked.replay)
         return
@@ -227,7 +282,7 @@ def main() -> None:
         "machine": describe_machine(),
         "cpu_s": round(time.process_time() - started, 1),
     }
-    RESULTS.write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    write(RESULTS, data)
 
 
 if __name__ == "__main__":

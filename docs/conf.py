@@ -31,6 +31,7 @@ html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_js_files = [("gallery.js", {"defer": "defer"})]
 html_copy_source = False
+html_use_index = False  # the site has no index entries, and an empty page helps nobody
 html_baseurl = os.environ.get("READTHEDOCS_CANONICAL_URL") or os.environ.get("SITE_URL", "")
 html_show_copyright = False
 html_show_sphinx = False

@@ -75,6 +75,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "robust": training.robust,
     "solver": results.solver,
     "stopping": results.stopping,
+    "stopping_verdicts": results.stopping_verdicts,
     "suite_tasks": suites.tasks,
     "suites": suites.over,
     "swaps": swaps.swaps,

@@ -89,6 +89,20 @@ def stopping(_: str) -> str:
     return f"{table(head, rows)}\n\nEach row has {found['trials']:,} trials."
 
 
+def stopping_verdicts(_: str) -> str:
+    """Whether proofs with looks find what proofs from all seeds find."""
+    both, replayed = read("stopping_compared.json"), read("stopping_replayed.json")
+    sound = sum(row["ok"] for row in replayed.values())
+    comparisons = sum(row["probes"] for row in replayed.values())
+    differ = len(both["differ"]) + sum(len(row["differ"]) for row in replayed.values())
+    return (
+        f"{both['tasks']} tasks of the library were proved in both ways, from all forty seeds and "
+        f"at looks: {both['checks']} checks. {sound} more tasks, and {len(replayed) - sound} that "
+        f"are broken on purpose, were played from all seeds, and their {comparisons} comparisons "
+        f"were judged in both ways. {differ or 'No'} verdict{'s' if differ > 1 else ''} differed."
+    )
+
+
 def proof_times(_: str) -> str:
     """CPU-seconds of proofs by family, in the earlier checkout and today."""
     tasks = read("proof_times.json")["tasks"]
