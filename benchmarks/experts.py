@@ -4,8 +4,9 @@
 
 plays every task and variation over 200 seeds that nothing was tuned on, each episode to its end,
 writes a line an episode to benchmarks/results/experts.csv, where an interrupted run goes on and
-which is compressed at the end, and a
-summary to benchmarks/results/experts.json.
+which is compressed at the end, and a summary to benchmarks/results/experts.json. Episodes of a
+task's earlier versions are forgotten. With `--only`, only these tasks are played; with
+`--seeds 0`, none.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import csv
 import gzip
 import json
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -30,8 +32,10 @@ from taskbuilder.validate.proportion import Proportion
 
 RESULTS = Path(__file__).parent / "results"
 FIRST_SEED = 3_100_000
-FIELDS = ("task", "variation", "seed", "success", "first_success", "at_end", "peak_force")
-FIELDS += ("steps", "planning_s", "stage", "cause", "message")
+FIELDS = (
+    *("task", "variation", "seed", "success", "first_success", "at_end", "peak_force"),
+    *("steps", "planning_s", "stage", "cause", "message", "version"),
+)
 
 Job = tuple[str, int, int]
 
@@ -70,15 +74,23 @@ def play(job: Job) -> dict[str, Any]:
         "stage": trouble.stage if trouble else "",
         "cause": trouble.cause if trouble else "",
         "message": trouble.message if trouble else "",
+        "version": version_of(task),
     }
 
 
+@cache
+def version_of(task: str) -> int:
+    """The version of a task."""
+    return load_task(task).file.spec.version
+
+
 def rows_of(file: Path) -> list[dict[str, str]]:
-    """The episodes that have been played already."""
+    """The episodes of today's versions that have been played already."""
     if not file.exists():
         return []
     with file.open(encoding="utf-8", newline="") as lines:
-        return [row for row in csv.DictReader(lines) if None not in row.values()]
+        rows = [row for row in csv.DictReader(lines) if None not in row.values()]
+    return [row for row in rows if int(row["version"] or 1) == version_of(row["task"])]
 
 
 def summary(rows: Iterable[dict[str, str]]) -> dict[str, Any]:
@@ -115,6 +127,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=cores())
+    parser.add_argument("--only", nargs="+", metavar="TASK")
     parser.add_argument("--anew", action="store_true", help="forget the episodes played so far")
     arguments = parser.parse_args()
     file, packed = RESULTS / "experts.csv", RESULTS / "experts.csv.gz"
@@ -122,14 +135,16 @@ def main() -> None:
         file.unlink(missing_ok=True)
     elif packed.exists() and not file.exists():
         file.write_bytes(gzip.decompress(packed.read_bytes()))
-    known = {(row["task"], int(row["variation"]), int(row["seed"])) for row in rows_of(file)}
+    rows = rows_of(file)
+    known = {(row["task"], int(row["variation"]), int(row["seed"])) for row in rows}
     seeds = range(FIRST_SEED, FIRST_SEED + arguments.seeds)
-    scenes = [(n, k) for n in catalogue().tasks for k in range(len(load_task(n).file.scenes))]
+    tasks = arguments.only or catalogue().tasks
+    scenes = [(n, k) for n in tasks for k in range(len(load_task(n).file.scenes))]
     jobs = [(n, k, seed) for n, k in scenes for seed in seeds if (n, k, seed) not in known]
-    with file.open("a", encoding="utf-8", newline="") as lines:
+    with file.open("w", encoding="utf-8", newline="") as lines:
         writer = csv.DictWriter(lines, FIELDS)
-        if not known:
-            writer.writeheader()
+        writer.writeheader()
+        writer.writerows(rows)
         with workers(arguments.jobs) as spread:
             for row in spread(play, jobs):
                 writer.writerow(row)

@@ -29,8 +29,9 @@ def library(_: str) -> str:
         [
             f"`{model.entry.name}`",
             model.spec.summary,
+            f"{1000.0 * model.spec.mass:.0f} g" if model.spec.mass else "–",
             ", ".join(f"`{name}`" for name in model.spec.grasps) or "–",
         ]
         for model in objects
     ]
-    return table(["object", "what it is", "grasp points"], rows)
+    return table(["object", "what it is", "mass", "grasp points"], rows)

@@ -9,8 +9,9 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, Literal, SupportsFloat
+from typing import Any, SupportsFloat
 
+from taskbuilder.description.axes import SignedAxis, axis_problems, tilt_deg
 from taskbuilder.description.bodies import one_body, without_hands
 from taskbuilder.description.custom import Call
 from taskbuilder.description.node import (
@@ -169,14 +170,13 @@ class Tilt(Measure):
 
     frame: FrameName
     _: KW_ONLY
-    axis: Literal["x", "y", "z"] = "z"
+    axis: SignedAxis = "z"
 
     def value(self, world: WorldView) -> float:
-        return math.degrees(world.pose(self.frame).tilt("xyz".index(self.axis)))
+        return tilt_deg(world.pose(self.frame), self.axis)
 
     def problems(self, names: SceneNames) -> Iterator[str]:
-        if self.axis not in ("x", "y", "z"):
-            yield f'axis is {self.axis!r}; "x", "y" or "z"'
+        yield from axis_problems(self.axis)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 from typing import Literal
 
+from taskbuilder.description.axes import SignedAxis, axis_problems, direction, tilt_deg
 from taskbuilder.description.figures import beside, meters
 from taskbuilder.description.node import (
     BodyName,
@@ -168,52 +169,50 @@ class Beyond(Condition):
     frame: FrameName
     reference: FrameName
     _: KW_ONLY
-    axis: Literal["x", "y", "z", "-x", "-y", "-z"] = "x"
+    axis: SignedAxis = "x"
     by: float = 0.0
 
     def holds(self, world: WorldView) -> bool:
         return self._ahead(world) >= self.by
 
     def _ahead(self, world: WorldView) -> float:
-        along = world.pose(self.reference).axis("xyz".index(self.axis[-1]))
         apart = subtract(world.position(self.frame), world.position(self.reference))
-        ahead = dot(along, apart)
-        return -ahead if self.axis.startswith("-") else ahead
+        return dot(direction(world.pose(self.reference), self.axis), apart)
 
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
         now, bound = meters(self._ahead(world), self.by)
         return f"{now} beyond it, {'at least' if wanted else 'less than'} {bound} is needed"
 
     def problems(self, names: SceneNames) -> Iterator[str]:
-        signed = [f"{sign}{axis}" for sign in ("", "-") for axis in "xyz"]
-        if self.axis not in signed:
-            yield f"axis is {self.axis!r}; one of {', '.join(signed)}"
+        yield from axis_problems(self.axis)
         if self.frame == self.reference:
             yield "nothing is beyond itself; name two frames"
 
 
 @dataclass(frozen=True)
 class Upright(Condition):
-    """An axis of a frame points up, to within ``within_deg`` degrees."""
+    """An axis of a frame points up, to within ``within_deg`` degrees.
+
+    For example, ``Upright("cup", within_deg=10, axis="-z")`` is true if the cup is upside down.
+    """
 
     frame: FrameName
     _: KW_ONLY
     within_deg: float
-    axis: Literal["x", "y", "z"] = "z"
+    axis: SignedAxis = "z"
 
     def holds(self, world: WorldView) -> bool:
-        up = world.pose(self.frame).axis("xyz".index(self.axis))[2]
+        up = direction(world.pose(self.frame), self.axis)[2]
         return up >= math.cos(math.radians(self.within_deg))
 
     def figure(self, world: WorldView, memory: Memory, *, wanted: bool) -> str:
-        tilt = math.degrees(world.pose(self.frame).tilt("xyz".index(self.axis)))
+        tilt = tilt_deg(world.pose(self.frame), self.axis)
         now, bound = beside(tilt, self.within_deg, "°")
         return f"tilted by {now}, {'within' if wanted else 'more than'} {bound} is needed"
 
     def problems(self, names: SceneNames) -> Iterator[str]:
         yield from _positive("within_deg", self.within_deg, "degrees")
-        if self.axis not in ("x", "y", "z"):
-            yield f'axis is {self.axis!r}; "x", "y" or "z"'
+        yield from axis_problems(self.axis)
 
 
 def Level(frame: FrameName, *, within_deg: float) -> Condition:  # noqa: N802  # reads as one

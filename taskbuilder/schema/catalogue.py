@@ -27,6 +27,13 @@ _ALL_TASKS = "`taskbuilder list` shows all there are"
 _ALL = {"task": _ALL_TASKS, "object": "`taskbuilder objects` shows all there are"}
 """Where there are too many for one line."""
 
+_SHOWN_BY: Mapping[Sort, str] = {
+    "task": "show",
+    "robot": "robots check",
+    "object": "objects check",
+}
+"""The command that tells about one."""
+
 SUITES = "suites.yaml"
 """The file of a folder of tasks that is no task: its suites."""
 
@@ -157,6 +164,9 @@ class Catalogue:
         beside = (folder / f"{reference.removesuffix('.py')}.yaml") if reference else None
         if beside and beside.is_file():
             help_, meant = f"did you mean the file {display_path(beside)}?", None
+        for other, command in _SHOWN_BY.items():
+            if other != sort and reference in self._known(other):
+                help_ = f"{reference} is the name of a {other}: `taskbuilder {command} {reference}`"
         raise UnknownNameError(f'no {sort} "{reference}"; {help_}', meant)
 
     def _only(self, sort: Sort, name: str) -> CatalogueEntry:

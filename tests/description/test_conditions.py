@@ -178,6 +178,14 @@ def test_upright_is_an_axis_that_points_up(world, now, tilt, value):
     assert now(Upright("cube", within_deg=15, axis="x")) is value
 
 
+def test_what_stands_on_its_head_has_its_axis_down(world, now):
+    upside_down = Upright("cube", within_deg=15, axis="-z")
+    world.poses["cube"] = Pose.from_rpy_deg((0.0, 0.0, 0.0), (170.0, 0.0, 30.0))
+    assert now(upside_down) is True
+    world.poses["cube"] = Pose()
+    assert now(upside_down) is False
+
+
 @pytest.mark.parametrize(
     ("linear", "angular", "value"),
     [(0.009, 0.0, True), (0.011, 0.0, False), (0.0, 9.0, True), (0.0, 11.0, False)],

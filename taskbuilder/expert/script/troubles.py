@@ -46,7 +46,8 @@ def lost_on_the_way(world: World, robot: str, load: str, go: Go | None) -> str:
     if go is not None and go.joint is not None:
         position, target = _positions(world, *go.joint)
         text += f", with {go.joint[0]} at {position} of {target}"
-    return text + locks(world, {load.partition(".")[0]})
+    felt = _felt(world, robot, load)
+    return text + (f"; {felt}" if felt else "") + locks(world, {load.partition(".")[0]})
 
 
 def _grasp_frame(world: World, robot: str, go: Go) -> str:
@@ -95,9 +96,14 @@ def grip_missed(world: World, grip: Grip) -> str:
     state += f" and touches {names}" if names else ""
     if grip.releases:
         return f"{grip.robot} does not let go of {grip.load or 'what it touches'}: {state}"
-    forces = world.grip_forces(grip.load, grip.robot) if grip.load else ()
-    felt = f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
+    felt = _felt(world, grip.robot, grip.load) if grip.load else ""
     return f"{grip.robot} does not hold {grip.load or 'anything'}: {felt or state}"
+
+
+def _felt(world: World, robot: str, load: str) -> str:
+    """With what force each finger presses against a load; "" if none does."""
+    forces = world.grip_forces(load, robot)
+    return f"it presses with {', '.join(f'{f:.1f}' for f in forces)} N" if any(forces) else ""
 
 
 def touched(world: World, robot: str) -> dict[str, str]:

@@ -252,7 +252,8 @@ def _failing(context: Context, demos: Mapping[Start, Rollout], share: Proportion
         tried = suspects[:MOST_LONGER]
         found = list(context.ask(play_longer, tried, "solvable, longer"))
         if all(steps is not None for steps in found):
-            return _too_short(context, share, max(steps for steps in found if steps is not None))
+            needed = {start: steps for start, steps in zip(tried, found, strict=True) if steps}
+            return _too_short(context, share, needed)
     return _fails(context, failed, share)
 
 
@@ -262,11 +263,13 @@ def play_longer(cache: EnvCache, start: Start) -> int | None:
     return cache.expert(start.variation, horizon).play(start.seed).first_success
 
 
-def _too_short(context: Context, share: Proportion, needed: int) -> Finding:
+def _too_short(context: Context, share: Proportion, needed: Mapping[Start, int]) -> Finding:
     horizon = context.task.file.spec.timing.episode_steps
+    slowest = max(needed, key=needed.__getitem__)
     message = (
-        f"the expert succeeds in time from {share} seeds only, as it takes up to {needed} control "
-        f"steps; lengthen episodes, which end after {horizon}"
+        f"the expert succeeds in time from {share} seeds only, as it takes up to {needed[slowest]} "
+        f"control steps ({slowest}); lengthen episodes, which end after {horizon}, or mend what "
+        "makes it wait"
     )
     return finding_in_file(context.task, "TB532", message, "timing", "episode_steps")
 
