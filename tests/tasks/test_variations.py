@@ -52,3 +52,14 @@ def test_things_of_the_test_variation_stand_where_training_has_them(suite, name)
             outside = np.maximum(lowest - middle, middle - highest)
             most = np.maximum(OUTSIDE_M, OUTSIDE * (highest - lowest)) + 1e-9
             assert (outside <= most).all(), f"{thing}: {100 * outside.max():.1f} cm outside"
+
+
+@pytest.mark.parametrize(("suite", "name"), CASES)
+def test_fixed_things_of_the_test_variation_have_shapes_that_training_has(suite, name):
+    """Policies that observe no pictures cannot see how high a wall is."""
+    scenes = load_task(name).file.scenes
+    for number in suite.test.variations:
+        for thing, spec in scenes[number].objects.items():
+            trained = [scenes[other].objects[thing] for other in suite.train.variations]
+            if spec.fixed:
+                assert (spec.shape, spec.parts) in [(one.shape, one.parts) for one in trained]
