@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
 from taskbuilder.cameras import CameraView, Image
@@ -22,6 +23,8 @@ MOVED_PIXELS = 2.0
 
 _QUANTITIES = {"pixels": "rgb"}
 """What a joint observation calls images, where it is not the quantity of the channel."""
+
+_NONE = np.zeros(0)
 
 
 class CameraPictures:
@@ -175,6 +178,21 @@ def numeric_parts(seen: Any) -> Iterator[NDArray[np.float64]]:
             yield from numeric_parts(part)
     elif np.ndim(seen) <= 1:
         yield np.asarray(seen, dtype=np.float64).ravel()
+
+
+def number_bounds(seen: Any, space: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The least and the largest of each number in `numeric_parts`; infinite where no Box says."""
+    if isinstance(seen, Mapping):
+        known = space.spaces if isinstance(space, spaces.Dict) else {}
+        parts = [number_bounds(part, known.get(key)) for key, part in seen.items()]
+        lows, highs = ([part[end] for part in parts] for end in (0, 1))
+        return np.concatenate([_NONE, *lows]), np.concatenate([_NONE, *highs])
+    if np.ndim(seen) > 1:
+        return _NONE, _NONE
+    size = np.size(seen)
+    if isinstance(space, spaces.Box) and space.low.size == size:
+        return space.low.ravel().astype(np.float64), space.high.ravel().astype(np.float64)
+    return np.full(size, -np.inf), np.full(size, np.inf)
 
 
 def same_picture(one: NDArray[Any], other: NDArray[Any]) -> bool:

@@ -16,7 +16,12 @@ from typing import Any, Literal
 import numpy as np
 
 from taskbuilder.env.parallel import TaskEnv
-from taskbuilder.validate.camera_pictures import CameraPictures, numeric_parts, wrong_with
+from taskbuilder.validate.camera_pictures import (
+    CameraPictures,
+    number_bounds,
+    numeric_parts,
+    wrong_with,
+)
 from taskbuilder.validate.commands import Commands, RobotCommand
 from taskbuilder.validate.observing import Find
 from taskbuilder.validate.report import Check, Result
@@ -266,9 +271,8 @@ class Compared:
             numbers_seen = np.concatenate(parts) if parts else np.zeros(0)
             if len(numbers_seen) != len(true[agent]):
                 continue  # a wrapper gives other observations, in a space of its own
-            space = self.inner.observation_space(agent)
-            bounds = (space.low, space.high) if hasattr(space, "low") else (-np.inf, np.inf)
-            expected = np.clip(true[agent], *bounds)
+            low, high = number_bounds(seen[agent], self.inner.observation_space(agent))
+            expected = np.clip(true[agent], low, high)
             self._check_numbers(agent, self._names_of(agent), numbers_seen, expected, true)
             for about, message in self._pictures.compare(agent, seen[agent], self._where()):
                 self._note("TB578", about, message)

@@ -10,6 +10,8 @@ from taskbuilder.env.observing import Observer
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.task import load_task
 from taskbuilder.validate.checks.contract import SUITES, check_suite
+from taskbuilder.validate.runner import validate_task
+from taskbuilder.world.robot import Robot
 
 pytestmark = pytest.mark.in_process
 
@@ -26,6 +28,13 @@ def test_a_space_that_is_made_anew_is_found(prove, monkeypatch):
     report = prove(only=("contract",))
     assert codes(report) == {"TB527"}
     assert "action of left" in report.findings[0].message
+
+
+def test_what_the_scene_has_beyond_the_bounds_is_seen_at_them_in_every_view(monkeypatch):
+    """A finger that is pushed beyond its limit opens a gripper by more than all."""
+    monkeypatch.setattr(Robot, "opening", lambda robot: 1.7)
+    report = validate_task("handover", seeds=1, only=("contract",), apart=False)
+    assert "TB577" not in codes(report)
 
 
 @pytest.mark.parametrize(
