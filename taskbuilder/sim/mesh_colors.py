@@ -62,7 +62,6 @@ def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArr
     color_of = np.zeros(count, np.intp)
     used = np.asarray(mesh.face_materials, np.intp) if mesh.materials else np.zeros(count, np.intp)
     looks = materials_of(mesh)
-    areas = _areas(mesh)
     alike: dict[Path | Color, list[int]] = {}
     for number in np.unique(used):
         alike.setdefault(looks[number].shown(diffuse=diffuse) if looks else WHITE, []).append(
@@ -72,9 +71,9 @@ def face_colors(mesh: Mesh, *, diffuse: bool = True) -> tuple[list[Color], NDArr
         own = np.isin(used, numbers)
         found, which = _from_texture(mesh, own, look) if isinstance(look, Path) else ([look], 0)
         color_of[own] = len(colors) + which
-        colors += (
-            found if diffuse else _shades(found, np.broadcast_to(which, own.sum()), areas[own])
-        )
+        if not diffuse:
+            found = _shades(found, np.broadcast_to(which, own.sum()), _areas(mesh)[own])
+        colors += found
     return colors, color_of
 
 
