@@ -93,7 +93,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "bench": ("visual", "expert", "rollout", "env", *SIMULATED),
     "sharing": (
         *("evaluation", "data", "policies", "carried", "digests", "arrays", "files", "untrusted"),
-        *("task", "schema", "errors", "wording", "_lazy"),
+        *("task", "schema", "errors", "wording", "extras", "_version", "_lazy"),
     ),
     "benchmark": (
         *("learn", "evaluation", "data", "policies", "visual", "expert", "env"),

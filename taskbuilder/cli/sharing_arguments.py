@@ -11,7 +11,7 @@ from taskbuilder.cli.shared_options import add_count, add_jobs, add_json, add_ra
 def add_push(adder: CommandAdder) -> None:
     """`taskbuilder push`."""
     parser = adder.command(
-        "share a task, a data set, a policy or a certificate in a directory or a git repository",
+        "share a task, a data set, a policy or a certificate in a directory or a repository",
         "mine.yaml git@host:lab/robots.git --tag v1",
     )
     parser.add_argument(
@@ -23,12 +23,13 @@ def add_push(adder: CommandAdder) -> None:
     parser.add_argument(
         "destination",
         metavar="DESTINATION",
-        help="a directory, or a git repository: an address, or the path of a bare repository",
+        help="a directory; a git repository: an address, or the path of a bare repository; or a "
+        "repository of the Hugging Face Hub, such as hf://lab/robots or hf://datasets/lab/robots",
     )
     parser.add_argument(
         "--name", metavar="NAME", help="name to share it by (default: its own name)"
     )
-    parser.add_argument("--tag", metavar="TAG", help="in a git repository: tag of the commit")
+    parser.add_argument("--tag", metavar="TAG", help="in a repository: tag of the commit")
     parser.add_argument(
         "--replace", action="store_true", help="replace another one of the same name"
     )
@@ -44,10 +45,12 @@ def add_pull(adder: CommandAdder) -> None:
     parser.add_argument(
         "name",
         metavar="NAME[@REVISION]",
-        help="its name, such as mine or tasks/mine; in a git repository also a branch, a tag or a "
+        help="its name, such as mine or tasks/mine; in a repository also a branch, a tag or a "
         "commit",
     )
-    parser.add_argument("source", metavar="SOURCE", help="the directory or git repository")
+    parser.add_argument(
+        "source", metavar="SOURCE", help="the directory or repository, as push has it"
+    )
     parser.add_argument(
         "--out",
         type=Path,

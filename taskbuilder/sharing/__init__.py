@@ -1,4 +1,4 @@
-"""Sharing tasks, data sets, policies and certificates: plain folders, in a directory or in git."""
+"""Sharing tasks, data sets, policies and certificates, as plain folders."""
 
 from __future__ import annotations
 

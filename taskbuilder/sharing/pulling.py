@@ -17,6 +17,7 @@ from taskbuilder.policies.zoo import POLICY_FILE
 from taskbuilder.sharing import directory
 from taskbuilder.sharing.bundles import CERTIFICATE_FILE
 from taskbuilder.sharing.git import cloned, is_repository
+from taskbuilder.sharing.hub import downloaded, is_on_hub
 from taskbuilder.sharing.manifest import Manifest
 from taskbuilder.sharing.pushing import described
 from taskbuilder.untrusted import read_within
@@ -75,7 +76,7 @@ def pull(
 
     Args:
         name: What is pulled: ``handover``, or ``tasks/handover`` where several kinds have the name.
-            In a git repository, ``handover@v1`` is that of a branch, a tag or a commit.
+            In a repository, ``handover@v1`` is that of a branch, a tag or a commit.
         source: The directory or repository; see `push`.
         out: A new folder to write to; by default of its name, in the current folder.
         trust: Whether to accept a task: False, True, or the SHA-256 of the one that is trusted.
@@ -114,6 +115,10 @@ def pull(
 def _opened(name: str, where: str, revision: str | None) -> Iterator[tuple[Path, str | None]]:
     """The directory that has what is wanted, and the commit that it is from."""
     path = Path(where)
+    if is_on_hub(where):
+        with downloaded(where, name, revision) as (root, commit):
+            yield root, commit
+        return
     if is_repository(where) or (revision is not None and (path / ".git").exists()):
         with cloned(where) as clone:
             commit = clone.commit_of(revision)
@@ -121,7 +126,7 @@ def _opened(name: str, where: str, revision: str | None) -> Iterator[tuple[Path,
             yield clone.folder, commit
         return
     if not path.is_dir():
-        raise UnknownNameError(f"there is no directory {where}; name another, or a git repository")
+        raise UnknownNameError(f"there is no directory {where}; name another, or a repository")
     if revision is not None:
         raise UsageError(f"{where} is a directory, which has no revisions; leave @{revision} out")
     yield path, None

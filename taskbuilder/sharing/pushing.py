@@ -1,4 +1,4 @@
-"""Pushing: what is of use to others goes to a directory, or to a git repository."""
+"""Pushing: what is of use to others goes to a directory, a git repository or the hub."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.sharing import directory
 from taskbuilder.sharing.bundles import Bundle, bundle_of
 from taskbuilder.sharing.git import cloned, is_repository
+from taskbuilder.sharing.hub import is_on_hub, push_to_hub
 from taskbuilder.sharing.manifest import Manifest
 
 
@@ -69,12 +70,14 @@ def push(
         what: Name of a task, or the path of a task file, of the folder of a data set or of a
             training run, of a policy's file, or of a certificate; or a policy such as
             ``zoo:handover/demos``.
-        destination: A directory, which is made if it is not there; or a git repository: an address
-            such as ``git@host:lab/robots.git``, or the path of a bare repository.
+        destination: A directory, which is made if it is not there; a git repository: an address
+            such as ``git@host:lab/robots.git``, or the path of a bare repository; or a repository
+            of the Hugging Face Hub, such as ``hf://lab/robots``, which is made, private, if it is
+            not there.
         name: The name to share it by; by default its own.
-        tag: In a git repository, a tag for the commit.
-        replace: Whether to replace another one of the same name. In a git repository, the earlier
-            one stays in the history.
+        tag: In a repository, a tag for the commit.
+        replace: Whether to replace another one of the same name. In a repository, the earlier one
+            stays in the history.
         catalogue: Where tasks are looked up; by default the catalogue of this installation.
 
     Returns:
@@ -82,20 +85,23 @@ def push(
 
     Raises:
         UnknownNameError: There is no task or file ``what``.
-        UsageError: It cannot be shared, another one has its name, or git fails.
+        UsageError: It cannot be shared, another one has its name, or git or the hub refuses.
         FileError: The task has errors.
         StoreError: The data set or the policy is damaged.
         OSError: The directory cannot be written to.
     """
     bundle = bundle_of(str(what), name, catalogue or Catalogue.discover())
     where = str(destination)
+    if is_on_hub(where):
+        changed, commit = push_to_hub(bundle, where, tag, replace=replace)
+        return Pushed(bundle.manifest, where, commit, changed, bundle.remarks)
     if is_repository(where):
         return _push_to_git(bundle, where, tag, replace=replace)
     if tag is not None:
-        raise UsageError(f"{where} is a directory, which has no tags; a git repository has")
+        raise UsageError(f"{where} is a directory, which has no tags; a repository has")
     root = Path(destination)
     if root.exists() and not root.is_dir():
-        raise UsageError(f"{where} is no directory; name another, or a git repository")
+        raise UsageError(f"{where} is no directory; name another, or a repository")
     changed = directory.put(root, bundle, where, replace=replace)
     return Pushed(bundle.manifest, where, None, changed, bundle.remarks)
 

@@ -1,13 +1,19 @@
-"""Pushing to and pulling from directories and git repositories: the same to the bit, or refused."""
+"""Pushing to and pulling from directories, git and the hub: the same to the bit, or refused."""
 
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import socket
 import subprocess
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+import hub_server
 import pytest
+from hub_server import Hub
 from made_runs import sideways, write_task
 
 import taskbuilder
@@ -18,6 +24,9 @@ from taskbuilder.digests import digest_of
 from taskbuilder.errors import UnknownNameError, UsageError
 from taskbuilder.policies.zoo import save_policy
 from taskbuilder.schema.catalogue import Catalogue
+
+pytestmark = pytest.mark.filterwarnings("ignore:Use 'content=<...>' to upload:DeprecationWarning")
+"""The hub's library calls its own HTTP client so when it uploads large files."""
 
 RAN = "import pathlib\npathlib.Path(__file__).with_name('RAN').touch()\n"
 """Leaves a file beside a description that is executed."""
@@ -43,9 +52,22 @@ def task(desk) -> Path:
     return file
 
 
-@pytest.fixture(params=["directory", "git"])
+@pytest.fixture
+def hub(monkeypatch) -> Iterator[Hub]:
+    """A server of the hub's protocol, and the token of whoever may write there."""
+    monkeypatch.setattr("huggingface_hub.constants.HF_HUB_DISABLE_XET", True)
+    with hub_server.serve() as hub:
+        monkeypatch.setenv("HF_ENDPOINT", hub.url)
+        monkeypatch.setenv("HF_TOKEN", hub_server.WRITER)
+        yield hub
+
+
+@pytest.fixture(params=["directory", "git", "hub"])
 def place(request, desk) -> str:
     """Where to push."""
+    if request.param == "hub":
+        request.getfixturevalue("hub")
+        return "hf://lab/robots"
     if request.param == "git":
         git("init", "--quiet", "--bare", "shared.git")
         return "shared.git"
@@ -230,7 +252,7 @@ def test_what_does_not_match_its_manifest_is_refused(harm, error, said, shared, 
         ("push own shared", "own is no task file, data set, training run, policy or certificate"),
         (
             "push own/sideways.yaml shared --tag v1",
-            "shared is a directory, which has no tags; a git",
+            "shared is a directory, which has no tags; a repo",
         ),
         (
             "push own/sideways.yaml none.git",
@@ -243,7 +265,7 @@ def test_what_does_not_match_its_manifest_is_refused(harm, error, said, shared, 
         ("pull sidewards shared", 'shared has no "sidewards"; did you mean "tasks/sideways"?'),
         (
             "pull sideways nowhere",
-            "there is no directory nowhere; name another, or a git repository",
+            "there is no directory nowhere; name another, or a repository",
         ),
         ("pull sideways@v1 shared", "shared is a directory, which has no revisions; leave @v1 out"),
         ("pull sideways none.git", "there is no repository none.git; "),
@@ -295,3 +317,159 @@ def test_a_task_with_errors_does_not_go_out(task):
     with pytest.raises(taskbuilder.FileError):
         taskbuilder.push(task, "shared")
     assert not Path("shared").exists()
+
+
+def test_a_revision_of_the_hub_is_a_tag_a_branch_or_a_commit(task, hub):
+    where = "hf://datasets/lab/robots"
+    first = taskbuilder.push(task, where, tag="v1").revision
+    (task.parent / "extra.py").write_text("")
+    text = task.read_text()
+    task.write_text(text.replace("summary", "version: 2\nsummary"))
+    with pytest.raises(
+        UsageError, match=r"has another task sideways, version 1; give another --na"
+    ):
+        taskbuilder.push(task, where)
+    second = taskbuilder.push(task, where, replace=True).revision
+    assert first != second
+    versions = [
+        taskbuilder.pull(f"sideways{revision}", where, out=f"out{number}", trust=True)
+        for number, revision in enumerate(["", "@main", "@v1", f"@{first}"])
+    ]
+    assert [each.manifest.about["task_version"] for each in versions] == [2, 2, 1, 1]
+    assert [each.revision for each in versions] == [second, second, first, first]
+    assert {*hub.repositories} == {"datasets/lab/robots"}
+    assert hub.repositories["datasets/lab/robots"].private
+
+
+def test_what_was_replaced_on_the_hub_is_gone(task, hub):
+    save_policy(Path("pushing.npz"), sideways())
+    taskbuilder.push("pushing.npz", "hf://lab/robots")
+    old = hub.repositories["models/lab/robots"]
+    stale = {**old.commits[old.head], "policies/pushing/deep/stale.txt": b"of an earlier day"}
+    old.add(stale)
+    with pytest.raises(StoreError, match=r"deep/stale\.txt is new"):
+        taskbuilder.pull("pushing", "hf://lab/robots")
+    assert taskbuilder.push("pushing.npz", "hf://lab/robots", replace=True).changed
+    assert taskbuilder.pull("pushing", "hf://lab/robots").path.is_file()
+    assert [*hub.large.values()] == [Path("pushing.npz").read_bytes()]
+
+
+def test_what_the_hub_would_ignore_is_pushed_all_the_same(task, hub):
+    taskbuilder.push(task, "hf://lab/robots", name="first")
+    repository = hub.repositories["models/lab/robots"]
+    repository.add({**repository.commits[repository.head], ".gitignore": b"*.py tasks/*"})
+    taskbuilder.push(task, "hf://lab/robots")
+    pulled = taskbuilder.pull("sideways", "hf://lab/robots", trust=True)
+    assert contents(pulled.folder) == contents(task.parent)
+
+
+def test_a_file_that_the_hub_does_not_take_is_named(task, hub):
+    save_policy(Path("pushing.npz"), sideways())
+    hub.full = True
+    with pytest.raises(UsageError, match=r"has not taken a file: Error .*policies/pushing/policy"):
+        taskbuilder.push("pushing.npz", "hf://lab/robots")
+    hub.full = False
+    assert taskbuilder.push("pushing.npz", "hf://lab/robots").changed
+
+
+def test_a_push_meanwhile_is_not_lost(task, hub, monkeypatch):
+    taskbuilder.push(task, "hf://lab/robots", name="first")
+    repository = hub.repositories["models/lab/robots"]
+    answered = hub.preupload
+
+    def meanwhile(files, asked):
+        repository.add({**repository.commits[repository.head], "README.md": b"of somebody else"})
+        return answered(files, asked)
+
+    monkeypatch.setattr(hub, "preupload", meanwhile)
+    with pytest.raises(UsageError, match="somebody else has pushed to hf://lab/robots meanwhile"):
+        taskbuilder.push(task, "hf://lab/robots")
+    assert "README.md" in repository.commits[repository.head]
+
+
+@pytest.mark.parametrize(
+    ("words", "token", "said"),
+    [
+        (
+            "push own/sideways.yaml hf://robots",
+            "w",
+            "hf://robots is no repository of the hub; such",
+        ),
+        ("push own/sideways.yaml hf://lab/a--b", "w", "hf://lab/a--b cannot be on the hub: Cannot"),
+        (
+            "push own/sideways.yaml hf://lab/new",
+            "",
+            "the hub does not let you do this in hf://lab/n",
+        ),
+        ("push own/sideways.yaml hf://lab/open --replace", "r", "with a token that may write"),
+        (
+            "push own/sideways.yaml hf://lab/open --replace --tag v1",
+            "w",
+            "has this tag already; give another",
+        ),
+        (
+            "pull sideways hf://lab/secret",
+            "r",
+            "there is no repository hf://lab/secret, or it is pr",
+        ),
+        (
+            "pull sideways hf://lab/secret",
+            "",
+            "or it is private and not yours; log in by `hf auth ",
+        ),
+        (
+            "pull sideways hf://lab/none",
+            "w",
+            "there is no repository hf://lab/none, or it is priva",
+        ),
+        (
+            "pull sideways@v9 hf://lab/open",
+            "",
+            "hf://lab/open has no revision v9; a revision is a b",
+        ),
+        ("pull sidewards hf://lab/open", "", 'has no "sidewards"; did you mean "tasks/sideways"?'),
+        ("pull sideways hf://lab/empty", "w", 'has no "sideways"; it has nothing to pull'),
+    ],
+)
+def test_refusals_of_the_hub_are_explained_in_a_sentence(
+    words, token, said, task, hub, monkeypatch, capfd
+):
+    taskbuilder.push(task, "hf://lab/open", tag="v1")
+    hub.repositories["models/lab/open"].private = False
+    taskbuilder.push(task, "hf://lab/secret")
+    hub.repositories["models/lab/empty"] = hub_server.Repository(private=False)
+    task.write_text(task.read_text() + "# changed\n")
+    monkeypatch.setenv("HF_TOKEN", {"w": hub_server.WRITER, "r": hub_server.READER, "": ""}[token])
+    capfd.readouterr()
+    status = main(words.split())
+    printed = capfd.readouterr()
+    assert (status, printed.out) == (2, "")
+    assert said in printed.err
+    assert len(printed.err.splitlines()) == 1
+
+
+def test_a_hub_that_cannot_be_reached_is_named(task, hub):
+    """In processes of their own, as the library reads its settings once."""
+    taskbuilder.push(task, "hf://lab/open")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        nowhere = f"http://127.0.0.1:{free.getsockname()[1]}"
+
+    def pulled(**settings: str) -> tuple[int, str]:
+        command = [sys.executable, "-m", "taskbuilder", "pull", "sideways", "hf://lab/open"]
+        done = subprocess.run(
+            [*command, "--trust"],
+            env={**os.environ, **settings},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return done.returncode, done.stderr.strip()
+
+    assert pulled(HF_ENDPOINT=nowhere)[0] == 2
+    assert "the hub cannot be reached for hf://lab/open: " in pulled(HF_ENDPOINT=nowhere)[1]
+    status, said = pulled(HF_ENDPOINT=hub.url, HF_HUB_OFFLINE="1")
+    assert (status, len(said.splitlines())) == (2, 1)
+    assert "the hub cannot be reached for hf://lab/open: " in said
+    assert pulled(HF_ENDPOINT=hub.url)[0] == 0
+    assert contents(Path("sideways")) == contents(task.parent)
