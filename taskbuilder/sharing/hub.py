@@ -74,8 +74,8 @@ class HubRepository:
 
     def files(self, folder: str, commit: str, *, deep: bool = False) -> list[str]:
         """Paths of the files and, unless ``deep``, folders in a folder; none if it is not there."""
-        from huggingface_hub import RepoFile
         from huggingface_hub.errors import EntryNotFoundError
+        from huggingface_hub.hf_api import RepoFile
 
         try:
             entries = [
