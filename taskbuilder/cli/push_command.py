@@ -6,6 +6,7 @@ import argparse
 
 from taskbuilder.cli.output import print_json, print_table, warn
 from taskbuilder.cli.tasks import catalogue_of
+from taskbuilder.sharing.hub import is_on_hub
 from taskbuilder.sharing.pushing import Pushed, push
 
 
@@ -35,6 +36,14 @@ def _print(pushed: Pushed) -> None:
     rows = [["SHA-256", manifest.digest]]
     if pushed.revision is not None:
         rows.append(["commit", pushed.revision])
-    at = f"@{pushed.revision[:12]}" if pushed.revision is not None else ""
-    rows.append(["to get it", f"taskbuilder pull {manifest.folder}{at} {pushed.destination}"])
+    rows.append(
+        ["to get it", f"taskbuilder pull {manifest.folder}{_at(pushed)} {pushed.destination}"]
+    )
     print_table(rows, indent="  ")
+
+
+def _at(pushed: Pushed) -> str:
+    """The commit as `pull` takes it: git knows one by its beginning, the hub in full alone."""
+    if pushed.revision is None:
+        return ""
+    return f"@{pushed.revision if is_on_hub(pushed.destination) else pushed.revision[:12]}"

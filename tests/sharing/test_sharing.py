@@ -148,6 +148,13 @@ def test_a_data_set_comes_back_and_checks(place, desk):
     assert main(["dataset", "check", "got", "--replay", "1", "--task-path", "."]) == 0
 
 
+def test_the_command_that_push_prints_gets_it(task, place, capsys):
+    assert main(["push", str(task), place]) == 0
+    _, *command = capsys.readouterr().out.splitlines()[-1].split("to get it")[1].split()
+    assert main([*command, "--trust", "--out", "got"]) == 0
+    assert contents(Path("got")) == contents(task.parent)
+
+
 @pytest.mark.slow
 def test_a_pulled_task_proves(place):
     taskbuilder.push("reach", place)
