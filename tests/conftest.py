@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import signal
 import sys
@@ -64,7 +65,8 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     from taskbuilder.validate.html.page import make_page
     from taskbuilder.validate.runner import validate_task
 
-    validate_task.__kwdefaults__["apart"] = make_page.__kwdefaults__["apart"] = apart
+    for function in (inspect.unwrap(validate_task), make_page):
+        function.__kwdefaults__["apart"] = apart
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from taskbuilder.data.formats import ExportOptions, export_dataset
 from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.recording import Cameras
 from taskbuilder.env.factory import with_choices
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import EnvOptions
 from taskbuilder.errors import UsageError
 from taskbuilder.jobs import Map
@@ -28,6 +29,7 @@ from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import Task
 
 
+@takes_options
 def collect(
     task: str | Path | Task | Sequence[str | Path | Task],
     out: str | Path,

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from taskbuilder.env.joint import JointEnv
 from taskbuilder.env.joint_observation import AGENT_POS, PIXELS
 from taskbuilder.env.joint_state import JointState
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import EnvOptions, from_json
 from taskbuilder.errors import UsageError
 from taskbuilder.task import Task
@@ -127,6 +128,7 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         return seen
 
 
+@takes_options
 def make_env(
     n_envs: int = 1,
     use_async_envs: bool = False,  # LeRobot's

@@ -33,7 +33,7 @@ Randomize = bool | Literal["looks", "all"]
 Rotation = Literal["quaternion", "matrix"]
 Distances = Literal["metres", "log"]
 
-_FOR_TRAINING = {
+FORMER = {
     "end_on_setback": "EndOnSetback",
     "patience": "NoProgressTimeout",
     "openings": "StartPrefixes",
@@ -410,9 +410,9 @@ def make_options(**options: Unpack[EnvOptions]) -> Options:
     """
     from taskbuilder.schema.other_robots import other_robots
 
-    moved = next((name for name in options if name in _FOR_TRAINING), None)
+    moved = next((name for name in options if name in FORMER), None)
     if moved is not None:
-        wrapper = f"taskbuilder.learn.wrappers.{_FOR_TRAINING[moved]}"
+        wrapper = f"taskbuilder.learn.wrappers.{FORMER[moved]}"
         raise UsageError(f"{moved} is no option of environments any more; wrap one in {wrapper}")
     names = tuple(option_fields())
     for name in options:

@@ -20,6 +20,7 @@ from taskbuilder.env.episode import Episode
 from taskbuilder.env.episode_state import EpisodeState
 from taskbuilder.env.errors import AgentError, EpisodeOverError
 from taskbuilder.env.infos import make_info
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.observing import Observer
 from taskbuilder.env.options import EnvOptions, Options, RenderMode, make_options
 from taskbuilder.env.spaces import action_space, read_action
@@ -334,6 +335,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         self.agents = []
 
 
+@takes_options
 def parallel_env(
     task: str | Path | Task,
     *,

@@ -17,6 +17,7 @@ from taskbuilder.env.backends import Backend, InProcess, Subprocesses
 from taskbuilder.env.batch import read_actions, read_seeds
 from taskbuilder.env.env_group import Wrap, unwrapped
 from taskbuilder.env.errors import EpisodeOverError
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import EnvOptions, Options, make_options
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.env.shared_buffers import Allocator, Signature, StepView, copied, row_of
@@ -303,6 +304,7 @@ class TaskVectorEnv(VectorEnv[VectorValues, VectorValues, Any]):
         }
 
 
+@takes_options
 def make_vec(
     task: str | Path | Task,
     num_envs: int,

@@ -9,6 +9,7 @@ from os.path import relpath
 from pathlib import Path
 from typing import Unpack
 
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import EnvOptions
 from taskbuilder.errors import UsageError
 from taskbuilder.evaluation.arms import SUBJECT, Episodes, by_arm, jobs_of, play_all
@@ -32,6 +33,7 @@ Track = Callable[[Iterable[Episodes], int], Iterable[Episodes]]
 """Wraps episodes as they are played, given their number."""
 
 
+@takes_options
 def evaluate(
     policy: PolicyLike,
     episodes: int = EPISODES,

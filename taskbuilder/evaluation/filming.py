@@ -7,6 +7,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Unpack
 
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import EnvOptions
 from taskbuilder.env.parallel import TaskEnv
 from taskbuilder.evaluation.subject import find_subject
@@ -18,6 +19,7 @@ from taskbuilder.task import Task, load_task
 from taskbuilder.visual.film import save_film
 
 
+@takes_options
 def film(
     episode: Rollout | str | Path | Task,
     out: str | Path | None = None,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 from taskbuilder._version import __version__
 from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.env.factory import with_choices
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import TrainingOptions
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.files import claim
@@ -61,6 +62,7 @@ class TrainedRun:
     policy: TrainedPolicy
 
 
+@takes_options
 def train(
     task: str | Path | Task | None = None,
     *,

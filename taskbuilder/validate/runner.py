@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 from taskbuilder.description.load import is_interrupt, load_description
+from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import Options, ValidationOptions, make_options
 from taskbuilder.errors import (
     ExplosionError,
@@ -109,6 +110,7 @@ def _families() -> tuple[Family, ...]:
     )
 
 
+@takes_options
 def validate_task(
     reference: str | Path | Task,
     *,
