@@ -36,6 +36,13 @@ def suggestion(
     return f"{what}: {', '.join(names)}" if names else "there are none"
 
 
+def duration(seconds: float) -> str:
+    """A time in round numbers: ``80 s``, ``12 min``, ``1.5 h``."""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
+
+
 def printable(text: str) -> str:
     """A text with escapes in place of control characters other than new lines and tabs.
 

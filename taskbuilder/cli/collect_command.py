@@ -29,6 +29,7 @@ from taskbuilder.env.options import EnvOptions
 from taskbuilder.errors import UsageError, display_path
 from taskbuilder.jobs import Map
 from taskbuilder.schema.catalogue import Catalogue
+from taskbuilder.wording import duration
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -136,7 +137,7 @@ class ShownProgress:
         elif time.monotonic() - self._said > output.LINE_EVERY_S and tally.left_s:
             self._said = time.monotonic()
             lost = f", {tally.failed} failed" if tally.failed else ""
-            left = f"about {_duration(tally.left_s)} left"
+            left = f"about {duration(tally.left_s)} left"
             print(f"{tally.kept} of {tally.wanted} episodes{lost}; {left}", file=sys.stderr)
 
     def _draw(self, tally: CollectProgress) -> None:
@@ -147,9 +148,3 @@ class ShownProgress:
             self._bar = self._stack.enter_context(bar)
         self._bar.set_postfix(failed=tally.failed)
         self._bar.update(tally.kept - self._bar.n)
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

@@ -16,6 +16,7 @@ from functools import partial
 from typing import Any, TextIO, TypeVar
 
 from taskbuilder.errors import Finding
+from taskbuilder.wording import duration
 
 Item = TypeVar("Item")
 
@@ -179,13 +180,18 @@ def _counted(items: Iterable[Item], label: str, total: int | None) -> Iterator[I
     """The items, with a line on standard error every `LINE_EVERY_S` seconds."""
     if total is None and isinstance(items, Sized):
         total = len(items)
-    last = time.monotonic()
+    begun = last = time.monotonic()
     for number, item in enumerate(items):
         if time.monotonic() - last >= LINE_EVERY_S:
             last = time.monotonic()
-            of = "" if total is None else f" of {total}"
+            of = "" if total is None else f" of {total}{_left(number, total, last - begun)}"
             print(f"taskbuilder: {label}: {number}{of}", file=sys.stderr, flush=True)
         yield item
+
+
+def _left(done: int, total: int, passed_s: float) -> str:
+    """How long the rest of some items takes, at the pace of those that are done."""
+    return f", about {duration(passed_s / done * (total - done))} left" if done else ""
 
 
 def warn(text: str) -> None:

@@ -6,10 +6,10 @@ import argparse
 import shlex
 import sys
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Collection, Generator, Sequence
 from contextlib import closing as ending
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -38,18 +38,24 @@ from taskbuilder.validate.formats import document_writer
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
 from taskbuilder.validate.formats.words import closing
+from taskbuilder.validate.remaining import MEASURED, remaining_s
 from taskbuilder.validate.report import FamilyResult, TaskReport, as_data
 from taskbuilder.validate.runner import (
+    OWN_FAMILIES,
     QUICK_SEEDS,
     SEEDS,
     families_of,
     partial_result,
     validate_task,
 )
+from taskbuilder.wording import duration
 
 if TYPE_CHECKING:  # pages need the physics engine, which a static validation never loads
     from taskbuilder.validate.html.page import Page
 
+
+WORTH_TELLING_S = 20.0
+"""The shortest time left, in seconds, that is told."""
 
 MANY = 2
 """Tasks for each process from which on processes validate a task each, not one task together."""
@@ -112,9 +118,35 @@ def _validated(
             yield from progress(spread(validate, names), "tasks", len(names))
         return
     for name in names:
+        tell = _Remaining(name, arguments.only or OWN_FAMILIES, options["seeds"], jobs).tell
         with printing_to_stderr():  # what a description prints is no part of the result
-            report = validate(name, jobs=jobs, progress=progress)
+            report = validate(name, jobs=jobs, progress=progress, after_family=tell)
         yield report
+
+
+@dataclass(frozen=True)
+class _Remaining:
+    """Says on standard error how long the rest of a proof takes.
+
+    Attributes:
+        name: The task, as it was asked for.
+        families: Names of the families that are asked for.
+        seeds: Number of seeds per variation.
+        jobs: Number of processes.
+    """
+
+    name: str
+    families: Collection[str]
+    seeds: int
+    jobs: int
+
+    def tell(self, report: TaskReport) -> None:
+        """Say it after a family that the rest is estimated by, unless it is soon done."""
+        if not report.families or report.families[-1].name not in MEASURED:
+            return
+        left = remaining_s(report, self.families, self.seeds, self.jobs)
+        if left is not None and left >= WORTH_TELLING_S:
+            print(f"{self.name}: about {duration(left)} left", file=sys.stderr, flush=True)
 
 
 class _Arguments(ValidationOptions):

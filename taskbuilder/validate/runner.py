@@ -123,6 +123,7 @@ def validate_task(
     apart: bool = True,
     keep: bool = False,
     resume: bool = False,
+    after_family: Callable[[TaskReport], None] = lambda _: None,
     **options: Unpack[ValidationOptions],
 ) -> TaskReport:
     """Validate a task.
@@ -148,6 +149,7 @@ def validate_task(
             so that a later call with ``resume=True`` can continue from there.
         resume: Whether to continue an interrupted call with the same arguments. If the task file or
             the description has changed since, the validation starts anew.
+        after_family: Called with the report so far after each family of checks.
         options: Options of all environments of the task; see `Options`.
 
     Raises:
@@ -173,10 +175,15 @@ def validate_task(
         config = replace(config, kept=found.load()[0])
     before = total(family.seconds for family in config.kept.report.families) if config.kept else 0.0
     save = found.save if found and keep else _forget
+
+    def save_and_tell(kept: Kept) -> None:
+        save(kept)
+        after_family(kept.report)
+
     if apart and CHILDREN:
-        report = watch(validate_in_child, config, progress, save)
+        report = watch(validate_in_child, config, progress, save_and_tell)
     else:
-        report = _validated(config, Nobody(progress, save))
+        report = _validated(config, Nobody(progress, save_and_tell))
     making = watched.making(level, seeds, wanted)
     making = replace(making, checksum=summed, seconds=making.seconds + before)
     return replace(report, making=making)

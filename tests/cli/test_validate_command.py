@@ -168,7 +168,18 @@ def test_elsewhere_progress_is_a_line_now_and_then(run, good, monkeypatch):
     words = ("validate", "good.yaml", "--seeds", "20", "--level", "build", "--json")
     assert run(*words).err == ""
     monkeypatch.setattr("taskbuilder.cli.output.LINE_EVERY_S", 0.0)
-    assert re.search(r"^taskbuilder: .*reset.*: 7 of 20$", run(*words).err, re.M)
+    told = r"^taskbuilder: .*reset.*: 7 of 20, about 0 s left$"
+    assert re.search(told, run(*words).err, re.M)
+
+
+def test_a_proof_says_how_long_it_still_takes(run, good, monkeypatch):
+    words = ("validate", "good.yaml", "--seeds", "1", "--jobs", "1")
+    monkeypatch.setattr("taskbuilder.cli.validate_command.WORTH_TELLING_S", 1e6)
+    assert "left" not in run(*words).err
+    monkeypatch.setattr("taskbuilder.cli.validate_command.WORTH_TELLING_S", 0.0)
+    told = re.findall(r"^good\.yaml: about [\d.]+ (?:s|min|h) left$", run(*words).err, re.M)
+    assert len(told) == 2  # after the families that the rest is estimated by
+    assert "left" not in run(*words, "--level", "build").err
 
 
 def copies(good, bad=""):
