@@ -29,10 +29,10 @@ def takes_options(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> R:
-        known = [*own, *option_fields()]
+        allowed = [*own, *option_fields()]
         for name in kwargs:
-            if name not in known and name not in FORMER:
-                help_ = suggestion(name, known, what="it has")
+            if name not in allowed and name not in FORMER:
+                help_ = suggestion(name, allowed, what="it has")
                 raise UsageError(f'{function.__name__} has no argument "{name}"; {help_}')
         return function(*args, **kwargs)
 
