@@ -201,12 +201,12 @@ def _opened(where: str, revision: str | None = None) -> Iterator[HubRepository]:
         from huggingface_hub.errors import (
             HfHubHTTPError,
             HFValidationError,
+            LocalEntryNotFoundError,
             RepositoryNotFoundError,
             RevisionNotFoundError,
         )
-    # The error of the library's HTTP client, which is not the same in all of its versions: of
-    # everything between here and the hub, apart from what is an OSError.
-    unreached = cast("type[Exception]", HfHubHTTPError.__bases__[0])
+    # The library's HTTP client is not the same in all of its versions.
+    client_error = cast("type[Exception]", HfHubHTTPError.__bases__[0])
     kind = (address["type"] or "models/").removesuffix("s/")
     hub = HubRepository(where, address["id"], kind)
     try:
@@ -223,12 +223,12 @@ def _opened(where: str, revision: str | None = None) -> Iterator[HubRepository]:
         ) from None
     except HFValidationError as error:
         raise UsageError(f"{where} cannot be on the hub: {_first_line(error)}") from None
+    except (LocalEntryNotFoundError, ConnectionError) as error:  # the first: within a download
+        raise UsageError(_unreached(where, error)) from None
     except HfHubHTTPError as error:
         raise UsageError(_refusal(where, error)) from None
-    except unreached as error:
-        raise UsageError(f"the hub cannot be reached for {where}: {_first_line(error)}") from None
-    except ConnectionError as error:
-        raise UsageError(f"the hub cannot be reached for {where}: {_first_line(error)}") from None
+    except client_error as error:
+        raise UsageError(_unreached(where, error)) from None
 
 
 @contextmanager
@@ -248,6 +248,10 @@ def _bars_at_terminals() -> Iterator[None]:
         yield
     finally:
         enable_progress_bars()
+
+
+def _unreached(where: str, error: Exception) -> str:
+    return f"the hub cannot be reached for {where}: {_first_line(error)}"
 
 
 def _refusal(where: str, error: Exception) -> str:
