@@ -2,9 +2,12 @@
 
     python benchmarks/proofs.py [TASK ...]
     taskbuilder validate --all --json > all.json && python benchmarks/proofs.py --from all.json
+    python benchmarks/proofs.py --compare all.json
 
 A task whose two files are those of its last proof is left out, unless it is named. The second form
 keeps what a validation of whole suites has measured, of tasks whose files have not changed since.
+The third compares the verdicts of such a validation, made on another machine, with those of the
+proofs that are kept; it writes benchmarks/results/proofs_compared.json.
 Each proof is written to benchmarks/results/proofs/TASK.json as soon as it is made, with the command
 that makes it again, and with how the expert does the task; tasks/proofs.json, which `taskbuilder
 list` shows, has a record of those that passed.
@@ -34,6 +37,7 @@ from taskbuilder.validate.report import Progress, as_data
 from taskbuilder.validate.runner import SEEDS, validate_task
 
 RESULTS = Path(__file__).parent / "results" / "proofs"
+COMPARED = RESULTS.with_name("proofs_compared.json")
 RECORDS = folder("tasks") / PROOFS
 _NUMBERS = re.compile(r"\[\s+(?:(?:-?[0-9][-+.e0-9]*|null),?\s+)+\]")
 FIRST_SEED, EPISODES = 3_300_000, 10
@@ -129,14 +133,46 @@ def keep(data: dict[str, Any]) -> bool:
     return data["ok"] and not short
 
 
+def compare(tasks: list[dict[str, Any]]) -> int:
+    """Compare verdicts with those of the proofs that are kept, of the same files."""
+    checks, differ, other_returns = 0, [], 0
+    for data in tasks:
+        stored = json.loads((RESULTS / f"{data['task']}.json").read_text(encoding="utf-8"))
+        assert stored["checksum"] == data["making"]["checksum"], f"{data['task']} has changed"
+        verdicts, others = verdicts_of(stored), verdicts_of(data)
+        checks += len(stored["checks"])
+        differ += [f"{data['task']}: {'; '.join(each)}" for each in sorted(verdicts ^ others)]
+        other_returns += stored["probes"] != data["probes"]
+    found = {
+        "command": "python benchmarks/proofs.py --compare all.json",
+        "machine": describe_machine(),
+        "tasks": len(tasks),
+        "checks": checks,
+        "differ": differ,
+        "other_returns": other_returns,
+    }
+    write(COMPARED, found)
+    print(f"{checks} checks of {len(tasks)} tasks: {len(differ)} differ")
+    return int(bool(differ))
+
+
+def verdicts_of(data: dict[str, Any]) -> set[tuple[str, ...]]:
+    """Each check with its verdict, and each finding with its place."""
+    checks = {(c["family"], c["code"], c["name"], str(c["ok"])) for c in data["checks"]}
+    return checks | {("finding", f["code"], f["severity"], f["path"]) for f in data["findings"]}
+
+
 def main() -> int:
     """Prove the tasks named on the command line, or those whose files have changed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tasks", nargs="*", metavar="TASK")
     parser.add_argument("--from", type=Path, dest="file", help="what validate --json has printed")
+    parser.add_argument("--compare", type=Path, help="compare what it has printed elsewhere")
     parser.add_argument("--jobs", type=int, default=cores())
     asked = parser.parse_args()
     RESULTS.mkdir(parents=True, exist_ok=True)
+    if asked.compare:
+        return compare(json.loads(asked.compare.read_text(encoding="utf-8"))["tasks"])
     entries = taskbuilder.catalogue().tasks
     if asked.file:
         tasks = json.loads(asked.file.read_text(encoding="utf-8"))["tasks"]

@@ -76,6 +76,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "solver": results.solver,
     "stopping": results.stopping,
     "stopping_verdicts": results.stopping_verdicts,
+    "proofs_elsewhere": results.proofs_elsewhere,
     "suite_tasks": suites.tasks,
     "suites": suites.over,
     "swaps": swaps.swaps,

@@ -104,6 +104,18 @@ def stopping_verdicts(_: str) -> str:
     )
 
 
+def proofs_elsewhere(_: str) -> str:
+    """Whether the library's proofs have the same verdicts on two machines."""
+    found = read("proofs_compared.json")
+    differ = len(found["differ"])
+    return (
+        f"All {found['tasks']} tasks of the library were proved on two machines whose processors "
+        f"differ ({found['machine']['processor']} in the second). In {found['other_returns']} of "
+        f"them, returns of some episodes differ. Of {found['checks']:,} checks, "
+        f"{differ or 'no'} verdict{'s' if differ > 1 else ''} differ{'' if differ > 1 else 's'}."
+    )
+
+
 def proof_times(_: str) -> str:
     """CPU-seconds of proofs by family, in the earlier checkout and today."""
     tasks = read("proof_times.json")["tasks"]
