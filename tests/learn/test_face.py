@@ -41,7 +41,7 @@ def test_a_run_is_begun_and_gone_on_with(tmp_path):
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"step": 60}, 'no option "step"; did you mean "steps"?'),
+        ({"step": 60}, 'train has no argument "step"; did you mean "steps"?'),
         ({"settings": {"noize": 0.1}}, 'no setting "noize"; did you mean "noise"?'),
         ({"reward": "ratchet"}, "sideways has no progress"),
     ],
