@@ -31,7 +31,7 @@ SETS = {
     CORE: "",
     "render": "[render]",
     "train": "[train]",
-    "all": "[train,render,film,plot,data,view,import,serve,mcp,ray,hub]",
+    "all": "[train,render,film,plot,data,view,import,serve,mcp,ray]",
 }
 MB = 1e6
 LARGEST = 6
