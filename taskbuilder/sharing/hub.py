@@ -111,10 +111,15 @@ class HubRepository:
         manifest = bundle.manifest
         paths = [*(f"{manifest.folder}/{file}" for file in manifest.files), manifest.file]
         additions = [CommitOperationAdd(path, root / path) for path in paths]
-        # Without this, the hub leaves out what the .gitignore of the repository names.
         try:
             self.api.preupload_lfs_files(
-                self.id, additions, repo_type=self.type, gitignore_content="", free_memory=False
+                self.id,
+                additions,
+                repo_type=self.type,
+                # Without it, the hub leaves out what the .gitignore of the repository names; an
+                # empty text could be taken for none.
+                gitignore_content="\n",
+                free_memory=False,
             )
         except RuntimeError as error:
             raise UsageError(f"{self.where} has not taken a file: {_first_line(error)}") from None

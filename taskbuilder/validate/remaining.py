@@ -1,7 +1,7 @@
 """How long the rest of a proof takes, estimated from the families of checks that are done.
 
 For the library's tasks, the estimate after the family ``repeat``, when a tenth of the time is over,
-is within a factor of two of the truth in 49 of 51 proofs; see `RATIOS`.
+is within a factor of two of the truth in nine of ten proofs; see `RATIOS`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from taskbuilder.validate.report import TaskReport
-
-FULL_SEEDS = 40
-"""Seeds per variation of the proofs that `RATIOS` are from."""
+from taskbuilder.validate.runner import SEEDS
 
 RATIOS = {
     "repeat": 1.0,
@@ -22,7 +20,8 @@ RATIOS = {
     "cost": 0.2,
 }
 """Durations of the families in one process, over that of `repeat`, which plays episodes of the
-expert without dividing them: medians of the library's proofs (benchmarks/results/proofs)."""
+expert without dividing them: medians of the library's proofs (benchmarks/results/proofs), which
+have `SEEDS` seeds."""
 
 _BY_SEEDS = ("solvable", "needs its robots")
 """Families that take longer with more seeds. Comparisons of returns are mostly decided after 5."""
@@ -60,5 +59,5 @@ def remaining_s(
 
 def _work(family: str, seeds: int, jobs: int) -> float:
     """The expected duration of a family, over that of `repeat`."""
-    by_seeds = seeds / FULL_SEEDS if family in _BY_SEEDS else 1.0
+    by_seeds = seeds / SEEDS if family in _BY_SEEDS else 1.0
     return RATIOS[family] * by_seeds / (jobs if family in _DIVIDED else 1)
