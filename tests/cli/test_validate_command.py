@@ -174,6 +174,7 @@ def test_elsewhere_progress_is_a_line_now_and_then(run, good, monkeypatch):
 
 def test_a_proof_says_how_long_it_still_takes(run, good, monkeypatch):
     words = ("validate", "good.yaml", "--seeds", "1", "--jobs", "1")
+    monkeypatch.setattr("taskbuilder.validate.remaining.SEEDS", 1)
     monkeypatch.setattr("taskbuilder.cli.validate_command.WORTH_TELLING_S", 1e6)
     assert "left" not in run(*words).err
     monkeypatch.setattr("taskbuilder.cli.validate_command.WORTH_TELLING_S", 0.0)

@@ -39,11 +39,12 @@ def test_the_estimate_is_within_a_factor_of_two_of_nearly_all_proofs(last):
     assert near >= 0.9 * len(all_proofs)
 
 
-def test_fewer_seeds_and_more_processes_take_less_time():
+def test_more_seeds_take_longer_and_more_processes_less():
     report = report_of({"repeat": 10.0})
     full = remaining_s(report, RATIOS, 40, 1)
     assert remaining_s(report, RATIOS, 40, 2) < 0.6 * full
-    assert remaining_s(report, RATIOS, 5, 1) < 0.4 * full
+    assert remaining_s(report, RATIOS, 80, 1) > 1.5 * full
+    assert remaining_s(report, RATIOS, 5, 1) is None
     assert remaining_s(report, ["repeat", "cost"], 40, 1) == pytest.approx(2.0)
     later = report_of({"repeat": 10.0, "solvable": 100.0})
     twice = report_of({"repeat": 10.0, "solvable": 200.0})
