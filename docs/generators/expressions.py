@@ -2,69 +2,132 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import fields
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
 
-from taskbuilder.description import Ladder
+from taskbuilder.description import Description, Ladder
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
 from taskbuilder.description.node import AllOf, AnyOf, Node, Not
 
+_QUOTED = re.compile(r'"[^"]*"')
+_NAME = re.compile(r"\b[A-Za-z_]\w*\b(?![=(])")
+
+
+@dataclass(frozen=True)
+class Expressions:
+    """The expressions of a description.
+
+    Attributes:
+        names: Conditions that are written by their name where they are part of an expression.
+    """
+
+    names: Mapping[Node, str] = field(default_factory=dict)
+
+    def text(self, node: Node) -> str:
+        """A condition or a measure as it is written in a description."""
+        if node in self.names:
+            return self.names[node]
+        match node:
+            case AllOf() | AnyOf() if not node.gathers:
+                return (" & " if isinstance(node, AllOf) else " | ").join(self._operands(node))
+            case Not():
+                return f"~{self._in_brackets(node.of)}"
+            case Constant():
+                return f"{node.number:g}"
+            case Sum():
+                first, *others = map(self._signed, self._summands(node))
+                return "".join((first.removeprefix(" + "), *others)).lstrip()
+            case Product():
+                return " * ".join(map(self._in_brackets, node.of))
+            case Ladder():
+                rungs = (f"({self.text(when)}, {self.text(value)})" for when, value in node.rungs)
+                return f"Ladder({', '.join((self.text(node.ground), *rungs))})"
+        return repr(node) if hasattr(node, "call") else self._call(node)
+
+    def _in_brackets(self, part: Node) -> str:
+        """A part as an operand, in brackets where it has an operator of its own."""
+        joined = isinstance(part, AllOf | AnyOf | Sum) and not part.gathers
+        if joined and part not in self.names:
+            return f"({self.text(part)})"
+        return self.text(part)
+
+    def _operands(self, node: AllOf | AnyOf) -> Iterator[str]:
+        """What is between the operators: ``a & b & c`` is ``both & c`` if ``both`` is ``a & b``."""
+        several = [(n.of, name) for n, name in self.names.items() if type(n) is type(node)]
+        several.sort(key=lambda pair: -len(pair[0]))
+        rest = node.of
+        while rest:
+            for parts, name in several:
+                if rest[: len(parts)] == parts:
+                    yield name
+                    rest = rest[len(parts) :]
+                    break
+            else:
+                yield self._in_brackets(rest[0])
+                rest = rest[1:]
+
+    def _call(self, node: Node) -> str:
+        inside: list[str] = []
+        for each in fields(node):  # type: ignore[arg-type]  # what is not a call is a dataclass
+            value = getattr(node, each.name)
+            if isinstance(value, tuple) and value and all(isinstance(one, Node) for one in value):
+                inside += map(self.text, value)
+            elif value != each.default:
+                text = self.text(value) if isinstance(value, Node) else _literal(value)
+                inside.append(f"{each.name}={text}" if each.kw_only else text)
+        return f"{type(node).__name__}({', '.join(inside)})"
+
+    def _summands(self, node: Sum) -> Iterator[Measure]:
+        """What is added without brackets: from left to right, as Python does."""
+        first, *others = node.of
+        yield from self._summands(first) if isinstance(first, Sum) else (first,)
+        yield from others
+
+    def _signed(self, part: Measure) -> str:
+        """A summand with its sign before it; what is subtracted was multiplied by -1."""
+        if isinstance(part, Product) and part.of[0] == Constant(-1.0):
+            return f" - {self._in_brackets(part.of[1])}"
+        if isinstance(part, Constant) and part.number < 0:
+            return f" - {-part.number:g}"
+        return f" + {self._in_brackets(part)}"
+
 
 def expression(node: Node) -> str:
-    """A condition or a measure as it is written in a description."""
-    match node:
-        case AllOf() | AnyOf() if not node.gathers:
-            return (" & " if isinstance(node, AllOf) else " | ").join(
-                f"({expression(part)})" if isinstance(part, AllOf | AnyOf) else expression(part)
-                for part in node.of
-            )
-        case Not():
-            inner = expression(node.of)
-            return f"~({inner})" if isinstance(node.of, AllOf | AnyOf) else f"~{inner}"
-        case Constant():
-            return f"{node.number:g}"
-        case Sum():
-            first, *others = map(_signed, _summands(node))
-            return "".join((first.removeprefix(" + "), *others)).lstrip()
-        case Product():
-            return " * ".join(
-                f"({expression(factor)})" if isinstance(factor, Sum) else expression(factor)
-                for factor in node.of
-            )
-        case Ladder():
-            rungs = (f"({expression(when)}, {expression(value)})" for when, value in node.rungs)
-            return f"Ladder({', '.join((expression(node.ground), *rungs))})"
-    return repr(node) if hasattr(node, "call") else _call(node)
+    """A condition or a measure as it is written in a description, with all that is in it."""
+    return Expressions().text(node)
 
 
-def _call(node: Node) -> str:
-    inside = []
-    for field in fields(node):  # type: ignore[arg-type]  # every node that is not a call is one
-        value = getattr(node, field.name)
-        if isinstance(value, tuple) and value and all(isinstance(one, Node) for one in value):
-            inside += map(expression, value)
-        elif value != field.default:
-            text = expression(value) if isinstance(value, Node) else _literal(value)
-            inside.append(f"{field.name}={text}" if field.kw_only else text)
-    return f"{type(node).__name__}({', '.join(inside)})"
+def by_name(description: type[Description]) -> tuple[dict[str, str], Expressions]:
+    """The named conditions of a description, each written by those before it; and what uses them.
+
+    Conditions that neither success nor failure, stages, reward or progress are made of are left
+    out.
+    """
+    names: dict[Node, str] = {}
+    texts: dict[str, str] = {}
+    for name, node in description.attributes().items():
+        if name not in vars(Description)["__annotations__"] and node not in names:
+            texts[name] = Expressions(names).text(node)
+            names = names | {node: name}
+    texts["success"] = Expressions(names).text(description.success)
+    shown = Expressions({description.success: "success"} | names)
+    progress = [] if description.progress is None else [description.progress]
+    roots = [description.failure, *description.stages.values(), *description.reward, *progress]
+    needed = {"success"} | _mentioned([texts["success"], *map(shown.text, roots)], texts)
+    return {name: text for name, text in texts.items() if name in needed}, shown
+
+
+def _mentioned(start: list[str], texts: Mapping[str, str]) -> set[str]:
+    """The names in some texts, and in the texts that these stand for."""
+    needed: set[str] = set()
+    waiting = list(start)
+    while waiting:
+        found = set(_NAME.findall(_QUOTED.sub("", waiting.pop()))) & texts.keys()
+        waiting += (texts[name] for name in found - needed)
+        needed |= found
+    return needed
 
 
 def _literal(value: object) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(value).replace("'", '"')
-
-
-def _summands(node: Sum) -> Iterator[Measure]:
-    """What is added without brackets: from left to right, as Python does."""
-    first, *others = node.of
-    yield from _summands(first) if isinstance(first, Sum) else (first,)
-    yield from others
-
-
-def _signed(part: Measure) -> str:
-    """A summand with its sign before it; what is subtracted was multiplied by -1."""
-    if isinstance(part, Product) and part.of[0] == Constant(-1.0):
-        rest = part.of[1]
-        return f" - ({expression(rest)})" if isinstance(rest, Sum) else f" - {expression(rest)}"
-    if isinstance(part, Constant) and part.number < 0:
-        return f" - {-part.number:g}"
-    return f" + ({expression(part)})" if isinstance(part, Sum) else f" + {expression(part)}"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from generators import leaderboard, results
-from generators.expressions import expression
+from generators.expressions import Expressions, by_name
 from generators.stages import numbered
 from taskbuilder import load_suite
 from taskbuilder.description import Bonus, Distance, Ladder, Paid, Potential, Term
@@ -154,13 +154,14 @@ def _sections(task: Task) -> Iterator[str]:
         ),
     )
     yield "## Success, failure and stages"
-    yield table(["name", "condition"], _conditions(task))
+    definitions, written = by_name(task.description)
+    yield table(["name", "condition"], _conditions(task, definitions, written))
     yield "## Reward"
     yield "Every term is evaluated at every control step. The team reward is the sum of all terms."
     head = ["term", "agent", "reward per control step"]
     if name in PUBLISHED:
         head.append(f"in equation {PUBLISHED[name][0]}")
-    yield table(head, (_term(name, term) for term in task.description.reward))
+    yield table(head, (_term(name, term, written) for term in task.description.reward))
     if isinstance(task.description.progress, Ladder):
         yield "## Progress"
         yield (
@@ -168,7 +169,7 @@ def _sections(task: Task) -> Iterator[str]:
             "rewards](../descriptions.md#progress) and is not part of the reward. The value of the "
             "progress is given by the last row whose condition is true."
         )
-        yield table(["condition", "progress"], _progress(task.description.progress))
+        yield table(["condition", "progress"], _progress(task.description.progress, written))
     if spec.expert:
         yield "## Expert"
         yield (
@@ -258,25 +259,27 @@ def _point(point: tuple[float, ...]) -> str:
     return f"({', '.join(number(value) for value in point)}) m"
 
 
-def _conditions(task: Task) -> Iterator[list[str]]:
+def _conditions(
+    task: Task, definitions: Mapping[str, str], written: Expressions
+) -> Iterator[list[str]]:
     description = task.description
-    yield ["success", code(expression(description.success))]
-    yield ["failure", code(expression(description.failure))]
+    yield from ([code(name), code(text)] for name, text in definitions.items())
+    yield ["failure", code(written.text(description.failure))]
     for number_, (name, stage) in enumerate(description.stages.items(), start=1):
         same = stage == description.success
-        told = "the same as success" if same else code(expression(stage))
+        told = "the same as `success`" if same else code(written.text(stage))
         yield [f"stage {number_}: {name}", told]
 
 
-def _progress(ladder: Ladder) -> Iterator[list[str]]:
-    yield ["none of the conditions below is true", code(expression(ladder.ground))]
+def _progress(ladder: Ladder, written: Expressions) -> Iterator[list[str]]:
+    yield ["none of the conditions below is true", code(written.text(ladder.ground))]
     for when, value in ladder.rungs:
-        yield [code(expression(when)), code(expression(value))]
+        yield [code(written.text(when)), code(written.text(value))]
 
 
-def _term(task: str, term: Term) -> list[str]:
+def _term(task: str, term: Term, written: Expressions) -> list[str]:
     agent = code(term.agent) if term.agent else "all robots, in equal shares"
-    row = [code(term.name), agent, _pay(term)]
+    row = [code(term.name), agent, _pay(term, written)]
     return (
         [*row, PUBLISHED[task][1].get(term.name, "not in the equation")]
         if task in PUBLISHED
@@ -284,14 +287,14 @@ def _term(task: str, term: Term) -> list[str]:
     )
 
 
-def _pay(term: Term) -> str:
+def _pay(term: Term, written: Expressions) -> str:
     if isinstance(term, Bonus):
-        return f"{number(term.amount)} while `{expression(term.condition)}` is true"
+        return f"{number(term.amount)} while `{written.text(term.condition)}` is true"
     if isinstance(term, Distance):
         weight = f"{number(term.weight)} × " if term.weight != 1.0 else ""
         return f"minus {weight}the distance between `{term.first}` and `{term.second}`, in metres"
     if isinstance(term, Potential):
-        return f"{number(term.weight)} × the increase of `{expression(term.measure)}` in the step"
+        return f"{number(term.weight)} × the increase of `{written.text(term.measure)}` in the step"
     if isinstance(term, Paid):
-        return f"{number(term.weight)} × `{expression(term.measure)}`"
-    return code(expression(term))
+        return f"{number(term.weight)} × `{written.text(term.measure)}`"
+    return code(written.text(term))

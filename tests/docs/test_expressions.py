@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
 
@@ -15,7 +16,7 @@ from taskbuilder.task import load_task
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 
-from generators.expressions import expression
+from generators.expressions import by_name, expression
 
 NAMES = {name: getattr(description, name) for name in description.__all__} | {"Upright": Upright}
 
@@ -46,7 +47,35 @@ def test_an_expression_is_told_as_it_is_written(text):
 @pytest.mark.parametrize("task", Catalogue().tasks)
 def test_what_a_page_says_of_a_task_is_what_its_description_is(task):
     declared = load_task(task).description
-    for node in (declared.success, declared.failure, declared.progress, *declared.stages.values()):
+    definitions, written = by_name(declared)
+    names = dict(NAMES)
+    # what the page says in our own words must make the same nodes again, each from those before it
+    for name, text in definitions.items():
+        names[name] = eval(text, names)
+        assert names[name] == getattr(declared, name)
+    for node in (declared.failure, *declared.stages.values(), *declared.reward, declared.progress):
         if node is not None:
-            # what the page says in our own words must make the same node again
-            assert eval(expression(node), dict(NAMES)) == node
+            assert eval(written.text(node), names) == node
+
+
+def test_a_condition_is_written_by_the_names_of_its_parts():
+    class Stacked(description.Description):
+        held = Held("a", by="left")
+        both = held & Held("b", by="right")
+        unused = Near("a", "c", within=0.1)
+        placed = both & Near("a", "b", within=0.05)
+        success = description.Sustained(placed, seconds=1.0)
+        stages = MappingProxyType({"held": held, "placed": placed})
+        reward = (description.Bonus("held", ~both | held, 1.0),)
+        progress = Ladder(0.0, (held & Held("b", by="right") & Held("c"), 1 + Height("a")))
+
+    definitions, written = by_name(Stacked)
+    assert definitions == {
+        "held": 'Held("a", by="left")',
+        "both": 'held & Held("b", by="right")',
+        "placed": 'both & Near("a", "b", within=0.05)',
+        "success": "Sustained(placed, 1.0)",
+    }
+    assert written.text(Stacked.stages["placed"]) == "placed"
+    assert written.text(Stacked.reward[0].condition) == "~both | held"
+    assert written.text(Stacked.progress) == 'Ladder(0, (both & Held("c"), 1 + Height("a")))'
