@@ -34,6 +34,7 @@ from taskbuilder.processes import cores
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.validate.apart import Level
+from taskbuilder.validate.families import OWN_FAMILIES, families_of
 from taskbuilder.validate.formats import document_writer
 from taskbuilder.validate.formats.cases import why_skipped
 from taskbuilder.validate.formats.github import workflow_commands
@@ -41,10 +42,8 @@ from taskbuilder.validate.formats.words import closing
 from taskbuilder.validate.remaining import MEASURED, remaining_s
 from taskbuilder.validate.report import FamilyResult, TaskReport, as_data
 from taskbuilder.validate.runner import (
-    OWN_FAMILIES,
     QUICK_SEEDS,
     SEEDS,
-    families_of,
     partial_result,
     validate_task,
 )
