@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 FOUNDATION = (
     "_lazy",
+    "arguments",
     "engine",
     "errors",
     "extensions",
@@ -147,6 +148,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "engine": ("errors",),
     "extensions": ("errors", "wording", "quiet"),
     "extras": ("errors",),
+    "arguments": ("errors", "wording"),
     "geometry": (),
     "errors": (),
     "wording": (),

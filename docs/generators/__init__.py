@@ -63,6 +63,7 @@ GENERATORS: Mapping[str, Callable[[str], str]] = {
     "learning": training.learning,
     "manners": keys.manners,
     "options": options.options,
+    "decisive": options.decisive,
     "own": swaps.own,
     "nodes": vocabulary.nodes,
     "objects": objects.library,

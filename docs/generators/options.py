@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from taskbuilder.env.option_info import OptionInfo
-from taskbuilder.env.options import option_fields
+from taskbuilder.env.options import option_fields, option_infos
 from taskbuilder.reference.markdown import table
 
 
@@ -18,6 +18,12 @@ def options(_: str) -> str:
         default = info.unless_given or _value(each.default)
         rows.append([f"`{name}`", "; ".join([info.help, *meanings]), default])
     return table(["option", "meaning", "default"], rows)
+
+
+def decisive(_: str) -> str:
+    """The options on which the course of an episode depends."""
+    names = [f"`{name}`" for name, info in option_infos().items() if info.decides_course]
+    return f"These options must be the same: {', '.join(names[:-1])} and {names[-1]}."
 
 
 def _value(value: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import cast, get_args
 
@@ -18,6 +19,8 @@ _TYPES: tuple[str, ...] = get_args(JointType)
 _LIMITED = ("revolute", "prismatic")
 _DEFAULT_AXIS: Vec3 = (1.0, 0.0, 0.0)
 _SHORTEST_AXIS = 1e-6
+_MOST_TURNS = 6.0
+"""Turns of a joint with limits; the arms that we know have at most two. More are degrees."""
 
 
 def joint_moves(element: Element) -> bool:
@@ -118,6 +121,14 @@ def _range(
     if limit and lower is not None and upper is not None and lower > upper:
         message = f"lower {lower:g} is above upper {upper:g}; exchange them"
         report.error(codes.LIMIT, limit, subject, message)
+    elif limit and lower is not None and upper is not None and kind == "revolute":
+        turns = (upper - lower) / math.tau
+        if turns > _MOST_TURNS:
+            message = (
+                f"it turns from {lower:g} to {upper:g} rad, which are {turns:.0f} turns; write "
+                "degrees as radians, and a joint that turns without end as continuous"
+            )
+            report.warning(codes.LIMIT, limit, subject, message)
     return (lower, upper)
 
 

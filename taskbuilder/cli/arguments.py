@@ -77,7 +77,8 @@ class Parser(argparse.ArgumentParser):
     """A parser whose errors say what was probably meant, in one line."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
+        # An option is written out: `collect --all` is no `--allow-missing`.
+        super().__init__(*args, **{"allow_abbrev": False, **options})
         for name in (None, "store"):
             self.register("action", name, StoreOnce)
 

@@ -13,13 +13,13 @@ from typing import Any, Literal
 from taskbuilder.cli import output
 from taskbuilder.cli.dataset_command import print_summary
 from taskbuilder.cli.env_options import asked_options
-from taskbuilder.cli.output import print_json
+from taskbuilder.cli.output import print_json, warn
 from taskbuilder.cli.spreading import check_spread
 from taskbuilder.cli.tasks import asked_suite, asked_tasks, catalogue_of
 from taskbuilder.cluster import cluster
 from taskbuilder.data.collecting import CollectProgress, Report
 from taskbuilder.data.collection import collect
-from taskbuilder.data.formats import export_dataset
+from taskbuilder.data.formats import ExportOptions, export_dataset
 from taskbuilder.data.summary import (
     MissingVariation,
     missing_variations,
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
             **_options(arguments),
         )
     if arguments.export:
-        export_dataset(dataset, arguments.export, exported)
+        export_dataset(dataset, arguments.export, exported, ExportOptions(warn=warn))
     told, missing = summarize_dataset(dataset), tuple(missing_variations(dataset))
     if arguments.json:
         export = display_path(exported) if arguments.export else None

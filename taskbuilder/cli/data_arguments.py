@@ -36,7 +36,7 @@ def add_collect(adder: CommandAdder) -> None:
         "handover --episodes 100 --cameras front,left_wrist --size 128 --out data/handover",
     )
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="names or paths of tasks")
-    parser.set_defaults(all=False)
+    parser.set_defaults(all=None)  # these commands have no --all
     add_suite(parser)
     count = parser.add_mutually_exclusive_group()
     add_count(count, "--episodes", (1, 10_000_000), "number of episodes of each task", default=10)

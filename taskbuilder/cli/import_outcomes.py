@@ -149,7 +149,10 @@ def print_outcome(outcome: ImportOutcome, figures: ObjectFigures | None, *, robo
     changes = imported.changes
     print(paint(f"{imported.name} · {display_path(folder)}", "bold"))
     print()
-    print_table([HEADER, *(row.cells() for row in changes.rows)], indent="  ", prose=True)
+    if changes.rows:
+        print_table([HEADER, *(row.cells() for row in changes.rows)], indent="  ", prose=True)
+    else:
+        print("  nothing had to be changed")
     print()
     if changes.left_out:
         print(f"  left out: {'; '.join(changes.left_out)}\n")

@@ -125,6 +125,9 @@ _CAMERAS = {
 }
 """Where cameras stand, by the number of robots; with three or more, these stand all around."""
 
+_NO_TEXT = ("true", "false", "null", "yes", "no", "on", "off", "y", "n")
+"""Words that are no text in YAML; some of their capitalised forms are words of Python."""
+
 _RADIUS = 0.8  # metres from the middle of the table to a robot's base
 
 
@@ -135,7 +138,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(
             f'"{name}" is no name for a task; a small letter, then small letters, digits and _'
         )
-    if keyword.iskeyword(name) or name in {*RESERVED, "robot"}:
+    if keyword.iskeyword(name) or name in {*RESERVED, *_NO_TEXT, "robot"}:
         raise UsageError(f'"{name}" means something else already; choose another name')
     if name in catalogue_of(arguments).tasks:
         raise UsageError(f'the catalogue has a task "{name}"; choose another name')

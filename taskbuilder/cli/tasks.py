@@ -58,7 +58,8 @@ def asked_tasks(arguments: argparse.Namespace, catalogue: Catalogue) -> list[str
     if suite := asked_suite(arguments, catalogue):
         return list(suite.tasks)
     if not arguments.tasks:
-        raise UsageError("which task? give a name, a path, --suite or --all")
+        forms = "a path or --suite" if arguments.all is None else "a path, --suite or --all"
+        raise UsageError(f"which task? give a name, {forms}")
     return list(dict.fromkeys(arguments.tasks))
 
 

@@ -149,7 +149,7 @@ def _go_on(folder: Path, run: RunSetup) -> None:
 def _line(plan: Plan, status: TrainingStatus, evaluation: Evaluation) -> str:
     """How a run stands after an evaluation."""
     success = paint(f"success {evaluation.row['success_rate']:4.0%}", "bold")
-    left = (plan.steps - status.step) / max(status.steps_per_second, 1e-9)
+    left = max(0, plan.steps - status.step) / max(status.steps_per_second, 1e-9)
     parts = (
         f"step {status.step:{len(str(plan.steps))}}",
         success,

@@ -163,7 +163,10 @@ def begin_folder(folder: Path, about: Mapping[str, Any]) -> None:
         return
     there, here = layout.read_about(folder), json.loads(json.dumps(about))
     differs = list(changes(there, here))
-    if differs:
+    if differs and not _has_begun(folder):  # refused, such as for a policy of another task
+        shutil.rmtree(folder / layout.TASKS, ignore_errors=True)
+        layout.write_json(folder / layout.ABOUT, about)
+    elif differs:
         raise UsageError(
             f"{where} holds a data set that was begun in another way; name another folder\n"
             + "\n".join(f"  {line}" for line in differs)
@@ -173,6 +176,12 @@ def begin_folder(folder: Path, about: Mapping[str, Any]) -> None:
             f"{where} holds other files beside the data set ({', '.join(strange[:3])}); move them "
             "away"
         )
+
+
+def _has_begun(folder: Path) -> bool:
+    """Whether an attempt was recorded, or all were and are gone."""
+    recorded = (folder / layout.EPISODES, folder / layout.FAILURES)
+    return layout.is_finished(folder) or any(file for each in recorded for file in _entries(each))
 
 
 def write_tasks(folder: Path, tasks: Sequence[Task]) -> None:
@@ -324,13 +333,13 @@ def _remove_others(folder: Path, names: Sequence[str]) -> None:
 
 
 def _there(folder: Path) -> str:
-    count = sum(1 for _ in _episodes(folder))
+    count = sum(1 for _ in _entries(folder / layout.EPISODES))
     return f"{display_path(folder)} has {count} episode{'s' * (count != 1)} so far"
 
 
-def _episodes(folder: Path) -> Iterator[Path]:
+def _entries(folder: Path) -> Iterator[Path]:
     try:
-        yield from (folder / layout.EPISODES).iterdir()
+        yield from folder.iterdir()
     except OSError:
         return
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Literal, Unpack
 
+from taskbuilder.arguments import several, whole
 from taskbuilder.data import collecting
 from taskbuilder.data.collecting import Report
 from taskbuilder.data.dataset import Dataset, load_dataset
@@ -14,7 +15,7 @@ from taskbuilder.data.plan import CollectPlan
 from taskbuilder.data.recording import Cameras
 from taskbuilder.env.factory import with_choices
 from taskbuilder.env.keywords import takes_options
-from taskbuilder.env.options import EnvOptions
+from taskbuilder.env.options import EnvOptions, make_options
 from taskbuilder.errors import UsageError
 from taskbuilder.jobs import Map
 from taskbuilder.policies.grammar import Player, PolicyLike, parse_policy
@@ -84,13 +85,17 @@ def collect(
         FileError: A task has errors.
     """
     tasks = [task] if isinstance(task, str | Path | Task) else [*task]
+    if not tasks:
+        raise UsageError("there are no tasks; name at least one")
+    make_options(**options).check()
+    whole("episodes", episodes, 1)  # all else of the plan is checked where it is played
     shares, players = _players(policy)
     chosen = _chosen(tasks, options)
     cameras, size = tuple(chosen.pop("cameras", ())), chosen.pop("camera_size", None)
     renderer, variation = chosen.pop("renderer", "auto"), chosen.pop("variation", 0)
     if variation == "random":
         raise UsageError('variation is "random"; a data set lists its own: variations="all"')
-    played = None if variations == "all" else tuple(variations or (variation,))
+    played = _variations(variations, variation)
     plan = CollectPlan(
         tasks=tuple(each.reference if isinstance(each, Task) else str(each) for each in tasks),
         episodes=episodes,
@@ -107,12 +112,26 @@ def collect(
         policy_digests=digests_of_players(players),
         catalogue=catalogue or Catalogue.discover(),
     )
-    if jobs is None:
+    if jobs is not None:
+        whole("jobs", jobs, 1)
+    else:
         jobs = 1 if any(player.kind == "own" for player in players.values()) else cores()
     if not per_variation:
         jobs = min(jobs, episodes * len(tasks))
     collecting.collect(plan, Path(out), jobs=jobs, nodes=nodes, report=report, players=players)
     return load_dataset(out)
+
+
+def _variations(
+    variations: Iterable[int] | Literal["all"] | None, variation: int
+) -> tuple[int, ...] | None:
+    """The variations that take turns; None for all of each task."""
+    if variations == "all":
+        return None
+    played = (variation,) if variations is None else several("variations", variations)
+    if not played:
+        raise UsageError('there are no variations; name some, or "all"')
+    return played
 
 
 def _players(
@@ -121,8 +140,10 @@ def _players(
     """The shares of a mixture, and who plays, by name."""
     shares: list[PolicyShare] = []
     players: dict[str, Player] = {}
-    several: list[Any] = [*policy] if isinstance(policy, list | tuple) else [policy]
-    for each in several:
+    named: list[Any] = [*policy] if isinstance(policy, list | tuple) else [policy]
+    if not named:
+        raise UsageError("there are no policies; name who plays, such as expert")
+    for each in named:
         share = read_share(each) if isinstance(each, str) else None
         player = parse_policy(share.name if share else each)
         share = share or PolicyShare(player.name)

@@ -6,7 +6,7 @@ set; as it is code, it is imported only after somebody has said to trust its dig
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -119,12 +119,12 @@ def task_of_dataset(
     """
     names = list(about["tasks"])
     if isinstance(task, Task):
-        return task
+        return _recorded(task, names, folder)
     if task is None and len(names) > 1:
         raise UsageError(f"{display_path(folder)} has several tasks; name one: {', '.join(names)}")
     catalogue = catalogue or Catalogue.discover()
     if task is not None and str(task) not in names:
-        return load_task(task, catalogue=catalogue)
+        return _recorded(load_task(task, catalogue=catalogue), names, folder)
     name = str(task) if task is not None else str(names[0])
     carried = carried_task(about, folder, name)
     if name not in catalogue.tasks and carried is not None:
@@ -134,6 +134,18 @@ def task_of_dataset(
         return here
     same = not differences(about["tasks"][name]["files"], digests_of_task(here))
     return here if same else _trusted(carried, folder, trust)
+
+
+def _recorded(task: Task, names: Sequence[str], folder: Path) -> Task:
+    """A task that was named, if the data set has episodes of it.
+
+    Raises:
+        UsageError: It has none.
+    """
+    if task.name not in names:
+        where = display_path(folder)
+        raise UsageError(f"{where} has no episodes of {task.name}; it has: {', '.join(names)}")
+    return task
 
 
 def carried_task(about: Mapping[str, Any], folder: Path, task: str) -> CarriedTask | None:

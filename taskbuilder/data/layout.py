@@ -124,6 +124,10 @@ def read_about(folder: Path) -> dict[str, Any]:
         StoreError: It is damaged.
     """
     file = folder / ABOUT
+    if folder.is_file():
+        raise UsageError(f"{display_path(folder)} is a file; name the folder of a data set")
+    if not folder.exists():
+        raise UsageError(f"there is no folder {display_path(folder)}")
     if not file.exists() and not file.is_symlink():
         raise UsageError(f"{display_path(folder)} is no data set; it has no {ABOUT}")
     about = read_json(folder, ABOUT)

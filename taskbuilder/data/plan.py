@@ -9,6 +9,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
+from taskbuilder.arguments import SEED_LIMIT, as_whole, whole
 from taskbuilder.carried import carry, digests_of
 from taskbuilder.data.layout import FORMAT, KIND
 from taskbuilder.data.machines import machine_changes, machine_here
@@ -137,9 +138,18 @@ def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
     """Refuse what cannot be collected before anything is.
 
     Raises:
-        UsageError: A task has no such variation, or a picture has an odd size.
+        UsageError: A number is out of bounds, a task has no such variation, or a picture has an
+            odd size.
         UnknownNameError: A task has no such camera.
     """
+    whole("episodes", plan.episodes, 1)
+    whole("first_seed", plan.first_seed, 0, SEED_LIMIT - 1)
+    if plan.until_success is not None:
+        whole("until_success", plan.until_success)
+    if plan.cameras.depth and not plan.cameras.names:
+        raise UsageError("depth images are those of cameras, and none is named; name some")
+    if not isinstance(plan.license, str):
+        raise UsageError(f"the licence is {plan.license!r}; a name, such as MIT")
     if not plan.license.isprintable() or not 1 <= len(plan.license) <= 200:
         raise UsageError("the licence is a name on one line, of at most 200 letters, such as MIT")
     names = [task.name for task in tasks]
@@ -160,9 +170,9 @@ def check_plan(plan: CollectPlan, tasks: Sequence[Task]) -> None:
 def _check_task(plan: CollectPlan, task: Task) -> None:
     scenes = task.file.scenes
     for variation in plan.variations or ():
-        if variation >= len(scenes):
+        if as_whole(variation) not in range(len(scenes)):
             raise UsageError(
-                f"{task.name} has no variation {variation}; it has 0 to {len(scenes) - 1}"
+                f"{task.name} has no variation {variation!r}; it has 0 to {len(scenes) - 1}"
             )
     cameras = task.file.spec.scene.cameras
     task.file.check_cameras(plan.cameras.names)

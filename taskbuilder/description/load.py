@@ -19,17 +19,18 @@ import subprocess
 import sys
 import tempfile
 import traceback
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 from taskbuilder.description.description import Description
 from taskbuilder.description.node import ValueOfNodeError
-from taskbuilder.errors import FileError, Finding, Location
+from taskbuilder.errors import FileError, Finding, Fix, Location
 from taskbuilder.interpreters import interpreter
 from taskbuilder.processes import CHILDREN, ends_within, environment_of_children, owned
 from taskbuilder.quiet import printing_to_stderr
 from taskbuilder.schema.catalogue import CatalogueEntry
-from taskbuilder.wording import suggestion
+from taskbuilder.wording import closest, suggestion
 
 TRIAL_LIMIT_S = 10.0
 ONLY_DECLARES = "a description only declares"
@@ -147,6 +148,7 @@ def is_interrupt(error: BaseException) -> bool:
 
 def explain(error: BaseException, file: Path, code: str, what: str) -> Finding | None:
     """An error as a finding at the line of the description where it arose, if it has one."""
+    fix = None
     if isinstance(error, ValueOfNodeError) and error.place and error.place.file == file:
         location, said = error.place, str(error)
     elif isinstance(error, SyntaxError) and error.filename == str(file):
@@ -156,10 +158,23 @@ def explain(error: BaseException, file: Path, code: str, what: str) -> Finding |
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(file)]
         if not frames:
             return None
-        location = Location(file, frames[-1].lineno or 1, (frames[-1].colno or 0) + 1)
+        frame = frames[-1]
+        location = Location(file, frame.lineno or 1, (frame.colno or 0) + 1)
         said = _said(error)
+        fix = _fix(error, location, frame.end_colno or 0)
     excerpt = linecache.getline(str(file), location.line).strip()
-    return Finding(code, f"{what}: {said}", location=location, excerpt=excerpt)
+    return Finding(code, f"{what}: {said}", location=location, excerpt=excerpt, fix=fix)
+
+
+def _fix(error: BaseException, place: Location, end: int) -> Fix | None:
+    """The right name in place of a misspelt one, which ends at a column."""
+    meant = _meant(error)
+    if meant is None or not isinstance(error, NameError | AttributeError):
+        return None
+    name = error.name or ""
+    begins = end - len(name)
+    written = linecache.getline(str(place.file), place.line)[begins:end]
+    return Fix(replace(place, column=begins + 1), written, meant) if written == name else None
 
 
 def _elsewhere(error: BaseException, file: Path) -> Finding:
@@ -177,6 +192,8 @@ def _said(error: BaseException) -> str:
     vocabulary: list[str] = sys.modules["taskbuilder.description"].__all__
     if isinstance(error, NameError) and error.name in vocabulary:
         return f"{said}; import it from taskbuilder.description"
+    if meant := _meant(error):
+        return f'{said}; did you mean "{meant}"?'
     if isinstance(error, TypeError) and (strange := _strange_argument(str(error))):
         return strange
     missing = re.match(r"ImportError: cannot import name '(\w+)' from '([\w.]+)'", said)
@@ -186,19 +203,44 @@ def _said(error: BaseException) -> str:
     return f"{missing[0]}; {suggestion(missing[1], vocabulary)}" if ours else missing[0]
 
 
+def _meant(error: BaseException) -> str | None:
+    """The name of the vocabulary that a misspelt one is most like, if any is."""
+    vocabulary = sys.modules["taskbuilder.description"]
+    if not isinstance(error, NameError | AttributeError) or not error.name:
+        return None
+    if isinstance(error, AttributeError) and error.obj is not vocabulary:
+        return None
+    return closest(error.name, vocabulary.__all__)
+
+
 def _strange_argument(said: str) -> str | None:
-    """What to write in place of a keyword that an expression of ours does not have."""
+    """What to write in place of an argument that an expression of ours does not have."""
+    many = re.match(
+        r"(\w+)(?:\.__init__)?\(\) takes .*positional arguments? but \d+ (was|were) given", said
+    )
+    if many and (wanted := _by_name(many[1])):
+        listed = ", ".join(f"{name}=..." for name in wanted)
+        return f"{many[1]} takes {' and '.join(wanted)} by name: write {listed}"
     found = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", said)
     ours = sys.modules["taskbuilder.description"]
     if not found or found[1] not in ours.__all__:
         return None
     parameters = [*inspect.signature(getattr(ours, found[1])).parameters.values()]
     by_name = [p for p in parameters if p.kind is p.KEYWORD_ONLY]
-    needed = [p.name for p in by_name if p.default is p.empty]
+    needed = _by_name(found[1])
     help_ = suggestion(found[2], [p.name for p in by_name or parameters], what="it has")
     if len(needed) == 1:
         help_ = f"write {needed[0]}"
     return f'{found[1]} has no argument "{found[2]}"; {help_}'
+
+
+def _by_name(name: str) -> list[str]:
+    """The arguments of an expression of ours that must be given, and by name."""
+    ours = sys.modules["taskbuilder.description"]
+    if name not in ours.__all__:
+        return []
+    parameters = inspect.signature(getattr(ours, name)).parameters.values()
+    return [p.name for p in parameters if p.kind is p.KEYWORD_ONLY and p.default is p.empty]
 
 
 def main() -> None:

@@ -11,9 +11,10 @@ import logging
 import os
 import pickle
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any, Protocol
 
-from taskbuilder.env.env_group import EnvGroup
+from taskbuilder.env.env_group import EnvGroup, Wrap
 from taskbuilder.env.process import WorkerProcess
 from taskbuilder.env.shared_buffers import Allocator, SharedBuffers, make_block, map_block
 from taskbuilder.env.worker import WorkerConfig
@@ -233,11 +234,19 @@ def _packed(config: WorkerConfig) -> bytes:
     try:
         config.write(file)
     except (AttributeError, TypeError, pickle.PicklingError) as error:
+        what = f"the description of {config.task.name}" if _packs(config.wrap) else "wrap"
         raise UsageError(
-            f"workers cannot import the description of {config.task.name} ({error}); "
-            "define it at the top of a module, or use workers=0"
+            f"workers cannot import {what} ({error}); define it at the top of a module, or use "
+            "workers=0"
         ) from error
     return file.getvalue()
+
+
+def _packs(wrap: Wrap) -> bool:
+    with suppress(AttributeError, TypeError, pickle.PicklingError):
+        pickle.dumps(wrap)
+        return True
+    return False
 
 
 def _bytes_of(config: WorkerConfig) -> int:

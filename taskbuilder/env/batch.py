@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,12 +9,11 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from taskbuilder.arguments import a_seed
 from taskbuilder.env.errors import ActionError, AgentError
 from taskbuilder.env.shared_buffers import Signature
 from taskbuilder.env.spaces import ACTION_PARTS
 from taskbuilder.errors import UsageError
-
-_SEED_LIMIT = 2**63
 
 
 def read_actions(
@@ -52,22 +50,12 @@ def read_seeds(seed: Any, num_envs: int) -> list[int | None]:
     if seed is None:
         return [None] * num_envs
     if isinstance(seed, Sequence | np.ndarray):
-        seeds = [None if one is None else _whole(one) for one in seed]
+        seeds = [None if one is None else a_seed(one) for one in seed]
         if len(seeds) != num_envs:
             raise UsageError(f"there are {len(seeds)} seeds for {num_envs} environments")
         return seeds
-    first = _whole(seed)
-    return [_whole(first + number) for number in range(num_envs)]
-
-
-def _whole(seed: Any) -> int:
-    try:
-        number = operator.index(seed)
-    except TypeError:
-        number = -1
-    if not 0 <= number < _SEED_LIMIT:
-        raise UsageError(f"a seed is a whole number from 0 to 2**63 - 1, not {seed!r}")
-    return number
+    first = a_seed(seed)
+    return [a_seed(first + number) for number in range(num_envs)]
 
 
 def _read(agent: str, actions: Any, space: spaces.Space[Any], num_envs: int) -> NDArray[np.float64]:

@@ -134,8 +134,8 @@ class JointEnv(gymnasium.Env[Any, Any]):
         Returns:
             The observation and the info, which also has the ``instruction`` of the episode.
         """
+        observations, infos = self.parallel.reset(seed=seed, options=options)  # checks the seed
         super().reset(seed=seed)
-        observations, infos = self.parallel.reset(seed=seed, options=options)
         return self._observation(observations), infos[self._agents[0]]
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:

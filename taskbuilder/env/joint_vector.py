@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from taskbuilder.env.errors import ActionError
 from taskbuilder.env.joint_observation import (
     JointObservation,
     PixelLayout,
@@ -122,5 +123,8 @@ class JointVectorEnv(VectorEnv[Any, Any, Any]):
     def _split(self, actions: Any) -> dict[str, Any]:
         if self._joint is None:
             return dict(actions)
-        parts = np.split(np.asarray(actions), self._cuts, axis=-1)
+        given = np.asarray(actions)
+        if given.shape != self.action_space.shape:
+            raise ActionError("all robots", self.action_space, f"has shape {given.shape}")
+        parts = np.split(given, self._cuts, axis=-1)
         return dict(zip(self.parallel.agents, parts, strict=True))

@@ -104,8 +104,8 @@ class LeRobotEnv(gymnasium.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Reset the environment; see `JointEnv.reset`."""
+        observation, info = self._joint.reset(seed=seed, options=options)  # checks the seed
         super().reset(seed=seed)
-        observation, info = self._joint.reset(seed=seed, options=options)
         return self._seen(observation), _as_told(info)
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:

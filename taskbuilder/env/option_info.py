@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from taskbuilder.arguments import as_whole, several
 from taskbuilder.errors import UsageError
 from taskbuilder.extensions import Door
-from taskbuilder.wording import suggestion
+from taskbuilder.wording import excerpt, suggestion
 
 OptionKind = Literal["reward", "arrays", "scene", "observed", "pictures", "view"]
 """What an option is about: rewards; the form of actions and observations as arrays; what is played;
@@ -27,6 +28,7 @@ class OptionInfo:
         unless_given: What holds by default, where the default does not say it.
         bounds: Minimum and maximum of a number.
         unit: Of the number.
+        numbers: How many numbers it has, where it is a tuple of them.
         true_word: The word for True on a command line, besides the option alone.
         flag: Its name on a command line, if it is another.
         decides_course: Whether the course of an episode depends on it, for given actions and seed.
@@ -42,6 +44,7 @@ class OptionInfo:
     unless_given: str = ""
     bounds: tuple[float, float] | None = None
     unit: str = ""
+    numbers: int = 1
     true_word: str = ""
     flag: str = ""
     decides_course: bool = False
@@ -54,12 +57,16 @@ def about(help_: str, kind: OptionKind, *choices: Any, **more: Any) -> dict[str,
     return {"info": OptionInfo(help_, kind, *choices, **more)}
 
 
-def check_value(name: str, value: Any, info: OptionInfo) -> None:
+def check_value(name: str, value: Any, info: OptionInfo, default: Any) -> None:
     """Check the value of an option.
 
     Raises:
-        UsageError: It is none of the choices, or out of bounds.
+        UsageError: It is none of the choices, out of bounds, or of another type.
     """
+    if isinstance(default, bool) and not (info.choices or isinstance(value, bool)):
+        raise UsageError(f"{name} is {excerpt(repr(value))}; True or False")
+    if isinstance(default, tuple):
+        several(name, value)
     if info.choices and not isinstance(value, bool):
         own = tuple(choice for choice in info.choices if isinstance(choice, str))
         check_choice(name, value, info.others.names(own) if info.others else own)
@@ -67,12 +74,24 @@ def check_value(name: str, value: Any, info: OptionInfo) -> None:
         return
     least, most = info.bounds
     whole = isinstance(least, int)
-    parts = value if isinstance(value, tuple) else (value,)
-    if not all(isinstance(n, int if whole else int | float) and least <= n <= most for n in parts):
+    parts = value if info.numbers > 1 and isinstance(value, tuple) else (value,)
+    if len(parts) != info.numbers or not all(_is_within(n, least, most, whole) for n in parts):
         kind = "a whole number from " if whole else ""
-        kind = "whole numbers from " if isinstance(value, tuple) else kind
+        kind = f"{_COUNTS[info.numbers]} whole numbers from " if info.numbers > 1 else kind
         unit = f", in {info.unit}" if info.unit else ""
-        raise UsageError(f"{name} is {value!r}; {kind}{least:g} to {most:.7g}{unit}")
+        given = excerpt(repr(value))
+        raise UsageError(f"{name} is {given}; {kind}{least:g} to {most:.7g}{unit}")
+
+
+_COUNTS = {2: "two"}
+
+
+def _is_within(number: Any, least: float, most: float, whole: bool) -> bool:
+    if whole and as_whole(number) is None:
+        return False
+    if isinstance(number, bool) or not hasattr(type(number), "__float__"):
+        return False
+    return bool(least <= number <= most)
 
 
 def check_choice(name: str, value: str, choices: Sequence[str]) -> None:

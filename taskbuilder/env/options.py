@@ -13,6 +13,7 @@ from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
+from taskbuilder.arguments import as_whole
 from taskbuilder.env.option_info import OptionInfo, OptionKind, about, check_choice, check_value
 from taskbuilder.errors import UsageError
 from taskbuilder.extensions import RENDERERS
@@ -209,6 +210,7 @@ class Options:
             unless_given="the size of each camera",
             bounds=(1, 4096),
             unit="pixels",
+            numbers=2,
             decides_policy=True,
         ),
     )
@@ -327,13 +329,13 @@ class Options:
         Raises:
             UsageError: A value is none of the choices, or out of bounds.
         """
-        for name, info in option_infos().items():
-            check_value(name, getattr(self, name), info)
+        for name, each in option_fields().items():
+            check_value(name, getattr(self, name), each.metadata["info"], each.default)
 
     def _check(self, task: Task) -> None:
         self.check()
         count = len(task.file.scenes)
-        if self.variation != "random" and self.variation not in range(count):
+        if self.variation != "random" and as_whole(self.variation) not in range(count):
             raise UsageError(
                 f'variation is {self.variation!r}; {task.name} has 0 to {count - 1}, or "random"'
             )

@@ -14,6 +14,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from taskbuilder.arguments import a_seed
 from taskbuilder.env.camera import Camera
 from taskbuilder.env.copying import Copyable
 from taskbuilder.env.episode import Episode
@@ -202,9 +203,12 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
 
         Raises:
             PlacementError: The objects do not fit.
+            UsageError: The seed is no whole number from 0 to 2**63 - 1, or the environment is
+                closed.
         """
         del options
         if seed is not None:
+            seed = a_seed(seed)
             self._generator = np.random.default_rng(seed)
         self.episode.reset(seed if seed is not None else int(self._seeds.integers(2**31)))
         self.agents = list(self.possible_agents)
@@ -223,6 +227,7 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             ActionError: An action is not finite, or of another shape or kind.
             AgentError: An agent's action is missing, or there is no such agent.
             EpisodeOverError: There was no reset, or the episode is over.
+            UsageError: The environment is closed.
         """
         values = self._read(actions)
         episode = self.episode
@@ -244,6 +249,8 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
         return self._last
 
     def _read(self, actions: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+        if self.episode.closed:
+            raise UsageError("this environment is closed; make another")
         if self.episode.over or not self.agents:
             raise EpisodeOverError("no episode is running; call reset")
         if not isinstance(actions, Mapping):
@@ -320,9 +327,12 @@ class TaskEnv(Copyable, ParallelEnv):  # type: ignore[misc]  # pettingzoo ships 
             The observations in that state.
 
         Raises:
-            UsageError: The state is of another task or of other options, or its actions do not
-                lead to it, because something else moved the world.
+            UsageError: It is no state, or one of another task or of other options; or its actions
+                do not lead to it, because something else moved the world.
         """
+        if not isinstance(state, EnvState):
+            kind = type(state).__name__
+            raise UsageError(f"a state is what save_state returned, not {kind}")
         self.episode.load(state.episode)
         self.agents = list(state.agents)
         self._seeds.bit_generator.state = state.seeds

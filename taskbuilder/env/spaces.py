@@ -15,6 +15,7 @@ from taskbuilder.env.actions import RobotActions
 from taskbuilder.env.errors import ActionError
 from taskbuilder.env.observations import View
 from taskbuilder.schema.channels import Channel
+from taskbuilder.wording import excerpt
 
 VECTOR = "vector"
 """Key of the numbers in an observation that also has images."""
@@ -118,10 +119,13 @@ def read_action(agent: str, action: Any, space: spaces.Space[Any]) -> NDArray[np
         return np.concatenate(parts)
     try:
         array = np.asarray(action)
-    except (TypeError, ValueError):
-        raise ActionError(agent, space, f"is {type(action).__name__}, not numbers") from None
+    except (TypeError, ValueError, RuntimeError) as error:  # such as of PyTorch, with a remedy
+        what = f"is {type(action).__name__}, not numbers ({excerpt(error)})"
+        raise ActionError(agent, space, what) from None
     if array.dtype.kind not in "fiub":
-        raise ActionError(agent, space, f"is {type(action).__name__}, not numbers")
+        own = isinstance(action, np.ndarray)
+        kind = f"an array of {array.dtype}" if own else type(action).__name__
+        raise ActionError(agent, space, f"is {kind}, not numbers")
     values = array.astype(np.float64)  # a copy: callers use their arrays again
     if values.shape != space.shape:
         raise ActionError(agent, space, f"has shape {values.shape}")

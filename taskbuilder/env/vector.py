@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from taskbuilder.arguments import as_whole, whole
 from taskbuilder.env.backends import Backend, InProcess, Subprocesses
 from taskbuilder.env.batch import read_actions, read_seeds
 from taskbuilder.env.env_group import Wrap, unwrapped
@@ -352,7 +353,11 @@ def make_vec(
 
 
 def _signature(task: Task, options: Options, wrap: Wrap) -> Signature:
+    if not callable(wrap):
+        raise UsageError(f"wrap is {wrap!r}; a function that wraps an environment")
     env = wrap(TaskEnv(task, options))
+    if env is None:
+        raise UsageError("wrap returned None; it returns the wrapped environment")
     try:
         return Signature.of(env)
     finally:
@@ -368,9 +373,8 @@ def _mode(autoreset: AutoresetMode | str) -> AutoresetMode:
 
 
 def _check_numbers(num_envs: int, workers: int, timeout_s: float, retries: int) -> None:
-    if num_envs < 1:
-        raise UsageError(f"num_envs is {num_envs}; at least 1")
-    if not 0 <= workers <= num_envs:
+    whole("num_envs", num_envs, 1)
+    if as_whole(workers) is None or not 0 <= workers <= num_envs:
         raise UsageError(f"workers is {workers}; 0 to {num_envs}, the number of environments")
     if timeout_s <= 0.0:
         raise UsageError(f"timeout_s is {timeout_s}; above 0")

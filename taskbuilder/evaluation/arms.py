@@ -10,6 +10,7 @@ from secrets import token_hex
 from typing import NamedTuple
 
 from taskbuilder.env.parallel import TaskEnv
+from taskbuilder.errors import UsageError
 from taskbuilder.expert.baselines import EXPERT, NOTHING, RANDOM, Baseline, BaselineKind
 from taskbuilder.expert.leaving import stall_after_stages
 from taskbuilder.expert.script.player import has_expert
@@ -91,6 +92,12 @@ class TrialPlayer:
         """Play the arms of a job from its seed."""
         forces = self._config.forces
         subject = play(self._env, self._policy, job.seed, forces=forces, explain=True)
+        if self._config.player.kind == "own" and self._env.agents:
+            raise UsageError(
+                f"{self._config.player.name} returned None after {subject.steps} of "
+                f"{subject.horizon} control steps; an evaluation plays whole episodes, so return "
+                "the actions of all agents at each step"
+            )
         episodes = {SUBJECT: subject}
         if not job.compared:
             return episodes

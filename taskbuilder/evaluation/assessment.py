@@ -9,6 +9,7 @@ from os.path import relpath
 from pathlib import Path
 from typing import Unpack
 
+from taskbuilder.arguments import a_seed, several, whole
 from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import EnvOptions
 from taskbuilder.errors import UsageError
@@ -84,9 +85,11 @@ def evaluate(
         UnknownNameError: There is no policy of this name, or ``task`` names an unknown task.
     """
     subject = find_subject(policy, task=task, options=options, catalogue=catalogue, trust=trust)
-    played = [*(range(first_seed, first_seed + episodes) if seeds is None else seeds)]
-    if not played:
-        raise UsageError("there are no seeds; an evaluation has at least one episode")
+    played = _seeds(episodes, first_seed, seeds)
+    if not isinstance(baselines, bool):
+        whole("baselines", baselines)
+    if jobs is not None:
+        whole("jobs", jobs, 1)
     asked = each_disturbance(disturb)
     compared = compared_seeds(baselines, len(played), certified=certificate is not None)
     if certificate is not None:
@@ -108,6 +111,20 @@ def evaluate(
     results = iter(under_each)
     rows = tuple(row if row.why_not else replace(row, summary=next(results)) for row in rows)
     return replace(plain, disturbed=rows)
+
+
+def _seeds(count: int, first: int, given: Iterable[int] | None) -> list[int]:
+    """The seeds of the episodes, each once: what is played again is no other episode."""
+    if given is None:
+        first = a_seed(first)
+        return [*range(first, first + whole("episodes", count, 1))]
+    seeds = [a_seed(seed) for seed in several("seeds", given)]
+    if not seeds:
+        raise UsageError("there are no seeds; an evaluation has at least one episode")
+    if len(set(seeds)) < len(seeds):
+        twice = next(seed for seed in seeds if seeds.count(seed) > 1)
+        raise UsageError(f"the seed {twice} is named twice; the episode would be the same")
+    return seeds
 
 
 def compared_seeds(asked: int | None, count: int, *, certified: bool) -> int:

@@ -134,9 +134,13 @@ def _trained_on(player: Player, catalogue: Catalogue, *, trust: bool) -> Path:
         UsageError: It is nowhere that the user has named.
     """
     if player.trained is None:
+        how = (
+            f"behind its address, such as {player.name.rstrip('/')}/handover"
+            if player.kind == "served"
+            else "behind the policy, such as expert:handover"
+        )
         raise UsageError(
-            f"which task is {player.name} to play? name it behind the policy, such as "
-            'expert:handover; in Python, task="handover"'
+            f'which task is {player.name} to play? name it {how}; in Python, task="handover"'
         )
     if player.file is not None and (Path(player.name) / RUN_FILE).is_file():
         return task_of_run(Path(player.name), catalogue, trust=trust)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -174,7 +175,7 @@ def _named(name: str, certificate: Path) -> str:
     except OSError:  # it leads to another folder, or is not there
         raise UsageError(
             f"where is the policy {excerpt(name)}? Name its file: taskbuilder evaluate POLICY "
-            f"--verify {display_path(certificate)}"
+            f"--verify {shlex.quote(display_path(certificate))}"
         ) from None
     if file.is_dir():
         place_within(file, POLICY_FILE)

@@ -15,8 +15,9 @@ from typing import Any
 
 from taskbuilder.arrays import Arrays, StoreError, read_arrays, write_arrays
 from taskbuilder.learn.replay import Replay
+from taskbuilder.policies.zoo import CHECKPOINTS
 
-FOLDER = "checkpoints"
+FOLDER = CHECKPOINTS
 KEPT = 2
 """Number of checkpoints to keep; if the last one is damaged, the one before it is used."""
 

@@ -56,6 +56,9 @@ def read_curves(path: Path) -> OtherCurves:
             for name, lines in points.items():
                 if row.get(name):
                     step, value = (_number(path, rows.line_num, key, row) for key in ("step", name))
+                    if name == "success_rate" and not 0.0 <= value <= 1.0:
+                        what = f"{name} is {value:g}; a fraction from 0 to 1"
+                        raise damaged(path, rows.line_num, what)
                     lines[row.get("seed", "")].append((step, value))
                     seeds.add(row.get("seed", ""))
     if not seeds:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, get_args
 
+from taskbuilder.arguments import as_whole, whole
 from taskbuilder.data.dataset import Dataset, load_dataset
 from taskbuilder.env.options import (
     EnvOptions,
@@ -169,15 +170,16 @@ class Plan:
             _choice("ladder", self.ladder, get_args(LadderChoice))
         self.options.check()
         for name in ("steps", "envs", "evaluate_every", "evaluate_episodes", "checkpoint_every"):
-            if getattr(self, name) < 1:
-                raise UsageError(f"{name} is {getattr(self, name)}; at least 1")
-        if not 0 <= self.workers <= self.envs:
+            whole(name, getattr(self, name), 1)
+        for name in ("seed", "film_every"):
+            whole(name, getattr(self, name))
+        if not isinstance(self.demos, str):
+            whole("demos", self.demos)
+        if as_whole(self.workers) is None or not 0 <= self.workers <= self.envs:
             raise UsageError(f"workers is {self.workers}; 0 to {self.envs}, the environments")
         for name in ("evaluate_every", "checkpoint_every"):
             if getattr(self, name) < self.envs:
                 raise UsageError(f"{name} is less than the {self.envs} environments' step at once")
-        if min(self.demos if isinstance(self.demos, int) else 0, self.seed, self.film_every) < 0:
-            raise UsageError("demos, seed and film_every are at least 0")
         for name in ("starts", "stop_at"):
             value = getattr(self, name)
             if value is not None and not 0.0 <= value <= 1.0:

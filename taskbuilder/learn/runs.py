@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
+import shlex
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -22,6 +23,7 @@ from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
 from taskbuilder.learn.expert_waits import with_measures
 from taskbuilder.learn.ladders import check_ladder, with_ladder
+from taskbuilder.learn.logger import TABLES
 from taskbuilder.learn.plan import Plan, check_source, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
 from taskbuilder.learn.run_setup import RunSetup
@@ -42,6 +44,10 @@ if TYPE_CHECKING:  # loads PyTorch
 
 START_EPISODES = 50
 """Expert episodes for start states, if the run has no demonstrations."""
+
+_BEFORE_CHECKPOINTS: tuple[str, ...] = (DEMONSTRATIONS_FILE, "init.npz", "tensorboard")
+_BEFORE_CHECKPOINTS += tuple(f"{table}.csv" for table in TABLES)
+"""What a run has written before its first checkpoint, and leaves if it is then refused."""
 
 TrackRollouts = Callable[[Iterable[Rollout], int], Iterable[Rollout]]
 """Wraps the demonstrations as they are recorded, given their total number."""
@@ -258,14 +264,22 @@ def default_folder(run: RunSetup) -> Path:
 
 
 def check_new(folder: Path) -> None:
-    """Check that a folder has no run yet.
+    """Check that a folder has no run yet, and nothing else that would then lie beside it.
 
     Raises:
         UsageError: It has.
     """
+    name = display_path(folder)
     if (folder / RUN_FILE).exists():
-        name = display_path(folder)
-        raise UsageError(f"{name} is a training run already; --resume {name}, or another --out")
+        again = shlex.quote(name)
+        raise UsageError(f"{name} is a training run already; --resume {again}, or another --out")
+    with suppress(FileNotFoundError, NotADirectoryError):  # the latter is told when it is made
+        names = sorted(file.name for file in folder.iterdir())
+        strange = [each for each in names if not each.startswith((".", *_BEFORE_CHECKPOINTS))]
+        if strange:
+            raise UsageError(
+                f"{name} holds other files ({', '.join(strange[:3])}); name a new or empty folder"
+            )
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 
+from taskbuilder.arguments import whole
 from taskbuilder.carried import Trust
 from taskbuilder.data import collecting, layout
 from taskbuilder.data.collecting import Report
@@ -86,8 +87,9 @@ def multiply(
         policy_digests={MULTIPLIED: digest((loaded.folder / layout.INDEX).read_bytes())},
         catalogue=catalogue,
     )
+    whole("episodes", episodes, 1)
     player = Player(MULTIPLIED, "own", partial(Multiplier, sources))
-    jobs = min(cores() if jobs is None else jobs, episodes)
+    jobs = min(cores() if jobs is None else whole("jobs", jobs, 1), episodes)
     collecting.collect(plan, Path(out), jobs=jobs, report=report, players={MULTIPLIED: player})
     return load_dataset(out)
 

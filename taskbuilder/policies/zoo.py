@@ -10,11 +10,15 @@ from taskbuilder.arrays import StoreError, read_arrays, write_arrays
 from taskbuilder.errors import UnknownNameError, UsageError, display_path
 from taskbuilder.policies.about import problem_of
 from taskbuilder.policies.chunk_policy import CHUNKS, ChunkPolicy
+from taskbuilder.policies.runs import RUN_FILE
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.wording import suggestion
 
 ZOO = Path(__file__).parent / "models"
 """Folder of the pretrained policies: a folder for each task, a file for each policy."""
+
+CHECKPOINTS = "checkpoints"
+"""Folder of a run that has its checkpoints."""
 
 POLICY_FILE = "policy.npz"
 """File of the policy in the folder of a training run."""
@@ -90,12 +94,21 @@ def _zoo_file(name: str) -> Path:
 def _file(name: str) -> Path:
     path = Path(name)
     if path.is_file():
+        run = path.resolve().parent.parent
+        if path.resolve().parent.name == CHECKPOINTS and (run / RUN_FILE).is_file():
+            raise UsageError(
+                f"{display_path(path)} is a checkpoint, from which training is resumed; name the "
+                f"run, {display_path(run)}, for its policy"
+            )
         return path
     if not path.is_dir():
         raise UsageError(
             f'no policy "{name}"; name the folder of a training run, a policy\'s file, or one of '
             f"{', '.join(zoo_names())}"
         )
+    if not (path / POLICY_FILE).is_file() and not (path / RUN_FILE).is_file():
+        what = "is a data set" if (path / "dataset.json").is_file() else "is no training run"
+        raise UsageError(f"{display_path(path)} {what}; it has no {RUN_FILE} and no {POLICY_FILE}")
     if not (path / POLICY_FILE).is_file():
         raise UsageError(f"{display_path(path)} has no {POLICY_FILE}; it comes with an evaluation")
     if (path / POLICY_FILE).is_symlink():

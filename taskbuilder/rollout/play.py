@@ -17,6 +17,7 @@ from taskbuilder.rollout.players import Function, RecordedActions
 from taskbuilder.rollout.record import Rollout, ScriptLog
 from taskbuilder.rollout.recorder import Recorder
 from taskbuilder.rollout.witness import Witness
+from taskbuilder.wording import excerpt
 
 Act = Callable[[Mapping[str, Any]], Mapping[str, NDArray[np.floating]] | None]
 """Every agent's action, given every agent's observation; None to stop playing."""
@@ -201,7 +202,7 @@ def replay(env: TaskEnv, rollout: Rollout, watch: Watch | None = None) -> Rollou
         The record of the new episode, with the ``log`` of ``rollout``.
 
     Raises:
-        UsageError: The environment has a different task.
+        UsageError: The environment has a different task, variation or option.
     """
     _check_same_task(env, rollout)
     played = play(
@@ -226,15 +227,28 @@ def replaying(env: TaskEnv, rollout: Rollout) -> Iterator[Step]:
         The result of the reset, then of each control step.
 
     Raises:
-        UsageError: The environment is of another task.
+        UsageError: The environment is of another task, variation or option.
     """
     _check_same_task(env, rollout)
     yield from _from_reset(Recorder(env), RecordedActions(rollout.actions), rollout.seed)
 
 
 def as_policy(policy: Policy | Act) -> Policy:
-    """Convert a function of observations to a policy; a policy is returned unchanged."""
-    return Function(policy) if callable(policy) else policy
+    """Convert a function of observations to a policy; a policy is returned unchanged.
+
+    Raises:
+        UsageError: It is neither.
+    """
+    if callable(getattr(policy, "act", None)) and callable(getattr(policy, "reset", None)):
+        return cast("Policy", policy)
+    if callable(policy):
+        return Function(policy)
+    kind = excerpt(repr(policy)) if isinstance(policy, str) else type(policy).__name__
+    raise UsageError(
+        f"the policy is {kind}, which has no reset and act; play takes an object with these, or a "
+        "function from observations to actions. `Expert(env)` plays the expert, and `evaluate` "
+        "takes the names of policies"
+    )
 
 
 def _from_reset(recorder: Recorder, policy: Policy, seed: int) -> Iterator[Step]:
@@ -259,5 +273,15 @@ def _go_on(recorder: Recorder, policy: Policy) -> Iterator[Step]:
 
 
 def _check_same_task(env: TaskEnv, rollout: Rollout) -> None:
+    """Check that a replay can be the same to the bit, as far as the options decide that."""
     if env.task.name != rollout.task:
         raise UsageError(f"a rollout of {rollout.task} cannot be replayed in {env.task.name}")
+    here, then = env.options.decisive, rollout.options.decisive
+    if here["variation"] != "random":  # the seed draws the same one again
+        then["variation"] = rollout.variation
+    for name, value in then.items():
+        if here[name] != value:
+            raise UsageError(
+                f"the rollout was recorded with {name}={value!r}, and the environment has "
+                f"{name}={here[name]!r}; replay it where these are the same"
+            )

@@ -298,6 +298,10 @@ def _syntax_problem(error: Any, text: str) -> tuple[str, tuple[int, int] | None]
     what = ", ".join(part for part in (error.context, error.problem) if part)
     if place and text[place.index : place.index + 1] == "\t":
         what = "a tab; indent by spaces"
+    elif error.problem == "did not find expected key" and start and place:
+        what = f"the indentation is not that of what begins on line {start.line + 1}"
+    elif error.problem == "mapping values are not allowed in this context":
+        what = "a ': ' within a text; put the text in quotation marks"
     elif start and "simple key" in what:  # noticed only on the next line
         place, what = start, "a key without ': ' after it"
     elif start and place and start.line < place.line:

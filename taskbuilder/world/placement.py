@@ -32,6 +32,12 @@ SINK = 0.002
 LIFT = 0.0005
 """Metres above its surface at which a thing is put, to settle from."""
 
+HOLLOW = 0.005
+"""Metres above a surface from which on a thing is let down to it; below, it settles."""
+
+STEPS_DOWN = 50
+"""Most steps in which it is let down."""
+
 ALOFT = 20.0
 """Metres above each other at which groups are built that are placed in every episode.
 
@@ -240,7 +246,9 @@ def _sample(world: PlacementWorld, name: str, place: Place, rng: np.random.Gener
     x, y, _ = pose.position
     top = world.box(place.surface).seen_from(world.pose(place.surface)).high[2]
     above = Pose((x, y, top + _lift(world, name, pose.quaternion)), pose.quaternion)
-    return _lowered(world, name, above, place) if any(place.rpy_deg) else above
+    if any(place.rpy_deg):
+        return _lowered(world, name, above, place)
+    return _let_down(world, name, above, place.surface)
 
 
 def _lowered(world: PlacementWorld, name: str, pose: Pose, place: Place) -> Pose:
@@ -252,6 +260,40 @@ def _lowered(world: PlacementWorld, name: str, pose: Pose, place: Place) -> Pose
     body.place(pose)
     gap = closest_distance(body, owner.body, max(world.box(name).half))
     return Pose((x, y, z - max(0.0, (gap or LIFT) - LIFT)), pose.quaternion)
+
+
+def _let_down(world: PlacementWorld, name: str, pose: Pose, surface: str) -> Pose:
+    """A pose above the highest point of a surface, let down where the surface is hollow there.
+
+    So a thing in a tray is not dropped from the height of its handles. It goes down by the
+    distance to whatever is nearest, again and again, and thus through nothing.
+    """
+    owner = world.objects.get(surface.partition(".")[0])
+    if name not in world.objects or owner is None or is_solid(owner):
+        return pose
+    body, (x, y, z) = world.objects[name].body, pose.position
+    bounds = owner.body.bounds()
+    deepest = 2.0 * math.hypot(*bounds.half)
+    lowest = z - deepest
+    for step in range(STEPS_DOWN):
+        body.place(Pose((x, y, z), pose.quaternion))
+        found = closest_distance(body, owner.body, deepest)
+        gap = deepest if found is None else found
+        if gap <= (2.0 * LIFT if step else HOLLOW):
+            return Pose((x, y, z), pose.quaternion)
+        if z <= lowest:
+            break
+        z = max(z - (gap - LIFT), lowest)
+    return pose  # nothing is below it
+
+
+def is_solid(thing: SceneObject) -> bool:
+    """Whether things stand on an object as high as it is: on a box, and not on a mesh of a tray.
+
+    Objects of parts count as solid, too: parts have names, by which they are surfaces.
+    """
+    shape = thing.spec.shape
+    return shape is None or (shape.mesh is None and shape.urdf is None)
 
 
 def _lift(world: PlacementWorld, name: str, turn: Quat) -> float:

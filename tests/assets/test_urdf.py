@@ -271,6 +271,7 @@ WARNED = {
         codes.MASS,
     ),
     "no effort": (changed('effort="10"', ""), codes.LIMIT),
+    "degrees": (changed('lower="-1" upper="1"', 'lower="-90" upper="90"'), codes.LIMIT),
     "millimetres": (changed("0.1 0.1 0.1", "5000 5000 5000"), codes.BAD_MESH),
 }
 

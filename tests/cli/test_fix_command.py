@@ -35,6 +35,7 @@ IN_PYTHON = {
     "a frame": ('"right.tcp", "lamp", within', '"right.tpc", "lamp", within'),
     "two in a line": ('Near("block", "goal"', 'Near("blok", "gaol"'),
     "an agent": ('agent="left"', 'agent="lft"'),
+    "a condition": ('= Near("block"', '= Naer("block"'),
 }
 
 

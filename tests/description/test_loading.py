@@ -11,6 +11,7 @@ import pytest
 from description_files import REWARD, SUCCESS, body, findings, load
 
 from taskbuilder.description import load as loading
+from taskbuilder.errors import FileError
 from taskbuilder.schema.catalogue import Catalogue
 from taskbuilder.task import load_task
 
@@ -177,6 +178,25 @@ def test_a_task_of_the_catalogue_needs_no_trial(monkeypatch):
 
     monkeypatch.setattr(subprocess, "Popen", refuse)
     assert load_task("handover", guarded=True).name == "handover"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ('Hedl("cube")', "name 'Hedl' is not defined; did you mean \"Held\"?"),
+        ('d.Hedl("cube")', "has no attribute 'Hedl'; did you mean \"Held\"?"),
+        ('Near("cube", "goal", 0.05)', "Near takes within by name: write within=..."),
+        ('Level("cube", 5)', "Level takes within_deg by name: write within_deg=..."),
+        ("unheard_of()", "name 'unheard_of' is not defined"),
+    ],
+)
+def test_what_was_meant_is_told(wrong, said, tmp_path):
+    text = "from taskbuilder import description as d\n" + body(f"success = {wrong}", REWARD)
+    with pytest.raises(FileError) as error:
+        load(tmp_path, text)
+    (finding,) = error.value.findings
+    assert finding.message.endswith(said)
+    assert (finding.fix is not None) == ("did you mean" in said)
 
 
 def test_a_description_knows_where_its_expressions_were_written(tmp_path):

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 from contextlib import closing
 
 import numpy as np
 import pytest
 
-from taskbuilder import catalogue, load_task, make_vec, parallel_env
+from taskbuilder import catalogue, make_vec, parallel_env
+from taskbuilder.schema.summaries import summarize
 
 TASKS = sorted(name for name, entry in catalogue().tasks.items() if entry.trusted)
 SEED = 3
@@ -18,10 +20,10 @@ SEED = 3
 def first_of_its_kind() -> list[str]:
     """A task of each number of robots, with groups of objects and without."""
     first = {}
-    for name in TASKS:
-        scene = load_task(name).file.spec.scene
-        grouped = any(thing.count for thing in scene.objects.values())
-        first.setdefault((len(scene.robots), grouped), name)
+    for name in TASKS:  # none is loaded: every process of a test run collects these tests
+        entry = catalogue().tasks[name]
+        grouped = re.search(r"\bcount:", entry.file.read_text(encoding="utf-8")) is not None
+        first.setdefault((len(summarize(entry, catalogue()).robots), grouped), name)
     return sorted(first.values())
 
 

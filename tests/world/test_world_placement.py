@@ -12,7 +12,7 @@ from taskbuilder.errors import PlacementError
 from taskbuilder.geometry import Pose, turn_between
 from taskbuilder.sim.contacts import closest_distance
 from taskbuilder.world.building import build_world
-from taskbuilder.world.placement import LIFT, place_all
+from taskbuilder.world.placement import HOLLOW, LIFT, place_all
 from taskbuilder.world.randomness import EpisodeRandomness
 
 GAP = 0.005  # by default
@@ -273,6 +273,22 @@ def test_a_thing_is_not_put_into_what_it_is_placed_relative_to(build):
     world = build(ROOM + BOX.replace("0.0505", "0.04"))
     with pytest.raises(PlacementError, match="box"):
         world.reset(0)
+
+
+def test_a_thing_is_let_down_into_a_tray_and_onto_an_open_laptop(build):
+    """Both have a highest point that bears nothing: a handle, and a screen that could be closed."""
+    for name in ("tray", "laptop", "pan"):
+        world = build(
+            ROOM + f"    under: {{object: {name}, fixed: true, position: [0, 0, 0.5005]}}\n"
+            "    tin: {shape: {box: [0.04, 0.04, 0.04]}, mass: 0.2, "
+            "place: {in: under, surface: under, center: [0, -0.02], size: [0.01, 0.01]}}\n"
+        )
+        place_all(world, EpisodeRandomness(0).placement())
+        tin, under = world.objects["tin"].body, world.objects["under"].body
+        top = world.box("under").seen_from(world.pose("under")).high[2]
+        low = world.box("tin").seen_from(world.pose("tin")).low[2]
+        assert low < top - HOLLOW
+        assert closest_distance(tin, under, within=0.05) <= 2.0 * LIFT
 
 
 @pytest.mark.parametrize("rpy_deg", [[90, 0, 0], [25, 0, 0], [0, 70, 0], [10, -30, 0]])

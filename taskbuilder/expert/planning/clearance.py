@@ -186,17 +186,26 @@ class Clearance:
 
     def _near(self, number: int, gap: ClosestPoint) -> ClearanceViolation:
         one, other = self._pairs[number]
-        advice = self._advice(other, gap.distance)
+        advice = self._advice(other, gap.distance, self._room(one, gap))
         names = one.called(gap.link_a), other.called(gap.link_b)
         return ClearanceViolation(*names, one.driver, gap.distance, advice)
 
-    def _advice(self, other: _Solid, distance: float) -> str:
+    def _room(self, one: _Solid, gap: ClosestPoint) -> str:
+        """What is between the fingers of a gripper one of which would be in something."""
+        robot = self._collision_world.world.robots.get(one.name)
+        if robot is None or not robot.model.stroke or gap.link_a not in robot.tip_links:
+            return ""
+        if robot.opening() < 0.5:
+            return ""
+        return f"; between its open fingers are {robot.model.stroke * 1000:.0f} mm"
+
+    def _advice(self, other: _Solid, distance: float, room: str) -> str:
         obj = self._collision_world.world.objects.get(other.name)
         if obj is None or other.limbs or other.driver:
             return ""
         if distance >= 0.0:
             return f"; if the two may touch, write touching: [{other.name}]"
-        return "" if obj.spec.fixed else f"; to push it, write touching: [{other.name}]"
+        return "" if obj.spec.fixed else f"{room}; to push it, write touching: [{other.name}]"
 
     def _drivers(self, key: PairKey) -> Iterator[str]:
         return (solid.driver for solid in self._pairs[key[0]] if solid.driver)

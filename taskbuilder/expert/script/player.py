@@ -39,6 +39,10 @@ class Expert:
     """
 
     def __init__(self, env: TaskEnv, *, disturbed: bool = False) -> None:
+        if not isinstance(env, TaskEnv):
+            raise UsageError(
+                f"an expert plays in a TaskEnv, which parallel_env makes, not {type(env).__name__}"
+            )
         if env.options.variation == "random":
             raise UsageError(
                 "an expert plans for one variation; make the environment with a fixed variation"

@@ -260,11 +260,16 @@ def _at_rest(task: Task, world: World, start: dict[str, tuple[float, float, floa
         furthest = max(furthest, drift)
         if drift > DRIFT_MM or speed > REST_SPEED:
             still = f", and still moves at {speed:.2f} m/s" if speed > REST_SPEED else ""
+            surface = thing.spec.place.surface if thing.spec.place is not None else None
+            advice = "put it on a surface"
+            if surface is not None:
+                advice = f"its place on {surface} does not bear it: it falls or slides from there"
             message = (
                 f"{name} does not stay: after {REST_S:g} s it is {drift:.0f} mm from its start, "
-                f"where {DRIFT_MM:g} mm are allowed{still}; put it on a surface"
+                f"where {DRIFT_MM:g} mm are allowed{still}; {advice}"
             )
-            findings.append(finding_at(task, "TB306", message, name))
+            inner = () if surface is None else ("place",)
+            findings.append(finding_at(task, "TB306", message, name, *inner))
     check = Check(
         "TB306", "objects stay where they are put", not findings, furthest, DRIFT_MM, "mm"
     )

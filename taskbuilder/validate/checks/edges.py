@@ -11,6 +11,7 @@ from taskbuilder.geometry import ORIGIN, Pose, Vec3, conjugate, dot, norm, rotat
 from taskbuilder.schema.placing import Place
 from taskbuilder.sim.contacts import closest_distance
 from taskbuilder.world.inertias import misplaced_centers
+from taskbuilder.world.placement import is_solid
 from taskbuilder.world.world import World
 
 OVER_M = 0.001
@@ -105,14 +106,18 @@ def upset(world: World, name: str, place: Place) -> Upset | None:
     if place.surface is None or name not in world.objects or world.objects[name].spec.fixed:
         return None
     at, box = world.pose(name), world.box(name)
-    top = world.box(place.surface).seen_from(world.pose(place.surface)).high[2]
+    bears = world.box(place.surface).seen_from(world.pose(place.surface))
+    owner = world.objects.get(place.surface.partition(".")[0])
+    # In a tray, it stands below the highest point of the tray, and touches it.
+    hollow = owner is not None and not is_solid(owner)
+    top = bears.low[2] if hollow else bears.high[2]
     up: Vec3 = (0.0, 0.0, 1.0)
     wanted = Pose.from_rpy_deg(ORIGIN, place.rpy_deg)
     cosine = dot(rotate(conjugate(at.quaternion), up), wanted.inverse().apply(up))
     tilt = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
     # Corners of a tilted box are below what is in it, so its middle and its contact count.
     middle = at.apply(box.center)[2]
-    sunk = top - box.seen_from(at).low[2] > DROP_M
+    sunk = hollow or top - box.seen_from(at).low[2] > DROP_M
     if middle < top or (sunk and not _touches(world, name, place.surface)):
         return Upset(place.surface, None)
     return Upset(place.surface, tilt) if tilt > TILT_DEG else None
