@@ -6,12 +6,13 @@ The modules of commands import what they need when they run, so that ``--help`` 
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Sequence
 from contextlib import nullcontext
 
 from taskbuilder.cli.arguments import parse
 from taskbuilder.cli.interrupts import forget_interrupt, interrupts_heeded
-from taskbuilder.cli.output import ready_streams, results_alone
+from taskbuilder.cli.output import ready_streams, results_alone, warn
 from taskbuilder.errors import (
     FileError,
     PlacementError,
@@ -36,7 +37,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     ready_streams()
     try:
-        with interrupts_heeded():
+        with interrupts_heeded(), warnings.catch_warnings():
+            warnings.showwarning = _tell
             status = _run(words)
         sys.stdout.flush()
     except BrokenPipeError:
@@ -54,6 +56,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         return _fail(error)
     return status
+
+
+def _tell(message: Warning | str, *_: object, **__: object) -> None:
+    """Show a warning of Python's as all others."""
+    warn(str(message))
 
 
 def _run(words: Sequence[str]) -> int:

@@ -8,6 +8,7 @@ checkpoint is as fast at the end of a run as at its beginning. Each names the fi
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,6 +100,9 @@ class Checkpoints:
 
         Raises:
             StoreError: There are checkpoints, and all of them are damaged.
+
+        Warns:
+            UserWarning: Newer ones are damaged.
         """
         troubles = []
         for _, path in self._files_by_step():
@@ -110,6 +114,9 @@ class Checkpoints:
                 continue
             for name, memory in memories.items():
                 self._fill(memory, rows[name], about["rows"][name])
+            if troubles:
+                what = f"{'; '.join(troubles)}; training goes on from step {about['step']}"
+                warnings.warn(what, stacklevel=2)
             return Checkpoint(about["step"], arrays, about["counters"])
         if troubles:
             raise StoreError(f"no checkpoint is whole: {'; '.join(troubles)}")

@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import closing
+from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -145,14 +145,17 @@ def test_a_damaged_checkpoint_is_passed_over_for_the_one_before(damage, whole, t
         newest.unlink()
     else:
         newest.write_bytes({"cut off": content[:middle], "changed": changed}.get(damage, b"hello"))
-    assert same(run(tmp_path), whole)
+    told = r"step-000000100\.npz: is damaged.*; training goes on from step 50"
+    with nullcontext() if damage == "gone" else pytest.warns(UserWarning, match=told):
+        assert same(run(tmp_path), whole)
 
 
 def test_transitions_that_are_damaged_take_their_checkpoint_with_them(whole, tmp_path):
     run(tmp_path, stop_at=102)
     rows = tmp_path / FOLDER / "experience-000000050-000000100.npz"
     rows.write_bytes(rows.read_bytes()[:-100])
-    assert same(run(tmp_path), whole)
+    with pytest.warns(UserWarning, match="training goes on from step 50"):
+        assert same(run(tmp_path), whole)
 
 
 def test_a_run_without_any_whole_checkpoint_says_so_and_changes_nothing(tmp_path):
