@@ -224,7 +224,10 @@ def _suggestion(path: Path) -> str:
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        return f"there is no folder {quoted(folder.name)} either"
+        missing = folder
+        while not missing.parent.is_dir():
+            missing = missing.parent
+        return f"there is no folder {quoted(missing.name)} either"
     alike = [name for name in names if _same_kind(path.suffix, Path(name).suffix)]
     return suggestion(path.name, alike, otherwise=f"put it in the folder {quoted(folder.name)}")
 

@@ -221,7 +221,8 @@ def check_use(source: Source, name: str, thing: ObjectSpec) -> Iterator[Finding]
     if thing.urdf is not None and thing.arrange is not None and thing.arrange.pile is not None:
         message = f"{thing.object} is a URDF, and URDFs make no pile; choose another arrangement"
         yield Finding("TB106", message, dotted(path), source.locate(path))
-    if thing.urdf is None and thing.joints:
+    known = thing.shape is not None or thing.parts is not None  # else another finding says so
+    if known and thing.urdf is None and thing.joints:
         message = f"{thing.object} is no URDF and has no joints; leave joints out"
         yield Finding("TB106", message, dotted(path), source.locate(path))
 

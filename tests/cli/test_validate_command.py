@@ -172,6 +172,7 @@ def test_elsewhere_progress_is_a_line_now_and_then(run, good, monkeypatch):
     assert re.search(told, run(*words).err, re.M)
 
 
+@pytest.mark.slow  # a full proof; tests/validate/test_remaining.py has the figures
 def test_a_proof_says_how_long_it_still_takes(run, good, monkeypatch):
     words = ("validate", "good.yaml", "--seeds", "1", "--jobs", "1")
     monkeypatch.setattr("taskbuilder.validate.remaining.SEEDS", 1)

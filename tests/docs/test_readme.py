@@ -30,8 +30,9 @@ def task(tmp_path: Path) -> Path:
     return tmp_path / f"{name}.yaml"
 
 
-def test_the_example_is_sound(task):
-    report = validate_task(task, seeds=2)
+@pytest.mark.parametrize("only", [("solvable",), pytest.param(None, marks=pytest.mark.slow)])
+def test_the_example_is_sound(only, task):
+    report = validate_task(task, seeds=2, only=only)
     assert report.ok
     assert report.findings == ()
 
