@@ -611,7 +611,7 @@ def tray() -> Thing:
     """A tray."""
     thing = Thing(
         "tray",
-        "A serving tray, 380 mm by 250 mm, with handles that two hands take from the sides.",
+        "A serving tray with two handles, 380 mm by 250 mm.",
         0.6,
         {
             "left": "at: [-0.197, 0, 0.034], across: x",

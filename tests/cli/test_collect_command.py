@@ -120,7 +120,7 @@ def test_progress_and_the_time_left_are_told(run, good, monkeypatch):
         (("collect", "handover", "--out", "good.yaml"), "good.yaml is no folder"),
         (("collect", "good.yaml"), "good has no expert"),
         (("collect", "handover", "--out", "."), "holds other files (good.py, good.yaml)"),
-        (("dataset", "info", "nowhere"), "nowhere is no data set; it has no dataset.json"),
+        (("dataset", "info", "nowhere"), "there is no folder nowhere"),
         (("dataset", "shrink", "out"), 'there is no "shrink"'),
         (("dataset", "film", "nowhere"), "which episode?"),
         (("dataset", "export", "nowhere"), "which format?"),

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from contextlib import suppress
 from pathlib import Path
 
@@ -115,8 +116,11 @@ def test_a_run_that_diverges_says_so_and_keeps_its_logs(run):
 
 
 def test_settings_by_their_old_names_are_taken_with_a_warning(run):
-    with pytest.warns(FutureWarning, match="the setting cloning is called bc_updates now"):
-        assert run(*TRAIN, "cloning=7", "--out", "old").status == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")  # as on a command line
+        ran = run(*TRAIN, "cloning=7", "--out", "old")
+    assert ran.status == 0
+    assert "taskbuilder: warning: the setting cloning is called bc_updates now" in ran.err
     assert plan_of("old")["settings"]["bc_updates"] == 7
     file = Path("old/run.json")
     file.write_text(file.read_text().replace("bc_updates", "cloning"))

@@ -117,6 +117,9 @@ def test_a_policy_is_found_by_the_folder_of_its_run(tmp_path):
 
 
 def test_a_folder_without_a_policy_says_so(tmp_path):
+    with pytest.raises(UsageError, match=r"is no training run; it has no run\.json and no policy"):
+        load_policy(str(tmp_path))
+    (tmp_path / "run.json").write_text("{}")
     with pytest.raises(UsageError, match=r"has no policy\.npz; it comes with an evaluation"):
         load_policy(str(tmp_path))
 
