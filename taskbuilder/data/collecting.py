@@ -163,7 +163,8 @@ def begin_folder(folder: Path, about: Mapping[str, Any]) -> None:
         return
     there, here = layout.read_about(folder), json.loads(json.dumps(about))
     differs = list(changes(there, here))
-    if differs and not _has_begun(folder):  # refused, such as for a policy of another task
+    if differs and there["collected"]["episodes"] and not _has_begun(folder):
+        # It was refused, such as for a policy of another task. What people record begins empty.
         shutil.rmtree(folder / layout.TASKS, ignore_errors=True)
         layout.write_json(folder / layout.ABOUT, about)
     elif differs:

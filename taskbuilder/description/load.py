@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib
+import importlib.machinery
 import importlib.util
 import inspect
 import linecache
@@ -22,6 +23,7 @@ import traceback
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from taskbuilder.description.description import Description
 from taskbuilder.description.node import ValueOfNodeError
@@ -121,13 +123,26 @@ def _import(entry: CatalogueEntry, file: Path) -> ModuleType:
         raise FileError([finding or _elsewhere(error, file)]) from error
 
 
+class _Compiling(importlib.machinery.SourceFileLoader):
+    """Compiles a file whenever it is imported.
+
+    Python tells cached bytecode by the size of its file and the second of the last change: of what
+    is edited twice in a second, it could take the former.
+    """
+
+    def path_stats(self, path: Any) -> Any:
+        """Refused, as for files that have no bytecode."""
+        raise OSError(path)
+
+
 def _import_path(file: Path) -> ModuleType:
     """Import by path; the same content under the same path gives the same module, and class."""
     digest = hashlib.sha256(f"{file}\0".encode() + file.read_bytes()).hexdigest()[:16]
     name = f"taskbuilder_task_{file.stem}_{digest}"
     if name in sys.modules:
         return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, file)
+    loader = _Compiling(name, str(file))
+    spec = importlib.util.spec_from_file_location(name, file, loader=loader)
     if spec is None or spec.loader is None:
         raise ImportError(f"{file} cannot be imported as Python")
     module = importlib.util.module_from_spec(spec)

@@ -276,7 +276,13 @@ def _check_same_task(env: TaskEnv, rollout: Rollout) -> None:
     """Check that a replay can be the same to the bit, as far as the options decide that."""
     if env.task.name != rollout.task:
         raise UsageError(f"a rollout of {rollout.task} cannot be replayed in {env.task.name}")
-    here, then = env.options.decisive, rollout.options.decisive
+    timing = env.episode.world.spec.timing
+    here = env.options.decisive | {
+        "horizon": env.max_episode_steps,
+        "control_hz": timing.control_hz,
+    }
+    then = rollout.options.decisive
+    then |= {"horizon": rollout.horizon, "control_hz": rollout.control_hz}
     if here["variation"] != "random":  # the seed draws the same one again
         then["variation"] = rollout.variation
     for name, value in then.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import time
@@ -197,6 +198,19 @@ def test_what_was_meant_is_told(wrong, said, tmp_path):
     (finding,) = error.value.findings
     assert finding.message.endswith(said)
     assert (finding.fix is not None) == ("did you mean" in said)
+
+
+def test_what_is_edited_within_a_second_is_read_anew(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    first = load(tmp_path, body('success = Held("cube")', REWARD))
+    assert first.description.success.body == "cube"
+    file = tmp_path / "plain.py"
+    times = (file.stat().st_atime, file.stat().st_mtime)
+    file.write_text(file.read_text().replace("Held(", "Lost("))
+    os.utime(file, times)
+    with pytest.raises(FileError, match="name 'Lost' is not defined"):
+        load_task(tmp_path / "plain.yaml")
+    assert not (tmp_path / "__pycache__").exists()
 
 
 def test_a_description_knows_where_its_expressions_were_written(tmp_path):
