@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 from taskbuilder.description import Description, Ladder
 from taskbuilder.description.measures import Constant, Measure, Product, Sum
@@ -69,7 +70,10 @@ class Expressions:
 
     def _call(self, node: Node) -> str:
         inside: list[str] = []
-        for each in fields(node):  # type: ignore[arg-type]  # what is not a call is a dataclass
+        described: Any = (
+            node  # a node that is not a call is a dataclass, which its type leaves open
+        )
+        for each in fields(described):
             value = getattr(node, each.name)
             if isinstance(value, tuple) and value and all(isinstance(one, Node) for one in value):
                 inside += map(self.text, value)

@@ -38,7 +38,7 @@ from taskbuilder.errors import TaskbuilderError, UsageError, display_path
 from taskbuilder.evaluation.assessment import evaluate
 from taskbuilder.evaluation.summary import EvaluationSummary
 from taskbuilder.expert.script.player import has_expert
-from taskbuilder.learn import runs
+from taskbuilder.learn import run_folders, runs
 from taskbuilder.machine import processor, versions
 from taskbuilder.policies.grammar import PolicyLike, parse_policy
 from taskbuilder.policies.runs import RUN_FILE
@@ -322,7 +322,7 @@ def _train(work: Work, cell: Cell, task: Task, folder: Path) -> float:
     clock, run = Clock(folder / "cpu.json"), folder / RUN
     if (run / RUN_FILE).exists():
         found = runs.find(run, work.catalogue)
-        with runs.locked(run, new=False):
+        with run_folders.locked(run, new=False):
             runs.go_on(run, found, clock.note)
         return clock.stop()
     track, method = work.about.track, work.about.method
@@ -343,7 +343,7 @@ def _train(work: Work, cell: Cell, task: Task, folder: Path) -> float:
     else:
         given |= {**track.options, "variation": work.about.suite.train[0]}
     planned = runs.set_up(task, method.settings, catalogue=work.catalogue, **given)
-    with runs.locked(run, new=True):
+    with run_folders.locked(run, new=True):
         command = command_of(work.about, cell)
         planned = runs.create(run, planned, command=command, catalogue=work.catalogue)
         runs.go_on(run, planned, clock.note)

@@ -15,7 +15,7 @@ from taskbuilder.cli.tasks import catalogue_of, make_folder
 from taskbuilder.cli.trained import trusts
 from taskbuilder.env.options import flag_of, option_infos
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.learn import runs
+from taskbuilder.learn import run_folders, runs
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE
 from taskbuilder.learn.expert_waits import has_to_measure
 from taskbuilder.learn.plan import Plan
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
         catalogue = catalogue_of(arguments)
         trust = trusts(arguments, arguments.resume, catalogue)
         found = runs.find(arguments.resume, catalogue, trust=trust)
-        with runs.locked(arguments.resume, new=False):
+        with run_folders.locked(arguments.resume, new=False):
             _go_on(arguments.resume, found)
         return 0
     seeds = list(dict.fromkeys(arguments.seed or [0]))
@@ -71,8 +71,8 @@ def _new_folder(arguments: argparse.Namespace, planned: RunSetup) -> Path:
     Raises:
         UsageError: It cannot.
     """
-    folder: Path = arguments.out or runs.default_folder(planned)
-    runs.check_new(folder)
+    folder: Path = arguments.out or run_folders.default_folder(planned)
+    run_folders.check_new(folder)
     make_folder(folder)
     return folder
 
@@ -82,7 +82,7 @@ def _train_one(arguments: argparse.Namespace) -> None:
     folder: Path = arguments.out
     if (folder / RUN_FILE).exists():
         found = runs.find(folder, catalogue_of(arguments), trust=True)  # this command has begun it
-        with runs.locked(folder, new=False):
+        with run_folders.locked(folder, new=False):
             _go_on(folder, found)
         return
     _begin(arguments, _planned(arguments))
@@ -97,7 +97,7 @@ def _begin(arguments: argparse.Namespace, planned: RunSetup) -> None:
         about = planned.dataset.about["tasks"][planned.task.name]
         if other := other_version(about, planned.task):
             say(f"the data set is of another version of the task: {other}")
-    with runs.locked(folder, new=True):
+    with run_folders.locked(folder, new=True):
         command = shlex.join(["taskbuilder", *arguments.words])
         if has_to_measure(planned):
             say(f"the expert plays {EPISODES} episodes, to measure how long it waits")

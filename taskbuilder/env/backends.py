@@ -243,6 +243,7 @@ def _packed(config: WorkerConfig) -> bytes:
 
 
 def _packs(wrap: Wrap) -> bool:
+    # Pickle raises any of these for what another process cannot import.
     with suppress(AttributeError, TypeError, pickle.PicklingError):
         pickle.dumps(wrap)
         return True

@@ -9,6 +9,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+BOARD = "tensorboard"
+"""Folder of a run for TensorBoard."""
+
 TABLES = ("episodes", "evaluations", "updates")
 
 
@@ -73,4 +76,4 @@ def _tensorboard(folder: Path, step: int) -> Any:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError:
         return None
-    return SummaryWriter(str(folder / "tensorboard"), purge_step=step or None)
+    return SummaryWriter(str(folder / BOARD), purge_step=step or None)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
-import shlex
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -17,18 +16,17 @@ from taskbuilder.env.factory import with_choices
 from taskbuilder.env.keywords import takes_options
 from taskbuilder.env.options import TrainingOptions
 from taskbuilder.errors import UsageError, display_path
-from taskbuilder.files import claim
 from taskbuilder.learn.algorithms import find_algorithm, package_of
 from taskbuilder.learn.checkpoint_evaluator import CheckpointEvaluator
 from taskbuilder.learn.demonstrations import DEMONSTRATIONS_FILE, record
 from taskbuilder.learn.expert_waits import with_measures
 from taskbuilder.learn.ladders import check_ladder, with_ladder
-from taskbuilder.learn.logger import TABLES
 from taskbuilder.learn.plan import Plan, check_source, digest, load_plan, make_plan, save_plan
 from taskbuilder.learn.recordings import check_pictures, check_recorded, identity, task_in
+from taskbuilder.learn.run_folders import INIT_FILE, default_folder, locked
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.machine import processor, system, versions
-from taskbuilder.policies.runs import RUN_FILE, named_task, task_of_run
+from taskbuilder.policies.runs import named_task, task_of_run
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import load_policy, save_policy
 from taskbuilder.rollout.files import save_rollouts
@@ -44,10 +42,6 @@ if TYPE_CHECKING:  # loads PyTorch
 
 START_EPISODES = 50
 """Expert episodes for start states, if the run has no demonstrations."""
-
-_BEFORE_CHECKPOINTS: tuple[str, ...] = (DEMONSTRATIONS_FILE, "init.npz", "tensorboard")
-_BEFORE_CHECKPOINTS += tuple(f"{table}.csv" for table in TABLES)
-"""What a run has written before its first checkpoint, and leaves if it is then refused."""
 
 TrackRollouts = Callable[[Iterable[Rollout], int], Iterable[Rollout]]
 """Wraps the demonstrations as they are recorded, given their total number."""
@@ -258,55 +252,6 @@ def checked(plan: Plan, task: Task, dataset: Dataset | None = None) -> RunSetup:
     return RunSetup(plan, task, dataset)
 
 
-def default_folder(run: RunSetup) -> Path:
-    """The default folder of a run."""
-    return Path("runs") / f"{run.task.name}-{run.plan.track}-{run.plan.seed}"
-
-
-def check_new(folder: Path) -> None:
-    """Check that a folder has no run yet, and nothing else that would then lie beside it.
-
-    Raises:
-        UsageError: It has.
-    """
-    name = display_path(folder)
-    if (folder / RUN_FILE).exists():
-        again = shlex.quote(name)
-        raise UsageError(f"{name} is a training run already; --resume {again}, or another --out")
-    with suppress(FileNotFoundError, NotADirectoryError):  # the latter is told when it is made
-        names = sorted(file.name for file in folder.iterdir())
-        strange = [each for each in names if not each.startswith((".", *_BEFORE_CHECKPOINTS))]
-        if strange:
-            raise UsageError(
-                f"{name} holds other files ({', '.join(strange[:3])}); name a new or empty folder"
-            )
-
-
-@contextmanager
-def locked(folder: Path, *, new: bool) -> Iterator[None]:
-    """Lock a folder against training by other processes.
-
-    A new run that is refused before its first checkpoint leaves the folder to the next one.
-
-    Raises:
-        UsageError: The folder is locked, or a new run would replace an existing one.
-    """
-    if new:
-        check_new(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as file:
-        if not claim(file):
-            raise UsageError(f"{display_path(folder)} is being trained in already")
-        try:
-            yield
-        except UsageError:
-            from taskbuilder.learn.checkpoints import FOLDER
-
-            if new and not (folder / FOLDER).exists():
-                (folder / RUN_FILE).unlink(missing_ok=True)
-            raise
-
-
 def create(
     folder: Path,
     run: RunSetup,
@@ -327,8 +272,6 @@ def create(
     Returns:
         The run with the plan as it was written.
     """
-    from taskbuilder.learn.training import INIT_FILE
-
     plan, task = run.plan, run.task
     episodes: list[Rollout] = []
     asked = plan.demos if isinstance(plan.demos, int) else 0

@@ -34,6 +34,7 @@ from taskbuilder.learn.plan import Plan
 from taskbuilder.learn.practice import Batches, Interaction, Practice
 from taskbuilder.learn.recordings import read_demonstrations, recorded_demonstrations
 from taskbuilder.learn.replayed import Replayer
+from taskbuilder.learn.run_folders import INIT_FILE
 from taskbuilder.learn.run_setup import RunSetup
 from taskbuilder.learn.settings import make_settings
 from taskbuilder.learn.shapes import Shapes
@@ -41,9 +42,6 @@ from taskbuilder.learn.training_rewards import RAW_REWARDS, TRAINING_REWARDS
 from taskbuilder.learn.wrappers import StartPrefix, TrainingWrappers
 from taskbuilder.policies.trained import TrainedPolicy
 from taskbuilder.policies.zoo import POLICY_FILE, load_policy, save_policy
-
-INIT_FILE = "init.npz"
-"""File of the policy that a run starts from, in its folder."""
 
 LOG_EVERY = 1_000
 """Control steps between rows of the table of updates."""

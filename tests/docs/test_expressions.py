@@ -49,7 +49,8 @@ def test_what_a_page_says_of_a_task_is_what_its_description_is(task):
     declared = load_task(task).description
     definitions, written = by_name(declared)
     names = dict(NAMES)
-    # what the page says in our own words must make the same nodes again, each from those before it
+    # What a page says is Python, and evaluated it must make the same nodes again, each from those
+    # before it. The text is our own, made a line above.
     for name, text in definitions.items():
         names[name] = eval(text, names)
         assert names[name] == getattr(declared, name)
